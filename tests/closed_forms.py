@@ -91,14 +91,6 @@ def hertz_mean_stress(S_c: float, alpha_p_h: float) -> float:
     return float(np.sum(weight * s * stress))
 
 
-def uniform_film_traction(alpha: float, tau0: float, p_mean: float, newtonian: float) -> float:
-    """mu = alpha tau0 + (tau0/p_mean) ln(2 eta0 |u1 - u2|/(h tau0)): the limit of `hertz_mean_stress` for S_c >> 1.
-
-    newtonian: eta0 |u1 - u2|/h, Pa.  Johnson KL, Tevaarwerk JL. Proc R Soc Lond A 1977;356:215-236, in form.
-    """
-    return alpha * tau0 + tau0 / p_mean * log(2.0 * newtonian / tau0)
-
-
 def arana_traction(limit: float, alpha: float, p_mean: float, viscosity: float, sliding: float, film: float) -> float:
     """mu = min{(2 Lambda/(alpha p_mean)) asinh[eta alpha V_s/(2 Lambda h)], Lambda}.
 
@@ -116,16 +108,11 @@ def arana_traction(limit: float, alpha: float, p_mean: float, viscosity: float, 
 # -- temperatures in the film -----------------------------------------------------------------------------------------
 
 
-def middle_rise(stress: float, sliding: float, film: float, conductivity: float) -> float:
-    """Rise in the middle of the film above the mean of its walls, tau |u1 - u2| h/(8 k), in K.
+def mean_rise(stress: float, sliding: float, film: float, conductivity: float) -> float:
+    """Mean rise across the film above the mean of its walls, tau |u1 - u2| h/(12 k), in K.
 
     Conduction across the film only, heat released uniformly.  stress in Pa, sliding in m/s, film in m; also arrays.
     """
-    return stress * sliding * film / (8.0 * conductivity)
-
-
-def mean_rise(stress: float, sliding: float, film: float, conductivity: float) -> float:
-    """Mean rise across the film above the mean of its walls, tau |u1 - u2| h/(12 k), in K; see `middle_rise`."""
     return stress * sliding * film / (12.0 * conductivity)
 
 

@@ -1,21 +1,37 @@
-"""Made-up runs, of which everything is known: the dry impact with a film, rolling contacts, steady and in time."""
+"""Made-up runs, of which everything is known: the dry impact with a film, rolling contacts, steady and in time.
+
+And random fields that are even about an axis.
+"""
 
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+import pytest
 import xarray as xr
 
 from ertel.case.case import Case
-from ertel.case.derived import grid_of
+from ertel.case.definition import grid_of
 from ertel.case.sections import SOLVERS
 from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
 from ertel.inputs.python import Oil, rolling
+from ertel.numerics.grid import NO_SYMMETRY, Symmetry
 from ertel.physics import hertz
 from ertel.results import variables
-from ertel.results.dataset import assemble, assemble_steady
-from ertel.runs.stepping import Frame
+from ertel.results.dataset import Frame, assemble, assemble_steady
 from ertel.solvers.steady import GridSolution
+
+every_symmetry = pytest.mark.parametrize(
+    "even", [NO_SYMMETRY, Symmetry(y=True), Symmetry(x=True), Symmetry(True, True)], ids=str
+)
+
+
+def even_fields(even: Symmetry, *shape: int, seed: int = 0) -> np.ndarray:
+    """Random fields on the whole plane, the last two axes."""
+    field = np.random.default_rng(seed).random(shape)
+    field = (field + field[..., ::-1, :]) / 2 if even.y else field
+    return (field + field[..., ::-1]) / 2 if even.x else field
+
 
 BALL_FALLS = {
     "contact": {"radius": "10 mm", "mass": "32.6726 g", "speed": "0.1 m/s", "E_prime": "226.37 GPa"},

@@ -12,6 +12,7 @@ import subprocess
 import sys
 import time
 from dataclasses import replace
+from math import pi
 from pathlib import Path
 from typing import Any
 
@@ -64,11 +65,14 @@ def by_ertel(nodes: int) -> dict[str, Any]:
 def physical() -> dict[str, float]:
     """The case in SI."""
     from ertel.physics.lubricant import ALPHA, ETA0, P0_ROELANDS, roelands_exponent
-    from ertel.physics.scales import Parameters, scales_of
+    from ertel.physics.scales import Parameters
 
-    s = scales_of(Parameters.from_moes(M, L), R, E_PRIME, ETA0, ALPHA)
+    p = Parameters.from_moes(M, L)
+    p_h = p.alpha_bar / ALPHA
+    a = pi * R * p_h / E_PRIME
+    load, speed = 2 * pi / 3 * a**2 * p_h, p.lambda_bar * a**3 * p_h / (12 * ETA0 * R**2)
     oil = {"eta0": ETA0, "p0": P0_ROELANDS, "z": roelands_exponent(ALPHA, ETA0)}
-    return {"R": R, "E_prime": E_PRIME, "a": s.a, "p_h": s.p_h, "load": s.load, "speed": s.front_speed, **oil}
+    return {"R": R, "E_prime": E_PRIME, "a": a, "p_h": p_h, "load": load, "speed": speed, **oil}
 
 
 def show(program: str, nodes: int, found: dict[str, Any], exact: dict[str, float], own: dict[str, Any]) -> None:

@@ -19,7 +19,7 @@ from nicegui.testing import user_simulation
 
 from ertel.apps.browser import server
 from ertel.apps.browser.folder import Folder, fault_of
-from ertel.apps.browser.pictures import PlotRequest, PlotWorker, stamp_of
+from ertel.apps.browser.pictures import PlotRequest, Worker, stamp_of
 from ertel.apps.browser.processes import Phase, Processes
 from ertel.apps.browser.site import Site
 from ertel.runs.directory import read_progress
@@ -110,7 +110,7 @@ def site(tmp_path_factory):
     (place / "a\udce9").mkdir()
     pipe(place / "pipe.toml"), loop(place / "loop.toml"), folder(place / "folder.toml")
     (place / "\udce9.toml").touch()
-    return Site(Folder.at(place), Processes(Folder.at(place)), PlotWorker(lambda: ThreadPoolExecutor(1)))
+    return Site(Folder.at(place), Processes(Folder.at(place)), Worker(lambda: ThreadPoolExecutor(1)))
 
 
 def test_a_run_that_cannot_be_read_is_a_row_that_says_so(site):
@@ -179,7 +179,7 @@ def test_damaged_data_are_no_picture(tmp_path, form):
     run = make_run(tmp_path / "run")
     file, damage = DATA[form]
     damage(run / "run.zarr" / file)
-    plots = PlotWorker(lambda: ThreadPoolExecutor(1))
+    plots = Worker(lambda: ThreadPoolExecutor(1))
     with pytest.raises(ValueError, match="ertel show") as error:
         asyncio.run(plots.draw(PlotRequest(run, "overview", kind="svg", stamp=stamp_of(run))))
     assert type(error.value) is ValueError
@@ -190,10 +190,10 @@ def test_damaged_data_are_no_picture(tmp_path, form):
 DRAWS = """
 import sys, time
 from concurrent.futures import wait
-from ertel.apps.browser.pictures import PlotWorker
-plots = PlotWorker()
-wait([plots._executor.submit(int)])
-print(*plots._executor._processes, flush=True)
+from ertel.apps.browser.pictures import Worker
+worker = Worker()
+wait([worker._executor.submit(int)])
+print(*worker._executor._processes, flush=True)
 time.sleep(60)
 """
 

@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
-from app_runs import CASE_FILES, refused
+from app_runs import CASE_FILES, refused, write_progress
 from cases import ertel_, names
 from typer.testing import CliRunner
 
@@ -23,16 +23,15 @@ def test_about_a_run(ball):
     text = ertel_("about", "my run").stdout
     for said in ("my run", load_case(ball / "case.toml").digest, ertel.__version__, "converged, after"):
         assert said in text
-    assert re.search(r"^machine +\S", text, re.MULTILINE)
-    assert re.search(r"^jaxlib +\d", text, re.MULTILINE)
+    for name in ("machine", "jaxlib"):
+        assert re.search(rf"^{name} +\S", text, re.MULTILINE)
     assert f"version = {{{ertel.__version__}}}" in ertel_("about", "my run", "--cite").stdout
     assert "is not an ertel run directory" in refused("about", ".")
 
 
 def test_about_a_run_that_has_not_ended(ball):
     (ball / "summary.json").unlink()
-    course = run_of(load_case(ball / "case.toml"))
-    ProgressFile(ball, course).write(course.begin())
+    write_progress(ball, done=0.0)
     assert re.search(r"end +not yet, 0% done at 20", ertel_("about", "my run").stdout)
     (ball / PROGRESS).unlink()
     assert re.search(r"end +not yet\n", ertel_("about", "my run").stdout)
@@ -109,24 +108,20 @@ def test_progress_of_a_run_that_has_ended(ball):
 def test_progress_on_the_way(here, monkeypatch):
     monkeypatch.setattr(directory, "INTERVAL", 0.0)
     course, seen = run_of(load_case("ball.toml")), []
-    watched = ProgressFile(here, course)
-    drive.drive(course, [watched, lambda item: seen.append(read_progress(here))])
+    drive.drive(course, [ProgressFile(here, course), lambda item: seen.append(read_progress(here))])
     done = [found["done"] for found in seen]
     assert done == sorted(done) and 0 < done[1] < 1 and done[-1] == 1.0
     assert seen[0]["seconds_left"] is None  # no pace yet
     assert all(found["seconds_left"] >= 0 for found in seen[2:])
 
 
-def test_progress_of_an_interrupted_run(here):
+def test_progress_of_an_interrupted_run_and_where_it_cannot_be_written(here):
     run = store.RunStore.create(here / "run", load_case("ball.toml"))
     store.compute(run, [lambda item: bool(item.record)])
     found = read_progress(here / "run")
     assert (found["status"], found["seconds_left"]) == ("interrupted", None)
     assert 0 < found["done"] < 1
-
-
-def test_progress_that_cannot_be_written_stops_no_run(here):
-    run = store.RunStore.create(here / "run", load_case("ball.toml"))
+    (here / "run" / PROGRESS).unlink()
     (here / "run" / PROGRESS).mkdir()
     assert store.compute(run)["status"] == "converged"
     assert read_progress(here / "run") is None

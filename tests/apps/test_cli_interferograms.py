@@ -1,7 +1,6 @@
 """ertel plot --interferogram: pictures and movies with the right names, and flags that do not go together."""
 
 import sys
-from contextlib import contextmanager
 from types import SimpleNamespace
 
 import pytest
@@ -10,8 +9,8 @@ from cases import ertel_, names
 from made_up import BALL_FALLS, BALL_ROLLS, MOES_FALLS, dry_impact, steady
 from PIL import Image
 
-from ertel.apps import running
 from ertel.plots import interferograms as page
+from ertel.runs.store import RunStore
 
 
 @pytest.fixture(scope="module")
@@ -24,12 +23,11 @@ def data():
 def runs(tmp_path, monkeypatch, data):
     """Runs that were never computed, by the name of their directory."""
 
-    @contextmanager
     def opened(directory):
-        yield SimpleNamespace(dataset=lambda: data[directory.name])
+        return SimpleNamespace(dataset=lambda: data[directory.name])
 
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(running, "opened", opened)
+    monkeypatch.setattr(RunStore, "open", opened)
     monkeypatch.setattr(page, "PIXELS", 40)
     return tmp_path
 

@@ -1,7 +1,6 @@
 """The command line and rolling contacts: runs from their start to their report."""
 
 import json
-import signal
 from functools import partial
 from pathlib import Path
 
@@ -16,15 +15,9 @@ from ertel import plots
 from ertel.inputs.case_files import load_case
 from ertel.runs import drive as drive_module
 from ertel.runs.directory import read_progress
-from ertel.runs.drive import drive, simulate
+from ertel.runs.drive import drive
 from ertel.runs.stepping import StepLimits
 from ertel.runs.store import RunStore, compute
-
-KEYS = [  # the issue's
-    *("kind", "M", "L", "lambda_bar", "alpha_bar", "H_c", "H_min", "X_min", "Y_min", "Delta", "P_max", "load"),
-    *("residual", "newton_iterations", "krylov_iterations", "convolutions", "wall_s", "status"),
-    *("H_c_error", "H_min_error", "H_c_extrapolated", "H_min_extrapolated", "warnings", "si"),
-]
 
 
 @pytest.fixture
@@ -49,8 +42,6 @@ def test_run_show_and_plot(here, empty_figures):
     for part in ("converged", "H_c", "error", "extrapolated", "nm", "Nijenbanning", "Hamrock", "computed", "%"):
         assert part in text
     assert text == ertel_("show", "runs/steady").stdout
-    summary = json.loads(ertel_("show", "runs/steady", "--json").stdout)
-    assert set(KEYS) <= set(summary)
     printed = ertel_("plot", "runs/steady").stdout.split()
     assert {Path(path).stem for path in printed} >= {"film", "pressure", "midlines", "convergence"}
     found = read_progress(here / "runs" / "steady")
@@ -65,32 +56,6 @@ def test_a_run_on_the_track_of_another(here, runs):
     assert load_case(here / "second" / "case.toml").track.extremes[1] == pytest.approx(float(first["oil"][:, -1].max()))
     assert float(second["H_c"][-1]) < float(first["H_c"][-1])
     assert "the run is an impact" in ertel_("run", "steady.toml", "--after", str(runs[0] / "small"), code=2).stderr
-
-
-def test_traction_without_meaning_is_warned_of(here):
-    contact = ('contact.load="20 N"', 'contact.mean_speed="2 m/s"', "contact.slide_to_roll=0.1")
-    values = (*contact, "lubricant.viscosity=barus", "solver.tolerance=0.01", "solver.nodes=33")
-    assert "lubricant.viscosity" in ertel_("run", "steady.toml", *given(*values)).stdout
-    warnings = json.loads(ertel_("show", "runs/steady", "--json").stdout)["warnings"]
-    assert any(said.startswith('lubricant.viscosity = "barus"') for said in warnings)
-
-
-def test_interrupt_and_resume(here, monkeypatch):
-    original = RunStore._write_checkpoint
-
-    def write(self, arrays):
-        original(self, arrays)
-        signal.raise_signal(signal.SIGINT)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(RunStore, "_write_checkpoint", write)
-        result = ertel_("run", "steady.toml", "--out", "cut", "--flush", "0", code=130)
-    assert "interrupted; to continue: ertel resume cut" in result.stderr
-    assert json.loads(ertel_("show", "cut", "--json").stdout)["nodes"] == 33
-    ertel_("resume", "cut", "-q")
-    assert json.loads(ertel_("show", "cut", "--json").stdout)["nodes"] == 65
-    whole = simulate(load_case("steady.toml")).dataset
-    xr.testing.assert_identical(physics(RunStore.open(here / "cut").dataset()), physics(whole))
 
 
 def test_a_run_under_way(here):
@@ -108,20 +73,15 @@ def test_a_transient_run_whole_and_resumed(here, empty_figures):
     for part in ("at the last time", "H_c", "Nijenbanning", "steps"):
         assert part in text
     summary = json.loads(ertel_("show", "runs/transient", "--json").stdout)
-    assert summary["T"] == pytest.approx(0.3)
-    assert summary["H_c_error"] is None
+    assert (summary["T"], summary["H_c_error"]) == (pytest.approx(0.3), None)
     assert {"steps", "newton_iterations", "krylov_iterations", "convolutions"} <= set(summary)
     assert {"max_approach", "restitution"}.isdisjoint(summary)
     data = RunStore.open(here / "runs" / "transient").dataset()
     w = 1 + 0.1 * np.sin(2 * np.pi * data["time"].values)
     np.testing.assert_allclose(data["w"].values, w, rtol=1e-12)
-    np.testing.assert_allclose(data["F"].values, w, rtol=1e-3)
     assert summary["load"] == pytest.approx(2 * np.pi / 3 * w[-1], rel=1e-3)
-    assert np.all(data["U"].values == 1.0)
-    printed = ertel_("plot", "runs/transient").stdout.split()
-    assert "overview.png" in {Path(path).name for path in printed}
-    run = RunStore.create(here / "cut", load_case("transient.toml"))
-    compute(run, [stop_after(3)])
+    assert "overview.png" in {Path(path).name for path in ertel_("plot", "runs/transient").stdout.split()}
+    compute(RunStore.create(here / "cut", load_case("transient.toml")), [stop_after(3)])
     ertel_("resume", "cut", "-q")
     xr.testing.assert_identical(physics(RunStore.open(here / "cut").dataset()), physics(data))
 

@@ -8,7 +8,7 @@ import pytest
 from cases import BARUS, BARUS_LIMIT, OIL, rolled, steady_solver
 
 from ertel.case.case import Case
-from ertel.case.derived import grid_of
+from ertel.case.definition import grid_of
 from ertel.case.sections import Drive
 from ertel.equations import account, contact, discretise
 from ertel.physics.lubricant import Oil
@@ -25,14 +25,13 @@ def case_of(speed: float = 1.0, nodes: int = 129, oil: Oil = OIL, L: float = 5) 
 
 
 @cache
-def film(speed: float = 1.0, L: float = 5, oil: Oil = OIL) -> tuple[Case, Rolling]:
-    case = case_of(speed, oil=oil, L=L)
-    return case, steady.steady_film(case)
+def film(speed: float = 1.0, L: float = 5, oil: Oil = OIL) -> Rolling:
+    return steady.steady_film(case_of(speed, oil=oil, L=L))
 
 
-def imbalances(case: Case, s: GridSolution) -> tuple[float, float]:
+def imbalances(s: GridSolution) -> tuple[float, float]:
     """Of mass and of energy, as shares of the outflow and of the dissipation."""
-    t, _ = account.steady_account(case, s)
+    t, _ = s.account
     mass = t["inflow"] + t["cavity_source"] - t["outflow"]
     energy = t["power_from_surfaces"] - t["power_to_surfaces"] - t["dissipation"] - t["outside_power"]
     return mass / t["outflow"], energy / t["dissipation"]
@@ -48,11 +47,11 @@ def test_the_solids_under_hertz_pressure_store_two_fifths() -> None:
     H = contact.film_thickness(c, P, approach)
     solution = steady.steady_film(case_of(nodes=33)).finest
     dry = replace(solution, grid=grid, P=P, H=H, approach=approach, outside=0.0)
-    assert account.steady_account(case, dry)[0]["elastic_energy"] == pytest.approx(2 / 5, rel=2e-3)
+    assert dry.account[0]["elastic_energy"] == pytest.approx(2 / 5, rel=2e-3)
     r = np.linspace(0, 1, 20001)
     in_oil = 0.1 * 3 * np.trapezoid(r * np.asarray(case.lubricant.compression(np.sqrt(1 - r**2))), r)
     flat = replace(dry, H=np.full_like(np.asarray(P), 0.1))
-    assert account.steady_account(case, flat)[0]["oil_energy"] == pytest.approx(in_oil, rel=5e-3)
+    assert flat.account[0]["oil_energy"] == pytest.approx(in_oil, rel=5e-3)
 
 
 @pytest.mark.parametrize(
@@ -66,35 +65,30 @@ def test_the_solids_under_hertz_pressure_store_two_fifths() -> None:
 )
 def test_steady_rolling_dissipates_what_its_resistance_takes(speed: float, L: float, oil: Oil) -> None:
     """In both directions, with and without piezoviscosity, and with an incompressible oil."""
-    case, rolling = film(speed, L, oil)
-    mass, energy = imbalances(case, rolling.finest)
+    mass, energy = imbalances(film(speed, L, oil).finest)
     assert abs(mass) < 1.5e-3
     assert abs(energy) < 6e-3
 
 
 def test_both_directions_have_the_same_budgets() -> None:
-    there, back = (account.steady_account(*_finest(film(speed)))[0] for speed in (1.0, -1.0))
-    assert back == pytest.approx(there, rel=1e-6)
-
-
-def _finest(found: tuple[Case, Rolling]) -> tuple[Case, GridSolution]:
-    return found[0], found[1].finest
+    there, back = (film(speed).finest.account[0] for speed in (1.0, -1.0))
+    for name in (*account.MASSES, *account.ENERGIES):
+        assert back[name] == pytest.approx(there[name], rel=1e-6), name
 
 
 def test_the_steady_energy_closes_with_the_order_of_the_grid() -> None:
-    case, rolling = film()
-    found = np.abs([imbalances(case, s)[1] for s in rolling.solutions])
+    solutions = film().solutions
+    found = np.abs([imbalances(s)[1] for s in solutions])
     orders = np.log2(found[:-1] / found[1:])
-    assert [s.grid.nodes for s in rolling.solutions] == [33, 65, 129]
+    assert [s.grid.nodes for s in solutions] == [33, 65, 129]
     assert orders[-1] > 1.8, orders
 
 
 def test_a_wrong_pressure_opens_the_budgets() -> None:
     """10 % more pressure with the same film: more flows and dissipates than the motion of the surfaces brings."""
-    case, rolling = film()
-    s = rolling.finest
-    mass, energy = imbalances(case, replace(s, P=1.1 * s.P))
+    s = film().finest
+    mass, energy = imbalances(replace(s, P=1.1 * s.P))
     assert abs(mass) > 0.02
     assert abs(energy) > 0.05
     ahead = np.roll(np.asarray(s.P), -1, axis=1)  # the pressure one cell further upstream
-    assert abs(imbalances(case, replace(s, P=ahead))[1]) > 0.1
+    assert abs(imbalances(replace(s, P=ahead))[1]) > 0.1

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from scipy.optimize import brentq
 
-from ertel.equations.approach import NewtonsLaw, PrescribedApproach, balanced
+from ertel.equations.approach import NewtonsLaw, balanced, rate_of_change
 from ertel.numerics.bdf import derivative_weights
 from ertel.physics import hertz
 from ertel.physics.geometry import HERTZ_LOAD
@@ -34,7 +34,7 @@ def dry_impact(step: float, end: float = 3.2, start: float = 0.0) -> tuple[np.nd
             return line.approach_weight * new + line.load_weight * HERTZ_LOAD * float(hertz.load(new)) - line.value
 
         new = brentq(misfit, -3.0, 3.0, xtol=1e-15, rtol=1e-14)
-        V.append(law.velocity(T[-1], rates, new, earlier))
+        V.append(rate_of_change(rates, new, earlier))
         Delta.append(new)
     return np.array(T), np.array(Delta), np.array(V)
 
@@ -109,7 +109,7 @@ def test_newtons_line_is_both_backward_differences_at_once(times, approaches, ve
     approaches, velocities = approaches[: count - 1], velocities[: count - 1]
     line = BALL.line(times[0], rates, approaches, velocities)
     F = (line.value - line.approach_weight * Delta) / line.load_weight
-    V = BALL.velocity(times[0], rates, Delta, approaches)
+    V = rate_of_change(rates, Delta, approaches)
     scale = 1 + np.sum(np.abs(rates)) ** 2
     assert pytest.approx(rates @ [Delta, *approaches], abs=1e-12 * scale) == V
     assert rates @ [V, *velocities] == pytest.approx(-NEWTON * F, abs=1e-12 * scale)
@@ -133,16 +133,6 @@ def test_newtons_law_under_a_constant_load_is_exact(times, Delta0, V0, F):
     Delta = Delta0 + V0 * t - NEWTON * F * t**2 / 2
     line = BALL.line(times[0], derivative_weights(t), Delta[1:], V[1:])
     assert line.approach_weight * Delta[0] + line.load_weight * F == pytest.approx(line.value, abs=1e-11)
-
-
-def test_prescribed_approach_is_the_motion_whatever_the_load():
-    law = PrescribedApproach(lambda T: -1 + T + 0.1 * T**2)
-    times = [0.5, 0.4, 0.2]
-    rates = derivative_weights(times)
-    line = law.line(0.5, rates, [], [])
-    assert (line.approach_weight, line.load_weight, line.value) == (1.0, 0.0, -1 + 0.5 + 0.025)
-    earlier = [law.motion(T) for T in times[1:]]
-    assert law.velocity(0.5, rates, line.value, earlier) == pytest.approx(1 + 0.2 * 0.5, rel=1e-13)
 
 
 @given(TIMES, st.floats(0.01, 10.0), st.floats(0.1, 2.0))

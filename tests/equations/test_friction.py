@@ -14,11 +14,10 @@ from jax import Array
 from numpy.testing import assert_allclose
 
 from ertel.case.case import Case
-from ertel.case.derived import grid_of
+from ertel.case.definition import grid_of
 from ertel.case.sections import Drive
 from ertel.case.status import Status
-from ertel.equations import account
-from ertel.equations.account import Friction, friction, steady_friction
+from ertel.equations.account import Friction, friction
 from ertel.equations.contact import Contact, bare_contact, traceable
 from ertel.equations.thinning import ThinningFlow
 from ertel.numerics.grid import Grid
@@ -29,7 +28,7 @@ from ertel.physics.lubricant import Barus, Incompressible, Lubricant
 from ertel.physics.motion import constant
 from ertel.physics.scales import Parameters
 from ertel.solvers import steady as solver
-from ertel.solvers.steady import GridSolution
+from ertel.solvers.steady import GridSolution, steady_friction
 
 FRICTION = jax.jit(friction)
 
@@ -166,22 +165,17 @@ pressure_only_inside = pytest.mark.usefixtures("nothing_outside")
 
 
 @cache
-def films(speed: float = 1.0, slide_to_roll: float = 0.3) -> tuple[Case, tuple[GridSolution, ...]]:
+def films(speed: float = 1.0, slide_to_roll: float = 0.3) -> tuple[GridSolution, ...]:
     """A contact on grids of 33 and 65 nodes."""
     drive = Drive(entrainment=constant(speed), slide_to_roll=slide_to_roll)
     case = rolled(Parameters.from_moes(20, 5), OIL, steady_solver(65, inlet=None, half_width=4.0), drive)
-    return case, solver.steady_film(case).solutions
-
-
-def finest(speed: float = 1.0, slide_to_roll: float = 0.3) -> tuple[Case, GridSolution]:
-    case, solutions = films(speed, slide_to_roll)
-    return case, solutions[-1]
+    return solver.steady_film(case).solutions
 
 
 @pressure_only_inside
 def test_all_power_is_that_of_sliding_and_of_the_pressure():
     """To round-off: the loss at the nodes takes the flow between them as the budget does."""
-    terms, result = account.steady_account(*finest())
+    terms, result = films()[-1].account
     assert float(result.power) == pytest.approx(0.3 * float(result.sliding[0]) + terms["dissipation"], rel=1e-12)
 
 
@@ -189,11 +183,10 @@ def test_all_power_is_that_of_sliding_and_of_the_pressure():
 @pytest.mark.parametrize("motion", [(1.0, 0.3), (1.0, -0.3), (-1.0, 0.3)])
 def test_the_surfaces_spend_what_heats_the_oil(motion: tuple[float, float]):
     """Sliding speed times sliding force, and rolling speed times the resistance of both: of order 2 as the budget."""
-    case, solutions = films(*motion)
     speed, ratio = motion
     errors = []
-    for s in solutions:
-        terms, result = account.steady_account(case, s)
+    for s in films(*motion):
+        terms, result = s.account
         of_sliding, of_rolling = float(result.sliding[0]) * ratio * speed, 2 * float(result.rolling[0]) * speed
         assert of_sliding > 0 and of_rolling > 0
         assert of_rolling == pytest.approx(terms["power_from_surfaces"] - terms["power_to_surfaces"], rel=1e-9)
@@ -206,7 +199,7 @@ def test_the_surfaces_spend_what_heats_the_oil(motion: tuple[float, float]):
 @pressure_only_inside
 def test_direction():
     """The sliding coefficient changes its sign with the sliding, the rolling coefficient with the rolling."""
-    there, faster, back = (steady_friction(*finest(*motion)) for motion in ((1.0, 0.3), (1.0, -0.3), (-1.0, 0.3)))
+    there, faster, back = (films(*motion)[-1].account[1] for motion in ((1.0, 0.3), (1.0, -0.3), (-1.0, 0.3)))
     assert_allclose(faster.sliding, -there.sliding, rtol=1e-12)
     assert_allclose(faster.rolling, there.rolling, rtol=1e-12)
     assert_allclose(faster.loss, there.loss, rtol=1e-12)

@@ -11,7 +11,7 @@ import pytest
 from jax import Array
 from numpy.testing import assert_allclose
 
-from ertel.equations.contact import NEWTONIAN_FLOW, Contact, bare_contact, traceable
+from ertel.equations.contact import NEWTONIAN_FLOW, Contact, bare_contact, mobility, traceable
 from ertel.equations.shear import NODES
 from ertel.equations.thinning import ThinningFlow
 from ertel.numerics.grid import Grid, Symmetry
@@ -53,7 +53,7 @@ def test_an_oil_that_does_not_thin_is_newtonian():
     inner = np.s_[1:-1, 1:-1]
     assert_allclose(GAIN(c, P, H)[inner], newtonian[inner], rtol=0, atol=1e-12 * float(jnp.abs(newtonian).max()))
     for thin in MOBILITY(c, P, H):
-        assert_allclose(thin, NEWTONIAN_FLOW.mobility(c, P, H).x, rtol=1e-12)
+        assert_allclose(thin, mobility(c, P, H), rtol=1e-12)
     thin, plain = (DETAILS(each, P, H, 0.7, Plane.of(grid)) for each in (c, plain))
     assert_allclose(thin.heat, plain.heat, rtol=1e-11, atol=1e-12 * float(jnp.abs(plain.heat).max()))
     assert_allclose(thin.stress, plain.stress, rtol=1e-11, atol=1e-12 * float(jnp.abs(plain.stress).max()))

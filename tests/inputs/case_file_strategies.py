@@ -18,7 +18,7 @@ import numpy as np
 import tomli_w
 from hypothesis import strategies as st
 
-from ertel.case.case import SECTIONS
+from ertel.case.case import KEYS as SECTIONS
 from ertel.case.conditions import BARS, MOES, NEEDED, OPTIONAL, Conditions
 from ertel.case.records import law_fields
 from ertel.case.sections import METHODS, Drive, Output, Solver, Thermal, Time
@@ -368,7 +368,7 @@ def _place(message: str, path: Path) -> str:
     """The section that a message names."""
     assert message.isprintable(), "the message has control characters or several lines"
     assert len(message) - message.count(str(path)) * len(str(path)) <= LONGEST_MESSAGE, "the message is too long"
-    if message.startswith((f"the case file {path}", f"cannot read the case file {path}")):
+    if message.startswith(f"the case file {path}"):
         return "the file"
     field = re.match(r"\w*", message)[0]  # type: ignore[index]
     if "unknown key" in message and field not in SECTIONS:

@@ -9,9 +9,10 @@ from pathlib import Path
 import pytest
 
 from ertel.case import case
+from ertel.case.definition import SECTIONS
 from ertel.case.sections import SOLVERS
 from ertel.inputs import layout, oils
-from ertel.inputs.layout import SECTIONS, DataSheet
+from ertel.inputs.layout import DataSheet
 from ertel.inputs.quantities import parse_quantity, parse_temperature
 from ertel.physics.lubricant import DENSITY_PRESSURE, P0_ROELANDS
 from ertel.physics.units import STRESS, TEMPERATURE, Unit, marks, meanings
@@ -35,7 +36,7 @@ def test_the_table_of_the_documents_is_the_printed_one():
 
 def test_the_table_has_all_sections():
     sections = {title.strip("[]") for title in PLACES if title.startswith("[")}
-    assert sections == set(case.SECTIONS) - {"name", "schema"}
+    assert sections == set(case.KEYS) - {"name", "schema"}
 
 
 @pytest.mark.parametrize("title", [title for title in PLACES if "test" not in title])

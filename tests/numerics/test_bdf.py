@@ -1,6 +1,8 @@
 """BDF2 on variable steps: exact for what it must be exact for, of the order claimed, stable, honest on its error."""
 
-from math import exp, sqrt
+from collections.abc import Callable
+from math import sqrt
+from typing import Any
 
 import numpy as np
 import pytest
@@ -30,14 +32,6 @@ def test_interpolation_is_exact_for_polynomials(steps, coefficients, count, t):
     weights = interpolation_weights(t, times)
     scale = np.sum(np.abs(weights)) * 20
     assert weights @ y(np.array(times)) == pytest.approx(y(t), abs=1e-11 * scale)
-    assert np.sum(weights) == pytest.approx(1.0, abs=1e-12 * scale)
-
-
-@given(STEPS, st.integers(1, 4))
-def test_interpolation_reproduces_its_own_points(steps, count):
-    times = times_of(steps)[:count]
-    matrix = [interpolation_weights(t, times) for t in times]
-    assert_allclose(matrix, np.eye(count), atol=1e-13)
 
 
 @given(STEPS, COEFFICIENTS, st.integers(2, 4))
@@ -47,14 +41,6 @@ def test_derivative_is_exact_for_polynomials(steps, coefficients, count):
     weights = derivative_weights(times)
     scale = np.sum(np.abs(weights)) * 20
     assert weights @ y(np.array(times)) == pytest.approx(y.deriv()(times[0]), abs=1e-11 * scale)
-    assert np.sum(weights) == pytest.approx(0.0, abs=1e-12 * scale)
-
-
-@given(STEPS, st.integers(2, 4), st.floats(-5.0, 5.0), st.floats(0.1, 10.0))
-def test_weights_know_neither_origin_nor_unit_of_time(steps, count, shift, unit):
-    times = np.array(times_of(steps)[:count])
-    assert_allclose(derivative_weights(times * unit) * unit, derivative_weights(times), rtol=1e-9)
-    assert_allclose(derivative_weights(times + shift), derivative_weights(times), rtol=1e-9, atol=1e-9)
 
 
 def test_equal_steps_give_the_textbook_weights():
@@ -79,13 +65,6 @@ def test_error_factor_is_exact_for_cubics(steps, c):
     assert estimate == pytest.approx(solution - y(times[0]), rel=1e-8, abs=1e-12)
 
 
-@given(st.lists(st.floats(0.01, 1.0), min_size=3, max_size=3), st.floats(0.1, 10.0))
-def test_error_factor_is_a_share(steps, unit):
-    times = np.array(times_of(steps))
-    assert 0 < error_factor(times) < 1
-    assert error_factor(times * unit) == pytest.approx(error_factor(times), rel=1e-9)
-
-
 # --- orders ---------------------------------------------------------------------------------------------------------
 
 
@@ -99,46 +78,36 @@ def solve_linear(rate: float, force, y0: float, times: np.ndarray) -> np.ndarray
     return np.array(ys)
 
 
-def uneven_times(count: int, end: float) -> np.ndarray:
-    """Steps that swing smoothly, and between neighbours by up to a factor 1.5 on the coarsest grid."""
-    s = np.linspace(0.0, 1.0, count + 1)
-    return end * (s + 0.1 * np.sin(2 * np.pi * s))
+def orders(times: list[np.ndarray], exact: Callable[[Any], Any], since: int, **equation: Any) -> np.ndarray:
+    """Orders of the largest error since a time level."""
+    found = [solve_linear(y0=1.0, times=each, **equation) for each in times]
+    errors = np.array([np.abs(y - exact(each))[since:].max() for y, each in zip(found, times, strict=True)])
+    return np.log2(errors[:-1] / errors[1:])
 
 
 @pytest.mark.parametrize("rate", [1.0, 1e4])  # mild and stiff
 def test_second_order_on_variable_steps(rate):
-    """At the end time: in the stiff case the first step, by BDF1, is of lower order and is soon forgotten."""
+    """Steps that swing smoothly, and between neighbours by up to a factor 1.5 on the coarsest grid.
+
+    At the end time: in the stiff case the first step, by BDF1, is of lower order and is soon forgotten.
+    """
+    s = [np.linspace(0.0, 1.0, count + 1) for count in (40, 80, 160, 320)]
+    times = [2.0 * (each + 0.1 * np.sin(2 * np.pi * each)) for each in s]
 
     def exact(t):
         return np.cos(3 * t)
 
-    def force(t):
-        return exact(t) - 3 * np.sin(3 * t) / rate
-
-    errors = []
-    for count in (40, 80, 160, 320):
-        times = uneven_times(count, 2.0)
-        errors.append(abs(solve_linear(rate, force, 1.0, times)[-1] - exact(times[-1])))
-    orders = np.log2(np.array(errors[:-1]) / errors[1:])
-    assert np.all(orders >= 1.9)
-    assert orders[-1] == pytest.approx(2.0, abs=0.15)
+    found = orders(times, exact, -1, rate=rate, force=lambda t: exact(t) - 3 * np.sin(3 * t) / rate)
+    assert np.all(found >= 1.9)
+    assert found[-1] == pytest.approx(2.0, abs=0.15)
 
 
 def test_second_order_on_erratic_steps():
     """Steps that jump at random by up to a factor 2, every grid from the same jumps halved."""
     jumps = np.random.default_rng(7).uniform(1.0, 2.0, 40)
-    errors = []
-    for level in range(4):
-        steps = np.repeat(jumps, 2**level)
-        times = np.concatenate([[0.0], np.cumsum(steps)]) * 2.0 / steps.sum()
-        errors.append(np.max(np.abs(solve_linear(1.0, lambda t: 0.0, 1.0, times) - np.exp(-times))))
-    orders = np.log2(np.array(errors[:-1]) / errors[1:])
-    assert_allclose(orders, 2.0, atol=0.15)
-
-
-def test_first_step_alone_is_first_order():
-    errors = [abs(solve_linear(1.0, lambda t: 0.0, 1.0, np.array([0.0, h]))[1] - exp(-h)) for h in (0.02, 0.01)]
-    assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.05)  # local error h^2/2
+    steps = [np.repeat(jumps, 2**level) for level in range(4)]
+    times = [np.concatenate([[0.0], np.cumsum(each)]) * 2.0 / each.sum() for each in steps]
+    assert_allclose(orders(times, lambda t: np.exp(-t), 0, rate=1.0, force=lambda t: 0.0), 2.0, atol=0.15)
 
 
 # --- stability and step control -------------------------------------------------------------------------------------
@@ -164,12 +133,6 @@ def test_next_step_stays_in_its_bounds(step, error):
     assert control.largest_cut * step * (1 - 1e-12) <= new <= control.largest_growth * step * (1 + 1e-12)
 
 
-@given(st.floats(0.0, 1e6), st.floats(0.0, 1e6))
-def test_a_larger_error_never_gives_a_larger_step(one, other):
-    control = StepControl()
-    assert control.next_step(1.0, max(one, other)) <= control.next_step(1.0, min(one, other))
-
-
 @given(st.floats(0.05, 20.0), st.floats(0.1, 10.0))
 def test_steps_settle_where_a_third_order_error_is_below_the_tolerance(step, unit):
     control = StepControl()
@@ -180,11 +143,8 @@ def test_steps_settle_where_a_third_order_error_is_below_the_tolerance(step, uni
 
 
 def test_acceptance():
-    control = StepControl()
-    assert control.accepts(1.0)
-    assert control.accepts(control.rejection)
-    assert not control.accepts(control.rejection * 1.001)
-    assert not control.accepts(float("nan"))
+    errors = 1.0, 2.0, 2.001, float("nan")
+    assert [StepControl().accepts(error) for error in errors] == [True, True, False, False]
 
 
 def solve_adaptive(tolerance: float) -> tuple[float, int]:

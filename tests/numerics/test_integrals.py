@@ -7,14 +7,12 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from jax import Array
+from made_up import every_symmetry
 
 from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
 from ertel.numerics.integrals import Disc, Plane
 from ertel.numerics.stencils import Pair, folded
 
-every_symmetry = pytest.mark.parametrize(
-    "even", [NO_SYMMETRY, Symmetry(y=True), Symmetry(x=True), Symmetry(True, True)], ids=str
-)
 W = 1.6  # half width of the rectangle
 
 

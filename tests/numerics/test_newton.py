@@ -1,4 +1,6 @@
 import itertools
+from collections.abc import Callable
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -12,30 +14,27 @@ from ertel.numerics import newton
 from ertel.numerics.newton import gcr
 
 
-def identity(r: Array) -> Array:
-    return r
+def system(residual: Callable[[Array, Array], Array], scale: float = 1.0, **others: Any) -> newton.NewtonKrylov:
+    """The equations with H = P, preconditioned by a number."""
+    parts = {"partner_change": lambda d: d, "tolerance": 1e-9, **others}
+    return newton.NewtonKrylov(residual, preconditioner=lambda P, H, free: lambda r: r / scale, **parts)
+
+
+def diffused(P: Array) -> Array:
+    p = jnp.pad(P[1:-1, 1:-1], 1)
+    return jnp.pad(4 * p[1:-1, 1:-1] - p[:-2, 1:-1] - p[2:, 1:-1] - p[1:-1, :-2] - p[1:-1, 2:], 1)
+
+
+def excess(P: Array, H: Array, force: Array) -> Array:
+    """-P'' - force with a little of a cubic, in two dimensions; H = 2 + P stands for the partner."""
+    return diffused(P) + 0.1 * (H - 2) ** 3 - jnp.pad(force[1:-1, 1:-1], 1)
 
 
 @jax.jit
 def obstacle(force: Array, P: Array) -> newton.Solution:
-    """-P'' - force >= 0, P >= 0 with a little of a cubic, in two dimensions: H = 2 + P stands for the partner."""
-
-    def diffuse(P: Array) -> Array:
-        p = jnp.pad(P[1:-1, 1:-1], 1)
-        return jnp.pad(4 * p[1:-1, 1:-1] - p[:-2, 1:-1] - p[2:, 1:-1] - p[1:-1, :-2] - p[1:-1, 2:], 1)
-
-    def residual(P: Array, H: Array) -> Array:
-        return diffuse(P) + 0.1 * (H - 2) ** 3 - jnp.pad(force[1:-1, 1:-1], 1)
-
-    return newton.newton_krylov(
-        residual,
-        identity,
-        lambda P, H, free: lambda r: r / 4,
-        P,
-        2 + P,
-        1e-9,
-        newton.Options(krylov_limit=60, krylov_reduction=1e-4, largest_change=10.0),
-    )
+    """The excess >= 0, P >= 0."""
+    options = newton.Options(krylov_limit=60, krylov_reduction=1e-4, largest_change=10.0)
+    return system(lambda P, H: excess(P, H, force), 4.0, options=options).solve(P, 2 + P)
 
 
 @settings(max_examples=10, deadline=None)
@@ -43,14 +42,10 @@ def obstacle(force: Array, P: Array) -> newton.Solution:
 def test_the_solution_is_complementary(seed: int) -> None:
     force = np.random.default_rng(seed).standard_normal((17, 17))
     s = obstacle(force, np.zeros((17, 17)))
+    P, r = np.asarray(s.P), np.asarray(excess(s.P, s.H, jnp.asarray(force)))
     assert bool(s.converged)
-    P = np.asarray(s.P)
-    p = np.pad(P, 1)[1:-1, 1:-1]
-    r = 4 * p[1:-1, 1:-1] - p[:-2, 1:-1] - p[2:, 1:-1] - p[1:-1, :-2] - p[1:-1, 2:] + 0.1 * p[1:-1, 1:-1] ** 3
-    r -= force[1:-1, 1:-1]
-    inner = P[1:-1, 1:-1]
-    assert inner.min() >= 0 and r.min() > -1e-8
-    assert np.abs(r[inner > 0]).max() < 1e-8
+    assert P[1:-1, 1:-1].min() >= 0 and r.min() > -1e-8
+    assert np.abs(r[P > 0]).max() < 1e-8
     np.testing.assert_allclose(np.asarray(s.H), 2 + P, atol=1e-12)
 
 
@@ -64,73 +59,44 @@ def test_one_iteration_is_done_even_from_the_solution() -> None:
 
 def test_failure_is_a_value() -> None:
     """No preconditioner, one Krylov iteration, one Newton iteration: it cannot converge, and says so."""
-    s = newton.newton_krylov(
-        lambda P, H: jnp.exp(H) - 40.0,
-        identity,
-        lambda P, H, free: identity,
-        jnp.ones((5, 5)),
-        jnp.ones((5, 5)),
-        1e-9,
-        newton.Options(newton_limit=1, krylov_limit=1),
-    )
+    one = jnp.ones((5, 5))
+    s = system(lambda P, H: jnp.exp(H) - 40.0, options=newton.Options(newton_limit=1, krylov_limit=1)).solve(one, one)
     assert not bool(s.converged)
     assert float(s.residual) > 1
 
 
 @pytest.mark.parametrize("change", [0.1, 0.3])
 def test_the_step_limit_holds(change: float) -> None:
-    s = newton.newton_krylov(
-        lambda P, H: P - 5.0,
-        identity,
-        lambda P, H, free: identity,
-        jnp.zeros((5, 5)),
-        jnp.ones((5, 5)),
-        1e-9,
-        newton.Options(newton_limit=3, largest_change=change),
-    )
+    options = newton.Options(newton_limit=3, largest_change=change)
+    s = system(lambda P, H: P - 5.0, options=options).solve(jnp.zeros((5, 5)), jnp.ones((5, 5)))
     np.testing.assert_allclose(np.asarray(s.P), 3 * change, rtol=1e-12)
 
 
 def test_a_border_carries_a_number_with_its_own_equation() -> None:
     """P + H = 3 with H = 2 P - s everywhere and sum(P) = 50: P = 2, s = 3."""
-    s = newton.newton_krylov(
-        lambda P, H: P + H - 3.0,
-        lambda d: 2 * d,
-        lambda P, H, free: lambda r: r / 3,
-        jnp.ones((5, 5)),
-        2 * jnp.ones((5, 5)),
-        1e-10,
-        newton.Options(krylov_reduction=1e-12, largest_change=10.0),
-        newton.Border(0.0, -1.0, lambda P, s: jnp.sum(P) - 50.0, 1e-9, 0.1),
-    )
+    border = newton.Border(0.0, -1.0, lambda P, s: jnp.sum(P) - 50.0, 1e-9, 0.1)
+    options = newton.Options(krylov_reduction=1e-12, largest_change=10.0)
+    equations = system(lambda P, H: P + H - 3.0, 3.0, partner_change=lambda d: 2 * d, options=options, border=border)
+    s = equations.solve(jnp.ones((5, 5)), 2 * jnp.ones((5, 5)))
     assert bool(s.converged)
     np.testing.assert_allclose(np.asarray(s.P), 2.0, rtol=1e-10)
     assert float(s.s) == pytest.approx(3.0, rel=1e-10)
     assert int(s.krylov) <= 3
 
 
-def test_forcing_follows_the_gain_of_newtons_iteration() -> None:
+@pytest.mark.parametrize(
+    ("gain", "size", "forcing"), [(0.9, 1e6, newton.LOOSEST), (0.1, 1e6, 0.01), (1e-4, 1e6, 1e-3), (1e-4, 3.0, 0.1)]
+)
+def test_forcing_follows_the_gain_of_newtons_iteration(gain: float, size: float, forcing: float) -> None:
     """Loose while little is gained, the square of the gain later, and not far beyond the tolerance."""
-    options = newton.Options(krylov_reduction=1e-3)
-
-    def forcing(gain: float, size: float) -> float:
-        return float(newton._forcing(options, jnp.asarray(gain), jnp.asarray(size)))
-
-    assert forcing(0.9, 1e6) == newton.LOOSEST
-    assert forcing(0.1, 1e6) == pytest.approx(0.01)
-    assert forcing(1e-4, 1e6) == 1e-3
-    assert forcing(1e-4, 3.0) == pytest.approx(0.1)
+    found = newton._forcing(newton.Options(krylov_reduction=1e-3), jnp.asarray(gain), jnp.asarray(size))
+    assert float(found) == pytest.approx(forcing)
 
 
 def test_an_iteration_evaluates_the_residual_twice() -> None:
     """Once with its derivative, and once at the new iterate: that of an oil that thins is dear."""
-
-    def solve(P: Array) -> Array:
-        return newton.newton_krylov(
-            lambda P, H: jnp.sinh(P) + H, identity, lambda P, H, free: identity, P, P, 1e-9
-        ).left
-
-    assert str(jax.make_jaxpr(solve)(jnp.ones((3, 3)))).count("= sinh") == 2
+    trace = jax.make_jaxpr(lambda P: system(lambda P, H: jnp.sinh(P) + H).solve(P, P).left)(jnp.ones((3, 3)))
+    assert str(trace).count("= sinh") == 2
 
 
 # -- generalised conjugate residuals ----------------------------------------------------------------------------------

@@ -8,25 +8,15 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from made_up import even_fields, every_symmetry
 from numpy.testing import assert_allclose, assert_array_equal
 
 from ertel.numerics import stencils
-from ertel.numerics.grid import NO_SYMMETRY, Symmetry
+from ertel.numerics.grid import Symmetry
 from ertel.numerics.stencils import POINTS, Pair, folded
 
 NODES = 9
 FACES = ((0, -1, 0), (0, 1, 0), (-1, 0, 1), (1, 0, 1))  # to a neighbour in Y, in X; which mobility
-every_symmetry = pytest.mark.parametrize(
-    "even", [NO_SYMMETRY, Symmetry(y=True), Symmetry(x=True), Symmetry(True, True)], ids=str
-)
-
-
-def some_fields(even: Symmetry) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """f and both mobilities on the whole plane, even where asked."""
-    fields = np.random.default_rng(5).random((3, NODES, NODES))
-    fields = (fields + fields[:, ::-1]) / 2 if even.y else fields
-    fields = (fields + fields[:, :, ::-1]) / 2 if even.x else fields
-    return fields[0], fields[1], 0.5 * fields[2]
 
 
 def diffusion_in_loops(eps: tuple[np.ndarray, np.ndarray], f: np.ndarray) -> np.ndarray:
@@ -48,7 +38,7 @@ def face_sum_in_loops(eps: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
 @every_symmetry
 @pytest.mark.parametrize("directions", ["twice as readily along X", "independent", "equal"])
 def test_diffusion_is_that_of_plain_loops(even: Symmetry, directions: str) -> None:
-    f, eps_x, other = some_fields(even)
+    f, eps_x, other = even_fields(even, 3, NODES, NODES)
     eps_y = {"twice as readily along X": eps_x / 2, "independent": other, "equal": eps_x}[directions]
     kept = [folded(field, even) for field in (f, eps_x, eps_y)]
     pair = Pair(kept[1], None if directions == "equal" else kept[2])
@@ -66,7 +56,7 @@ def test_diffusion_is_that_of_plain_loops(even: Symmetry, directions: str) -> No
 
 @every_symmetry
 def test_the_largest_value_around_a_node(even: Symmetry) -> None:
-    f, _, _ = some_fields(even)
+    f = even_fields(even, NODES, NODES)
     around = [f[max(j - 1, 0) : j + 2, max(i - 1, 0) : i + 2].max() for j in range(NODES) for i in range(NODES)]
     found = jax.jit(lambda f: stencils.largest_around(f, even))(folded(f, even))
     np.testing.assert_array_equal(found, folded(np.array(around).reshape(NODES, NODES), even))

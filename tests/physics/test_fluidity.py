@@ -1,7 +1,7 @@
 """The laws of shear thinning: their formulas, their limits, and what every law must do."""
 
 from dataclasses import dataclass
-from math import cosh, sinh
+from math import sinh
 from typing import Annotated
 
 import jax
@@ -61,10 +61,6 @@ def test_formulas() -> None:
     assert Carreau(6e6, 0.5).fluidity(12e6, 0.0) == pytest.approx(5.0**0.5, rel=1e-14)
     assert CarreauYasuda(6e6, 0.5, 2.0).fluidity(TAU, 0.0) == pytest.approx(Carreau(6e6, 0.5).fluidity(TAU, 0.0))
     assert_allclose(Carreau(6e6, 1.0).fluidity(TAU, 0.0), 1.0)
-    slope = jax.jit(jax.grad(lambda tau: ReeEyring(1.0).fluidity(tau, 0.0) * tau))(2.0)
-    assert slope == pytest.approx(cosh(2.0), rel=1e-13)
-    soft, sharp = (CarreauYasuda(6e6, 0.42, a).fluidity(TAU[:3], 0.0) for a in (1.0, 4.0))
-    assert np.all(sharp < soft)  # it bends later
     far = Limited(ReeEyring(5e6), 0.05, 1e13)  # changes nothing
     assert_allclose(far.fluidity(TAU, 0.0), ReeEyring(5e6).fluidity(TAU, 0.0), rtol=1e-9)
 
@@ -81,13 +77,13 @@ def test_a_limited_newtonian_oil_has_the_law_of_gecim_and_winer_below_its_limit(
 
 def test_the_exponential_part_joins_with_value_slope_and_curvature() -> None:
     law = Limited(NewtonianOil(), 0.05, ambient=1.0, sharpness=0.1)
-    rate = lambda u: law.fluidity(u, 0.0) * u  # noqa: E731
-    below, above = 0.9 - 1e-7, 0.9 + 1e-7
-    both = jax.jit(lambda u: (jax.grad(rate)(u), jax.grad(jax.grad(rate))(u)))
-    slope, bend = (lambda u, k=k: float(both(u)[k]) for k in (0, 1))
-    assert rate(above) == pytest.approx(rate(below), rel=1e-5)
-    assert slope(above) == pytest.approx(slope(below), rel=1e-5)
-    assert bend(above) == pytest.approx(bend(below), rel=1e-4)
+
+    def rate(u):
+        return law.fluidity(u, 0.0) * u
+
+    derivatives = jax.jit(lambda u: (rate(u), jax.grad(rate)(u), jax.grad(jax.grad(rate))(u)))
+    for below, above, rel in zip(derivatives(0.9 - 1e-7), derivatives(0.9 + 1e-7), (1e-5, 1e-5, 1e-4), strict=True):
+        assert float(above) == pytest.approx(float(below), rel=rel)
     growth = 2 * 0.9 / (1 - 0.9**2)
     assert rate(2.0) / rate(1.5) == pytest.approx(np.exp(0.5 * growth), rel=0.02)
 
@@ -103,10 +99,8 @@ def test_the_limit_holds_within_what_the_sharpness_says(rate: float) -> None:
 
 
 def test_marks_say_what_is_allowed() -> None:
-    assert not STRESS.allows(0.0) and marks(ReeEyring)["tau0"] is STRESS
     exponent = marks(Carreau)["n"]
-    assert "less than or equal to 1" in exponent.complaint(1.2) and "greater than 0" in exponent.complaint(0.0)
-    assert exponent.complaint(1.0) == "" and exponent.complaint(0.4) == ""
+    assert [bool(exponent.complaint(n)) for n in (0.0, 0.4, 1.0, 1.2)] == [True, False, False, True]
 
 
 @dataclass(frozen=True)

@@ -13,10 +13,6 @@ from scipy.special import ellipkm1
 from ertel.physics import hertz
 from ertel.physics.hertz import CONTACT_TIME, HALF_CONTACT_TIME
 
-RADII = st.floats(0.05, 2.0)
-TIMES = st.floats(0.0, CONTACT_TIME)
-
-
 # --- statics --------------------------------------------------------------------------------------------------------
 
 
@@ -39,21 +35,10 @@ def test_displacement_is_the_integral_over_the_pressure(share, A):
     assert hertz.displacement(share * A, A) == pytest.approx(ring_displacement(share * A, A), rel=1e-7)
 
 
-@given(RADII, st.floats(0.0, 5.0))
-def test_static_hertz_is_self_similar(A, share):
-    r = share * A
-    assert_allclose(hertz.pressure(r, A), A * hertz.pressure(r / A), atol=1e-12)
-    assert_allclose(hertz.displacement(r, A), A**2 * hertz.displacement(r / A), atol=1e-12)
-
-
-@given(RADII)
+@given(st.floats(0.05, 2.0))
 def test_load_is_the_integral_of_the_pressure(A):
-    def ring(r: float) -> float:
-        return 2 * pi * r * float(hertz.pressure(r, A))
-
-    integral = quad(ring, 0, A, epsabs=0, epsrel=1e-9)[0]
+    integral = quad(lambda r: 2 * pi * r * float(hertz.pressure(r, A)), 0, A, epsabs=0, epsrel=1e-9)[0]
     assert hertz.load(A**2) == pytest.approx(integral / (2 * pi / 3), rel=1e-8)
-    assert hertz.load(A**2) == pytest.approx(A**3, rel=1e-12)
 
 
 def test_dry_film_is_closed_inside_and_open_outside():
@@ -96,35 +81,23 @@ def test_contact_time():
 
 def test_motion_solves_newtons_law():
     """Delta'' = -(5/4) Delta^{3/2}: 15/(8 pi) times the load (2 pi/3) Delta^{3/2}."""
-
-    def law(T, y):
-        return [y[1], -1.25 * max(y[0], 0.0) ** 1.5]
-
-    T = np.linspace(0.0, CONTACT_TIME, 60)
-    solution = solve_ivp(law, (0, CONTACT_TIME), [0.0, 1.0], t_eval=T, method="DOP853", rtol=1e-12, atol=1e-13)
+    T, fine = np.linspace(0.0, CONTACT_TIME, 60), {"method": "DOP853", "rtol": 1e-12, "atol": 1e-13}
+    solution = solve_ivp(lambda T, y: [y[1], -1.25 * max(y[0], 0) ** 1.5], (0, CONTACT_TIME), [0, 1], t_eval=T, **fine)
     assert_allclose(hertz.approach(T), solution.y[0], atol=1e-10)
     assert_allclose(hertz.velocity(T), solution.y[1], atol=1e-10)
 
 
-@given(TIMES)
+@given(st.floats(0.0, CONTACT_TIME))
 def test_energy_is_kept_and_the_rebound_mirrors_the_approach(T):
     Delta, V = float(hertz.approach(T)), float(hertz.velocity(T))
     assert V**2 + Delta**2.5 == pytest.approx(1.0, abs=1e-14)
     assert hertz.approach(CONTACT_TIME - T) == pytest.approx(Delta, abs=1e-13)
     assert hertz.velocity(CONTACT_TIME - T) == pytest.approx(-V, abs=1e-12)
-    # where the ball turns, T is known from Delta only to the square root of the rounding
-    assert hertz.time_at(Delta) == pytest.approx(min(T, CONTACT_TIME - T), abs=5e-8)
 
 
 @given(st.floats(-2.0, 1.0))
 def test_time_and_approach_invert_each_other(Delta):
     assert hertz.approach(hertz.time_at(Delta)) == pytest.approx(Delta, abs=1e-13)
-
-
-def test_time_at_against_quadrature():
-    for Delta in (1e-6, 0.1, 0.5, 0.9, 0.999):
-        time = quad(lambda y: 1 / sqrt(1 - y**2.5), 0, Delta, epsabs=0, epsrel=1e-12)[0]
-        assert hertz.time_at(Delta) == pytest.approx(time, rel=1e-11)
 
 
 def test_free_flight_before_and_after_and_the_maximum_between():
@@ -156,10 +129,8 @@ def test_front_speed_at_its_ends():
 
 # --- the paper's asymptotes -----------------------------------------------------------------------------------------
 
-T_STAR = st.floats(0.2, 5.0)
 
-
-@given(T_STAR, st.floats(-0.999, 0.999))
+@given(st.floats(0.2, 5.0), st.floats(-0.999, 0.999))
 def test_asymptotes_as_the_paper_writes_them(t_star, share):
     t = share * t_star
     assert hertz.johnson_approach(t, t_star) == pytest.approx(np.cos(pi * t / (2 * t_star)))
@@ -170,36 +141,9 @@ def test_asymptotes_as_the_paper_writes_them(t_star, share):
     assert hertz.parabola_radius(t, t_star) == pytest.approx(sqrt(1 - share**2))
     assert t_star * hertz.parabola_front_speed(t, t_star) == pytest.approx(-share / sqrt(1 - share**2))
     assert t_star * hertz.linear_front_speed(t, t_star) == pytest.approx(-share)
-
-
-@given(T_STAR, st.floats(-0.95, 0.95))
-def test_parabola_speed_is_the_derivative_of_its_radius(t_star, share):
-    t, h = share * t_star, 1e-5 * t_star
-    difference = (hertz.parabola_radius(t + h, t_star) - hertz.parabola_radius(t - h, t_star)) / (2 * h)
-    speed = hertz.parabola_front_speed(t, t_star)
-    assert speed == pytest.approx(difference, rel=1e-6, abs=1e-9)
-    if share < -0.01:
+    if -0.95 < share < -0.01:
         by_place = hertz.parabola_front_speed_at(hertz.parabola_radius(t, t_star), t_star)
-        assert by_place == pytest.approx(speed, rel=1e-9)
-
-
-@pytest.mark.parametrize("t_star", [0.5, HALF_CONTACT_TIME, 2.0])
-def test_orders_of_the_expansions_at_the_maximum(t_star):
-    """(21) drops t^4 terms of (20), (24) drops t^3 terms of (23)."""
-    t = t_star * 0.1 * 2.0 ** -np.arange(5)
-    radius_error = np.abs(hertz.johnson_radius(t, t_star) - hertz.taylor_radius(t, t_star))
-    speed_error = np.abs(hertz.parabola_front_speed(t, t_star) - hertz.linear_front_speed(t, t_star))
-    assert_allclose(np.log2(radius_error[:-1] / radius_error[1:]), 4.0, atol=0.03)
-    assert_allclose(np.log2(speed_error[:-1] / speed_error[1:]), 3.0, atol=0.03)
-
-
-def test_how_near_the_asymptotes_come_to_the_exact_motion():
-    """Johnson's cosine misses Delta by 2.1 % at most, the parabola A by 1.2 % in the central 70 %."""
-    T = np.linspace(-HALF_CONTACT_TIME, HALF_CONTACT_TIME, 4001)
-    exact = hertz.approach(T + HALF_CONTACT_TIME)
-    assert np.max(np.abs(hertz.johnson_approach(T) - exact)) == pytest.approx(0.0213, abs=1e-4)
-    central = np.abs(T) < 0.7 * HALF_CONTACT_TIME
-    assert np.max(np.abs(hertz.parabola_radius(T) - np.sqrt(exact))[central]) == pytest.approx(0.0119, abs=1e-4)
+        assert by_place == pytest.approx(hertz.parabola_front_speed(t, t_star), rel=1e-9)
 
 
 def test_best_parabola_of_the_central_part_is_the_papers_2_7():

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from math import exp, log
-from typing import ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -38,7 +37,6 @@ ALPHA_BAR = st.floats(0.5, 40.0)
 P_RATIO = st.floats(0.1, 20.0)
 Z = st.floats(0.2, 1.2)
 
-
 VISCOSITIES = [
     Isoviscous(),
     Barus(12.0),
@@ -49,35 +47,16 @@ VISCOSITIES = [
 DENSITIES = [Incompressible(), DowsonHigginson(DENSITY_PRESSURE / 1e9), Tait(1.312, 11.74)]
 
 
+def slope(law: Viscosity) -> float:
+    """d ln(eta)/dp at p = 0."""
+    return jax.grad(lambda p: jnp.log(law.viscosity(p)))(0.0)
+
+
 @given(ALPHA_BAR, Z, P_RATIO)
 def test_pressure_viscosity_index_at_ambient_pressure(alpha_bar, z, p_ratio):
-    """d ln(eta)/dp = alpha at p = 0, that is d ln(eta)/dP = alpha_bar, whatever z and p0."""
-    for law in (Barus(alpha_bar), Roelands(alpha_bar, z, 1 / p_ratio)):
-        slope = jax.grad(lambda p, law=law: jnp.log(law.viscosity(p)))(0.0)
-        assert slope == pytest.approx(alpha_bar, rel=1e-12)
-
-
-@given(ALPHA_BAR, P_RATIO)
-def test_roelands_with_z_one_is_barus(alpha_bar, p_ratio):
-    assert_allclose(Roelands(alpha_bar, 1.0, 1 / p_ratio).viscosity(P), Barus(alpha_bar).viscosity(P), rtol=1e-11)
-
-
-@given(ALPHA_BAR, Z)
-def test_roelands_at_low_pressure_is_barus(alpha_bar, z):
-    ratio = np.log(Roelands(alpha_bar, z, 1e6).viscosity(P)) - alpha_bar * P
-    assert np.all(np.abs(ratio) <= 1e-5 * alpha_bar)
-
-
-@given(ALPHA_BAR, st.floats(0.2, 0.99), P_RATIO)
-def test_roelands_lies_between_isoviscous_and_barus(alpha_bar, z, p_ratio):
-    roelands, barus = Roelands(alpha_bar, z, 1 / p_ratio).viscosity(P), Barus(alpha_bar).viscosity(P)
-    assert np.all((roelands >= 1) & (roelands <= barus * (1 + 1e-12)))
-
-
-@pytest.mark.parametrize("law", VISCOSITIES, ids=lambda law: type(law).__name__)
-def test_viscosity_is_one_at_ambient_pressure_and_never_falls(law):
-    assert law.viscosity(0.0) == 1.0
-    assert np.all(np.diff(law.viscosity(P)) >= 0)
+    """It is alpha, whatever z and p0."""
+    assert slope(Barus(alpha_bar)) == pytest.approx(alpha_bar, rel=1e-12)
+    assert slope(Roelands(alpha_bar, z, 1 / p_ratio)) == pytest.approx(alpha_bar, rel=1e-12)
 
 
 @pytest.mark.parametrize("eta0", [6e-5, 1e-9])
@@ -86,22 +65,15 @@ def test_roelands_has_no_meaning_for_gases(eta0):
         roelands_exponent(ALPHA, eta0)
 
 
-@given(P_RATIO)
-def test_density_limits(p_ratio):
-    law = DowsonHigginson(1 / p_ratio)
-    assert law.density(0.0) == 1.0
-    assert law.density(1e12) == pytest.approx(1.34, rel=1e-9)
-    assert np.all(np.diff(law.density(P)) > 0)
-    assert np.all(law.density(P) < 1.34)
-    assert jax.grad(law.density)(0.0) == pytest.approx(0.34 * p_ratio, rel=1e-13)
-    assert_allclose(DowsonHigginson(1e9).density(P), Incompressible().density(P), rtol=1e-9)
-
-
 @pytest.mark.parametrize("law", [*VISCOSITIES, *DENSITIES], ids=lambda law: type(law).__name__)
 class TestEveryLaw:
     @staticmethod
     def value(law: Viscosity | Density, pressure):
         return law.viscosity(pressure) if hasattr(law, "viscosity") else law.density(pressure)
+
+    def test_is_one_at_ambient_pressure_and_never_falls(self, law):
+        assert self.value(law, 0.0) == 1.0
+        assert np.all(np.diff(self.value(law, P)) >= 0)
 
     def test_takes_any_number_and_keeps_shape_and_precision(self, law):
         assert self.value(law, P.reshape(4, 4)).shape == (4, 4)
@@ -147,7 +119,6 @@ class PowerLaw:
 
     c: float
     n: float
-    reference: ClassVar[str] = "made up for this test"
 
     def viscosity(self, pressure):
         return (1 + self.c * pressure) ** self.n
@@ -157,7 +128,6 @@ def test_a_users_own_law_takes_its_place():
     oil = traceable(Lubricant(PowerLaw(3.0, 4.0), DowsonHigginson(2.0)))
     flow = jax.jit(lambda oil, p: oil.density(p) / oil.viscosity(p))
     assert_allclose(flow(oil, P), DowsonHigginson(2.0).density(P) / (1 + 3 * P) ** 4, rtol=1e-13)
-    assert jax.grad(lambda p: oil.viscosity(p))(0.0) == pytest.approx(12.0)
 
 
 # -- in SI ------------------------------------------------------------------------------------------------------------
@@ -176,12 +146,6 @@ def test_the_laws_are_the_formulas_of_the_books_in_any_unit_of_pressure(alpha, e
     assert seen.viscosity(p / p_h) == pytest.approx(oil.viscosity_law.viscosity(p), rel=1e-12)
     assert oil.density_law.density(p) == pytest.approx((5.9e8 + 1.34 * p) / (5.9e8 + p), rel=1e-13)
     assert seen.density(p / p_h) == pytest.approx(oil.density_law.density(p), rel=1e-12)
-
-
-@given(PASCAL)
-def test_the_density_of_a_mineral_oil(p):
-    """Dowson and Higginson's rho/rho0 = 1 + 0.6 p/(1 + 1.7 p), p in GPa, of which (p1 + 1.34 p)/(p1 + p) is a form."""
-    assert DowsonHigginson().density(p) == pytest.approx(1 + 0.6e-9 * p / (1 + 1.7e-9 * p), abs=0.011)
 
 
 def test_constants_of_a_typical_mineral_oil():
@@ -213,9 +177,7 @@ def test_laws_by_name_as_records_and_from_data(oil, viscosity, density):
 
 
 @pytest.mark.parametrize(
-    ("oil", "missing"),
-    [(Oil(viscosity="barus"), "alpha"), (Oil(eta0=0.04), "alpha"), (Oil(alpha=2e-8), "eta0")],
-    ids=str,
+    ("oil", "missing"), [(Oil(viscosity="barus"), "alpha"), (Oil(eta0=0.04), "alpha"), (Oil(alpha=2e-8), "eta0")]
 )
 def test_data_that_a_law_needs_are_asked_for(oil, missing):
     with pytest.raises(ValueError, match=rf"^{missing}: missing; this viscosity law needs it"):
@@ -247,7 +209,6 @@ def test_the_enthalpy_is_the_integral_of_the_specific_volume() -> None:
     assert_allclose(oil.enthalpy(P), exact, rtol=1e-6)
     small = oil.compression(np.array([1e-4]))  # P^2/(2 K), K = p1/(0.34 p_h)
     assert_allclose(small, 1e-8 / 2 * 0.34 * oil.p_h / DENSITY_PRESSURE, rtol=1e-3)
-    assert np.all(np.diff(oil.compression(P)) > 0)
     stiff = Lubricant(Isoviscous(), Incompressible())
     assert_allclose(stiff.enthalpy(P), P, rtol=1e-14)
     assert_allclose(stiff.compression(P), 0.0, atol=1e-15)
@@ -270,22 +231,12 @@ def test_a_newtonian_oil_flows_by_the_cube_of_the_film_and_not_where_surfaces_ov
 # -- The laws of measured oils ----------------------------------------------------------------------------------------
 
 
-A = st.floats(2e7, 1e8)
-K0 = st.floats(0.8e9, 2e9)
-K0_PRIME = st.floats(5.0, 15.0)
-SQUALANE = Doolittle(5.258, 0.6633, 1.312e9, 11.74)  # at 25 degC
+K0, K0_PRIME = st.floats(0.8e9, 2e9), st.floats(5.0, 15.0)
 
 
-@given(A)
-def test_a_modulus_law_without_b_is_barus(a):
-    assert Modulus(a, 0.0).viscosity(3e8) == pytest.approx(np.exp(3e8 / a), rel=1e-12)
-
-
-@given(A, st.floats(0.0, 0.2), st.floats(1e6, 3e9))
-def test_the_modulus_law_starts_with_alpha_and_ends_at_one_over_b(a, b, p):
-    law = Modulus(a, b)
-    assert jax.grad(lambda p: jnp.log(law.viscosity(p)))(0.0) == pytest.approx(1 / a, rel=1e-12)
-    assert np.log(law.viscosity(p)) <= min(p / a, 1 / b if b > 1e-6 else np.inf) * (1 + 1e-9)
+@given(st.floats(2e7, 1e8), st.floats(0.0, 0.2), st.floats(1e6, 3e9))
+def test_the_modulus_law(a, b, p):
+    assert np.log(Modulus(a, b).viscosity(p)) == pytest.approx(p / (a + b * p), rel=1e-9)
 
 
 @given(K0, K0_PRIME)
@@ -293,17 +244,14 @@ def test_taits_law_has_its_bulk_modulus_and_its_derivative(K0, K0_prime):
     """K = -V dp/dV = rho dp/drho is K0 at ambient pressure, and dK/dp is K0'."""
     law = Tait(K0, K0_prime)
 
-    def modulus(p):
-        return law.density(p) / jax.grad(law.density)(p)
-
-    assert modulus(0.0) == pytest.approx(K0, rel=1e-12)
-    assert jax.grad(modulus)(0.0) == pytest.approx(K0_prime, rel=1e-9)
+    modulus, change = jax.value_and_grad(lambda p: law.density(p) / jax.grad(law.density)(p))(0.0)
+    assert (modulus, change) == (pytest.approx(K0, rel=1e-12), pytest.approx(K0_prime, rel=1e-9))
 
 
 @given(K0, K0_PRIME, st.floats(0.5, 0.7), st.floats(2.0, 6.0))
 def test_doolittles_alpha_is_the_slope_at_ambient_pressure(K0, K0_prime, R, B):
     law = Doolittle(B, R, K0, K0_prime)
-    assert jax.grad(lambda p: jnp.log(law.viscosity(p)))(0.0) == pytest.approx(law.alpha, rel=1e-10)
+    assert slope(law) == pytest.approx(law.alpha, rel=1e-10)
 
 
 def test_doolittles_law_is_the_one_of_free_volume():
@@ -311,4 +259,4 @@ def test_doolittles_law_is_the_one_of_free_volume():
     p = np.linspace(0.0, 1e9, 7)
     V, occupied = Tait(1.312e9, 11.74).volume(p), 0.6633
     by_hand = np.exp(5.258 * (occupied / (V - occupied) - occupied / (1 - occupied)))
-    np.testing.assert_allclose(SQUALANE.viscosity(p), by_hand, rtol=1e-12)
+    assert_allclose(Doolittle(5.258, 0.6633, 1.312e9, 11.74).viscosity(p), by_hand, rtol=1e-12)

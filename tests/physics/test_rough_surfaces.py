@@ -25,7 +25,7 @@ def points(n: int, length: float) -> np.ndarray:
     return (np.arange(n) + 0.5) * length / n - length / 2
 
 
-def measured(heights, length_x, length_y, **placed) -> Measured:
+def measured(heights, length_x=4.0, length_y=2.4, **placed) -> Measured:
     """A map in the units of a case, as high as it says."""
     found = HeightMap(heights)
     return Measured(found, length_x, length_y, found.rms, **placed)
@@ -33,9 +33,8 @@ def measured(heights, length_x, length_y, **placed) -> Measured:
 
 def sampled(shape, columns: int, rows: int, length_x: float, length_y: float, **placed) -> Measured:
     """A measured map of another shape."""
-    return measured(
-        shape.heights(points(columns, length_x)[None, :], points(rows, length_y)[:, None]), length_x, length_y, **placed
-    )
+    heights = shape.heights(points(columns, length_x)[None, :], points(rows, length_y)[:, None])
+    return measured(heights, length_x, length_y, **placed)
 
 
 # -- measured ---------------------------------------------------------------------------------------------------------
@@ -53,27 +52,27 @@ def test_a_map_of_a_wave_is_the_wave_to_fourth_order() -> None:
 
 
 def test_a_map_goes_through_its_heights() -> None:
-    m = measured(NOISE, 4.0, 2.4, taper=0.3)
+    m = measured(NOISE, taper=0.3)
     inner = (slice(4, -4), slice(4, -4))
     found = m.heights(points(40, 4.0)[None, :], points(24, 2.4)[:, None])
     np.testing.assert_allclose(found[inner], NOISE[inner], atol=1e-12)
 
 
 def test_a_map_has_the_rms_that_it_is_given_and_no_unit_of_its_own() -> None:
-    one, two = measured(NOISE, 4.0, 2.4), replace(measured(1e-6 * NOISE, 4.0, 2.4), rms=HeightMap(NOISE).rms)
+    one, two = measured(NOISE), replace(measured(1e-6 * NOISE), rms=HeightMap(NOISE).rms)
     np.testing.assert_allclose(one.heights(X, Y), two.heights(X, Y), rtol=1e-12)
 
 
 @given(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0), st.floats(-180.0, 180.0))
 def test_a_map_is_placed_and_turned(x, y, angle) -> None:
     """At the place to which a point of the map goes is the height of that point."""
-    here = measured(NOISE, 4.0, 2.4)
+    here = measured(NOISE)
     turn = np.radians(angle)
     moved = x + X * np.cos(turn) - Y * np.sin(turn), y + X * np.sin(turn) + Y * np.cos(turn)
     np.testing.assert_allclose(replace(here, x=x, y=y, angle=angle).heights(*moved), here.heights(X, Y), atol=1e-9)
 
 
-@given(st.floats(0.0, 3.0), st.sampled_from([1, 2]), st.sampled_from([measured(NOISE, 4.0, 2.4), ROUGH]))
+@given(st.floats(0.0, 3.0), st.sampled_from([1, 2]), st.sampled_from([measured(NOISE), ROUGH]))
 def test_a_rough_surface_moves_with_its_surface(T, surface, shape) -> None:
     motion = replace(STEADY_ROLLING, slide_to_roll=0.4)
     speed = 1.2 if surface == 1 else 0.8
@@ -90,25 +89,24 @@ def test_a_map_is_smooth_and_ends_smoothly() -> None:
     curvature = np.diff(m.heights(x, 0.0), 2) / (x[1] - x[0]) ** 2
     assert np.abs(np.diff(curvature)).max() < 0.02 * np.abs(curvature).max()
     x = np.linspace(-0.5, 0.5, 4001)
-    between_points = np.diff(measured(NOISE, 4.0, 2.4).heights(x, 0.11), 2) / (x[1] - x[0]) ** 2
+    between_points = np.diff(measured(NOISE).heights(x, 0.11), 2) / (x[1] - x[0]) ** 2
     assert np.abs(np.diff(between_points)).max() < 0.02 * np.ptp(between_points)
 
 
 @pytest.mark.parametrize(
     ("heights", "message"),
     [
-        (np.ones(5), "heights: is 5; must be a map"),
-        (np.ones((3, 9)), "heights: is 3 x 9; must be a map of 4 to 4096 points a side"),
-        (np.where(NOISE > 1, np.nan, NOISE), "heights: has gaps"),
-        (np.zeros((5, 5)), "heights: are all zero"),
-        (1e300 * NOISE / np.abs(NOISE).max(), "heights: reach 1e+300; the largest must be between 1e-30 and 1e+30"),
-        (1e-320 * NOISE / np.abs(NOISE).max(), "heights: reach 1e-320; the largest must be between 1e-30 and 1e+30"),
+        (np.ones(5), "^heights: is 5; must be a map"),
+        (np.ones((3, 9)), "^heights: is 3 x 9; must be a map of 4 to 4096 points a side"),
+        (np.where(NOISE > 1, np.nan, NOISE), "^heights: has gaps"),
+        (np.zeros((5, 5)), "^heights: are all zero"),
+        (1e300 * NOISE / np.abs(NOISE).max(), r"^heights: reach 1e\+300; .* must be between 1e-30 and 1e\+30$"),
+        (1e-320 * NOISE / np.abs(NOISE).max(), r"^heights: reach 1e-320; .* must be between 1e-30 and 1e\+30$"),
     ],
 )
 def test_what_is_no_map_is_said(heights, message) -> None:
-    with pytest.raises(ValueError) as caught:
+    with pytest.raises(ValueError, match=message):
         HeightMap(heights)
-    assert str(caught.value).startswith(message)
 
 
 def test_a_map_without_sizes_is_refused_and_so_is_a_taper_that_meets_itself() -> None:
@@ -117,7 +115,7 @@ def test_a_map_without_sizes_is_refused_and_so_is_a_taper_that_meets_itself() ->
     with pytest.raises(ValueError, match=r"^file = 'disc.txt': must be a HeightMap"):
         Measured("disc.txt")
     with pytest.raises(ValueError, match=r"^taper = 1.3 a: must be at most half"):
-        measured(NOISE, 4.0, 2.4, taper=1.3)
+        measured(NOISE, taper=1.3)
 
 
 def test_maps_of_the_same_heights_are_the_same_map() -> None:
@@ -129,10 +127,8 @@ def test_maps_of_the_same_heights_are_the_same_map() -> None:
 
 def test_arrays_in_metres_have_their_lengths() -> None:
     m = Measured.of(NOISE, (2e-6, 1e-6), x=0.5)
-    assert m.length_x == Quantity(40 * 2e-6, "m")
-    assert m.length_y == Quantity(24 * 1e-6, "m")
-    assert m.rms == Quantity(HeightMap(NOISE).rms, "m")
-    assert m.x == 0.5
+    lengths = (Quantity(size, "m") for size in (40 * 2e-6, 24 * 1e-6, HeightMap(NOISE).rms))
+    assert (m.length_x, m.length_y, m.rms, m.x) == (*lengths, 0.5)
     with pytest.raises(ValueError, match=r"^spacing = 0.0: must be above zero"):
         Measured.of(NOISE, 0.0)
 
@@ -148,12 +144,8 @@ def spectrum(heights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.hypot(n, n[:, None]), np.abs(np.fft.fft2(heights)) ** 2
 
 
-@pytest.fixture(scope="module")
-def period() -> np.ndarray:
-    return ROUGH.heights(PERIOD[None, :], PERIOD[:, None])
-
-
-def test_its_heights_have_the_rms_that_is_given_are_gaussian_and_the_same_in_all_directions(period) -> None:
+def test_its_heights_have_the_rms_that_is_given_are_gaussian_and_the_same_in_all_directions() -> None:
+    period = ROUGH.heights(PERIOD[None, :], PERIOD[:, None])
     assert period.std() == pytest.approx(0.02, rel=1e-9)
     assert period.mean() == pytest.approx(0.0, abs=1e-12)
     z = period / period.std()
@@ -233,9 +225,8 @@ def test_it_enters_behind_its_front() -> None:
     ],
 )
 def test_what_is_no_self_affine_surface_is_said(change, message) -> None:
-    with pytest.raises(ValueError) as caught:
+    with pytest.raises(ValueError, match=f"^{message}"):
         replace(ROUGH, **change)
-    assert str(caught.value).startswith(message)
 
 
 # -- what a grid keeps ------------------------------------------------------------------------------------------------
@@ -260,14 +251,12 @@ def test_what_is_resolved_is_not_touched(shape) -> None:
 def test_a_map_loses_its_short_waves_and_keeps_the_long_ones(wavelength, left) -> None:
     wave = Waviness(0.01, wavelength)
     m = sampled(wave, 192, 64, 3.0, 3.0, taper=0.5)
-    long_ones = m.heights_above(0.3, X[:, 5:-5], Y)
-    np.testing.assert_allclose(
-        long_ones, left * np.broadcast_to(wave.heights(X[:, 5:-5], Y), long_ones.shape), atol=2e-5
-    )
+    inner = X[:, 5:-5] + 0 * Y
+    np.testing.assert_allclose(m.heights_above(0.3, inner, Y), left * wave.heights(inner, Y), atol=2e-5)
 
 
 def test_a_cutoff_of_its_own_is_one_of_a_grid_and_only_rough_surfaces_have_one() -> None:
-    m = measured(NOISE, 4.0, 2.4)
+    m = measured(NOISE)
     np.testing.assert_array_equal(replace(m, cutoff=0.5).heights(X, Y), m.heights_above(0.5, X, Y))
     np.testing.assert_array_equal(replace(m, cutoff=0.5).heights_above(0.2, X, Y), m.heights_above(0.5, X, Y))
     cut, whole = (height([Feature(Spot(0.1, height=0.02))], STEADY_ROLLING, 0.0, X, Y, *c) for c in ((10.0,), ()))
@@ -275,10 +264,9 @@ def test_a_cutoff_of_its_own_is_one_of_a_grid_and_only_rough_surfaces_have_one()
 
 
 def test_the_size_is_that_of_the_shortest_wave() -> None:
-    assert ROUGH.size == 0.1
-    assert measured(NOISE, 4.0, 2.4).size == pytest.approx(0.2)
-    assert measured(NOISE, 4.0, 2.4, cutoff=0.5).size == 0.5
-    assert measured(NOISE, 4.0, 2.4, taper=0.2).covered == pytest.approx((3.6, 2.0))
+    sizes = ROUGH.size, measured(NOISE).size, measured(NOISE, cutoff=0.5).size
+    assert sizes == pytest.approx((0.1, 0.2, 0.5))
+    assert measured(NOISE, taper=0.2).covered == pytest.approx((3.6, 2.0))
 
 
 def test_any_bit_of_the_header_of_an_array_may_be_wrong() -> None:

@@ -1,24 +1,13 @@
 """Physical input, (lambda_bar, alpha_bar), Moes' (M, L) and Hamrock and Dowson's (U, G, W) are one set of facts."""
 
-import doctest
 from math import inf, isinf, nan, pi, sqrt
 
 import pytest
-from closed_forms import parameters_from_ugw
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ertel.physics import scales
 from ertel.physics.materials import drop_speed, reduced_modulus, reduced_radius, sphere_mass
-from ertel.physics.scales import (
-    Parameters,
-    Scales,
-    hamrock_dowson,
-    impact_scales,
-    parameters,
-    rolling_scales,
-    scales_of,
-)
+from ertel.physics.scales import Parameters, Scales, hamrock_dowson, impact_scales, parameters, rolling_scales
 
 
 def decades(low: float, high: float) -> st.SearchStrategy[float]:
@@ -30,16 +19,12 @@ def decades(low: float, high: float) -> st.SearchStrategy[float]:
 IMPACTS = st.builds(
     impact_scales, R=decades(-4, 0), mass=decades(-9, 3), speed=decades(-4, 3), E_prime=decades(6, 12.3)
 )
-ROLLING = st.builds(
-    rolling_scales, R=decades(-4, 0), load=decades(-3, 6), mean_speed=decades(-4, 2), E_prime=decades(6, 12.3)
-)
-CONTACTS = st.one_of(IMPACTS, ROLLING)
 ETA0 = decades(-4, 2)
 ALPHA = decades(-10, -7)
 POSITIVE = decades(-6, 6)
 
 
-def close(value: float, rel: float = 1e-12):
+def close(value, rel: float = 1e-12):
     return pytest.approx(value, rel=rel, abs=0)
 
 
@@ -49,28 +34,16 @@ STEEL_PARAMETERS = parameters(STEEL, eta0=0.1, alpha=2.2e-8)
 
 
 def test_steel_ball_of_the_reference():
-    for value, reference in [
-        (STEEL.film, 3.74064e-06),
-        (STEEL.a, 0.000193407),
-        (STEEL.load, 109.181),
-        (STEEL.p_h, 1393610000.0),
-        (STEEL.t0, 3.74064e-05),
-        (STEEL_PARAMETERS.stokes, 17.3333),
-        (STEEL_PARAMETERS.lambda_bar, 0.0615385),
-        (STEEL_PARAMETERS.alpha_bar, 30.6595),
-        (STEEL_PARAMETERS.M, 48.8118),
-        (STEEL_PARAMETERS.L, 23.0237),
-    ]:
-        assert value == pytest.approx(reference, rel=5e-6)
+    s, p = STEEL, STEEL_PARAMETERS
+    scaled = s.film, s.a, s.load, s.p_h, s.t0
+    assert scaled == close((3.74064e-06, 0.000193407, 109.181, 1393610000.0, 3.74064e-05), 5e-6)
+    numbers = p.stokes, p.lambda_bar, p.alpha_bar, p.M, p.L
+    assert numbers == close((17.3333, 0.0615385, 30.6595, 48.8118, 23.0237), 5e-6)
 
 
-@given(decades(-4, 0), decades(-9, 3), decades(-4, 3), decades(6, 12.3), ETA0, ALPHA)
-def test_an_impact(R, mass, speed, E_prime, eta0, alpha):
-    """Its energy, Hertz' relations, equation 2, and the film where a rigid ball stops, independent of E' and m."""
-    s = impact_scales(R, mass, speed, E_prime)
-    assert (s.speed, s.ball_mass) == (close(speed), close(mass))
-    energy = 4 / 15 * s.E_prime * sqrt(s.R) * s.film**2.5
-    assert 0.5 * s.ball_mass * s.speed**2 == close(energy)
+@given(IMPACTS, ETA0, ALPHA)
+def test_an_impact(s, eta0, alpha):
+    """Hertz' relations, equation 2, and the film where a rigid ball stops, independent of E' and m."""
     assert s.load == close(2 / 3 * s.E_prime * sqrt(s.R) * s.film**1.5)
     assert s.p_h == close(1.5 * s.load / (pi * s.a**2))
     assert s.p_h == close(s.E_prime * s.a / (pi * s.R))
@@ -88,27 +61,8 @@ def test_a_rolling_contact(R, load, mean_speed, E_prime, eta0, alpha):
     assert (s.front_speed, s.load) == (close(mean_speed), close(load))
     assert s.p_h == close(s.E_prime * s.a / (pi * s.R))
     assert parameters(s, eta0, alpha).lambda_bar == close(12 * eta0 * s.front_speed * s.R**2 / (s.a**3 * s.p_h))
-    U, G, W = hamrock_dowson(s, eta0, alpha)
-    assert close(eta0 * s.front_speed / (s.E_prime * s.R)) == U
-    assert close(s.load / (s.E_prime * s.R**2)) == W
-    assert close(alpha * s.E_prime) == G
-
-
-@given(CONTACTS, ETA0, ALPHA)
-def test_ugw_route_equals_lambda_alpha_route_and_leads_back(s, eta0, alpha):
-    direct, by_ugw = parameters(s, eta0, alpha), parameters_from_ugw(*hamrock_dowson(s, eta0, alpha))
-    assert (by_ugw.M, by_ugw.L) == (close(direct.M), close(direct.L))
-    assert (by_ugw.lambda_bar, by_ugw.alpha_bar) == (close(direct.lambda_bar), close(direct.alpha_bar))
-    back = scales_of(direct, R=s.R, E_prime=s.E_prime, eta0=eta0, alpha=alpha)
-    assert (back.a, back.p_h, back.t0) == (close(s.a), close(s.p_h), close(s.t0))
-
-
-@given(POSITIVE, decades(-3, 3))
-def test_moes_round_trip(M, L):
-    p = Parameters.from_moes(M, L)
-    assert (p.M, p.L) == (close(M), close(L))
-    assert p.lambda_bar == close((128 * pi**3 / (3 * M**4)) ** (1 / 3))
-    assert p.alpha_bar == close(L / pi * (1.5 * M) ** (1 / 3))
+    ugw = eta0 * s.front_speed / (s.E_prime * s.R), alpha * s.E_prime, s.load / (s.E_prime * s.R**2)
+    assert hamrock_dowson(s, eta0, alpha) == close(ugw)
 
 
 @given(POSITIVE, POSITIVE)
@@ -116,8 +70,6 @@ def test_lambda_alpha_round_trip(lambda_bar, alpha_bar):
     p = Parameters(lambda_bar, alpha_bar)
     q = Parameters.from_moes(p.M, p.L)
     assert (q.lambda_bar, q.alpha_bar) == (close(lambda_bar), close(alpha_bar))
-    assert p.M == close((128 * pi**3 / (3 * lambda_bar**3)) ** 0.25)
-    assert p.M / p.L == close(4 / (alpha_bar * lambda_bar))
 
 
 @given(IMPACTS, ETA0, ALPHA, decades(-3, 3), decades(-3, 3), decades(-3, 3))
@@ -133,7 +85,6 @@ def test_dimensionless_numbers_know_no_units(s, eta0, alpha, metre, second, kilo
 def test_nabla2_both_forms_of_equation_16(lambda_bar, alpha_bar, wavelength):
     p = Parameters(lambda_bar, alpha_bar)
     assert p.nabla2(wavelength) == close(wavelength * sqrt(p.M / p.L))
-    assert p.nabla2(wavelength) == close(wavelength * 2 / sqrt(alpha_bar * lambda_bar))
     if alpha_bar >= 1:
         assert p.trapped_film == close(sqrt(p.L / p.M))
 
@@ -142,24 +93,17 @@ def test_without_piezoviscosity():
     p = Parameters(0.01, 0.0)
     assert isinf(p.nabla2(0.5))
     assert p.trapped_film == close(0.03135)
-    with pytest.raises(ValueError, match="alpha_bar = 0"):
-        scales_of(p, R=0.01, E_prime=2e11, eta0=0.1, alpha=2e-8)
 
 
 @given(decades(9, 12), st.floats(-0.9, 0.5), decades(9, 12), st.floats(-0.9, 0.5))
 def test_reduced_modulus(E1, nu1, E2, nu2):
-    E = reduced_modulus(E1, nu1, E2, nu2)
-    assert close(reduced_modulus(E2, nu2, E1, nu1)) == E
-    assert 2 / E == close((1 - nu1**2) / E1 + (1 - nu2**2) / E2)
-    assert reduced_modulus(E1, nu1, E1, nu1) == close(E1 / (1 - nu1**2))
+    assert 2 / reduced_modulus(E1, nu1, E2, nu2) == close((1 - nu1**2) / E1 + (1 - nu2**2) / E2)
 
 
 @given(POSITIVE, POSITIVE)
 def test_reduced_radius(R1, R2):
     assert reduced_radius(R1) == close(R1)
     assert reduced_radius(R1, R2) == close(R1 * R2 / (R1 + R2))
-    assert reduced_radius(R1, R2) == close(reduced_radius(R2, R1))
-    assert reduced_radius(R1, R1) == close(R1 / 2)
 
 
 def test_mass_drop_and_modulus_of_steel():
@@ -175,6 +119,12 @@ POSITIVE_ARGUMENTS = [
     (sphere_mass, {"radius": 0.01, "density": 7800.0}),
     (drop_speed, {"height": 0.1, "g": 9.81}),
     (Scales, {"R": 0.01, "E_prime": 2e11, "a": 2e-4, "p_h": 1e9, "t0": 1e-5}),
+    (lambda lambda_bar: Parameters(lambda_bar, 1.0), {"lambda_bar": 1.0}),
+    (lambda M: Parameters.from_moes(M, 10.0), {"M": 1.0}),
+    (lambda eta0: parameters(STEEL, eta0, 2e-8), {"eta0": 1.0}),
+    (lambda wavelength: STEEL_PARAMETERS.nabla2(wavelength), {"wavelength": 1.0}),
+    (lambda E1=2e11, E2=2e11: reduced_modulus(E1, 0.3, E2, 0.3), {"E1": 2e11, "E2": 2e11}),
+    (reduced_radius, {"R1": 1.0}),
 ]
 
 
@@ -187,24 +137,10 @@ def test_what_must_be_positive_is_refused_by_name(function, arguments, name, bad
         function(**(arguments | {name: bad}))
 
 
-@pytest.mark.parametrize("bad", [0.0, -1.0, nan, inf])
-def test_parameters_refuse_by_name(bad):
-    s, p = STEEL, STEEL_PARAMETERS
-    si = {"R": 0.01, "E_prime": 2e11, "eta0": 0.1, "alpha": 2e-8}
-    calls = {
-        "lambda_bar": lambda: Parameters(bad, 1.0),
-        "M": lambda: Parameters.from_moes(bad, 10.0),
-        "eta0": lambda: parameters(s, bad, 2e-8),
-        "wavelength": lambda: p.nabla2(bad),
-        "E1": lambda: reduced_modulus(bad, 0.3, 2e11, 0.3),
-        "E2": lambda: reduced_modulus(2e11, 0.3, bad, 0.3),
-        "R1": lambda: reduced_radius(bad),
-    } | {name: lambda name=name: scales_of(p, **(si | {name: bad})) for name in ("R", "E_prime", "alpha")}
-    if bad != inf:  # a plane
-        calls["R2"] = lambda: reduced_radius(0.01, bad)
-    for name, call in calls.items():
-        with pytest.raises(ValueError, match=f"^{name} = {bad}: must be"):
-            call()
+@pytest.mark.parametrize("bad", [0.0, -1.0, nan])
+def test_a_plane_has_an_infinite_radius(bad):
+    with pytest.raises(ValueError, match=f"^R2 = {bad}: must be above zero"):
+        reduced_radius(0.01, bad)
 
 
 @pytest.mark.parametrize("bad", [-1e-9, nan, inf])
@@ -223,7 +159,3 @@ def test_what_may_be_zero_but_not_negative(bad):
 def test_poissons_ratio(bad):
     with pytest.raises(ValueError, match=f"nu1 = {bad}: Poisson's ratio must be above -1 and not above 0.5"):
         reduced_modulus(2e11, bad, 2e11, 0.3)
-
-
-def test_doctests():
-    assert doctest.testmod(scales).failed == 0

@@ -10,7 +10,7 @@ from made_up import C1, H_C, H_MIN, in_time, solutions, steady
 from made_up import MOES_ROLLS as MOES
 
 from ertel import plots
-from ertel.case.derived import grid_of
+from ertel.case.definition import grid_of
 from ertel.case.sections import SOLVERS, Drive
 from ertel.inputs.python import rolling
 from ertel.physics import hertz

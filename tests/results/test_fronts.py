@@ -1,7 +1,5 @@
 """Front, film and waves of an impact: on made-up fields whose answer is known, and on one small run."""
 
-from functools import cache
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -18,26 +16,19 @@ DEFINITIONS = ("film", "slope", "half-hertz")
 
 def dry_impact(interval: float = 0.02, two_dimensional: bool = False) -> xr.Dataset:
     """The dry impact as if it were a run: Hertz' pressure, and a film that is least at the contact's edge."""
-    frames = np.arange(0.5, TOUCH + hertz.HALF_CONTACT_TIME, interval)
-    frames = np.append(frames, TOUCH + hertz.HALF_CONTACT_TIME)
+    end = TOUCH + hertz.HALF_CONTACT_TIME
+    frames = np.append(np.arange(0.5, end, interval), end)
     A = hertz.contact_radius(frames - TOUCH)[:, None]
     X = np.linspace(-1.5, 1.5, 601) if two_dimensional else np.linspace(0.0, 1.5, 301)
-    P = np.sqrt(np.maximum(A**2 - X**2, 0.0))
-    H = 0.01 + (np.abs(X) - A) ** 2
-    dims, axes = (("frame", "r"), {"r": X})
+    fields = {"P": np.sqrt(np.maximum(A**2 - X**2, 0.0)), "H": 0.01 + (np.abs(X) - A) ** 2}
+    dims, axes = ("frame", "r"), {"r": X}
     if two_dimensional:
         dims, axes = ("frame", "Y", "X"), {"Y": np.array([-0.5, 0.0, 0.5]), "X": X}
-        P, H = (np.stack([0.3 * field, field, 0.3 * field], axis=1) for field in (P, H))
-    event = np.zeros(len(frames), dtype=int)
-    event[-1] = 1
-    scalars = {
-        "Delta": hertz.approach(frames - TOUCH),
-        "X_min": A[:, 0],
-        "Y_min": np.zeros(len(A)),
-        "P_max": np.maximum(A[:, 0], 0.0),
-    }
+        fields = {name: np.stack([0.3 * f, f, 0.3 * f], axis=1) for name, f in fields.items()}
+    scalars = {"Delta": hertz.approach(frames - TOUCH), "X_min": A[:, 0], "Y_min": 0 * A[:, 0], "P_max": A[:, 0]}
     variables = {name: ("time", values) for name, values in scalars.items()}
-    variables |= {"P": (dims, P), "H": (dims, H), "event": ("frame", event)}
+    variables |= {name: (dims, f) for name, f in fields.items()}
+    variables["event"] = "frame", (frames == end).astype(int)
     return xr.Dataset(variables, {"time": frames, "frame": frames, **axes})
 
 
@@ -75,46 +66,26 @@ def test_parabola_is_found_again_and_fits_the_dry_impact_with_the_papers_base():
 def test_film_left_behind_and_the_power_law_through_it():
     """H = 0.03 v^0.67 at maximum approach must give C = 0.03 with no deviation."""
     data = dry_impact()
-    front = fronts.front(data)
-    r = data["r"].values
-    law = 0.03 * np.nan_to_num(front.speed_at(r), nan=1.0) ** 0.67
-    data["H"][-1] = law
+    front, r = fronts.front(data), data["r"].values
+    data["H"][-1] = 0.03 * np.nan_to_num(front.speed_at(r), nan=1.0) ** 0.67
     trace = fronts.film_behind_front(data, front, r[(r > 0.75) & (r < 1.2)])
     assert trace.X.max() <= 1.0  # the front never came farther
     C = fronts.fit_power(trace)
     assert pytest.approx(0.03, rel=1e-9) == C
     assert fronts.deviation(C * trace.speed**0.67, trace.H).worst < 1e-9
+    assert fronts.deviation([1.1, 0.7], [1.0, 1.0]) == pytest.approx((-0.1, np.sqrt(0.05), 0.3))
 
 
-def test_deviation_by_hand():
-    found = fronts.deviation([1.1, 0.7], [1.0, 1.0])
-    assert found == pytest.approx((-0.1, np.sqrt(0.05), 0.3))
-
-
-def test_film_from_speed_is_the_formula_at_the_local_parameters():
-    p = Parameters.from_moes(1000, 10)
-    steady = film_formulas.nijenbanning_venner_moes(p.M, p.L)
-    assert fronts.film_from_speed(p, 1.0) == pytest.approx(steady)
-    slow = Parameters(0.3 * p.lambda_bar, p.alpha_bar)
-    assert fronts.film_from_speed(p, 0.3) == pytest.approx(film_formulas.nijenbanning_venner_moes(slow.M, slow.L))
-    assert fronts.film_from_speed(p, [0.3, 1.0], [0.9, 1.0]).shape == (2,)
-
-
-def test_local_hertz_is_the_same_contact_in_its_own_scales():
+def test_the_front_is_rolling_with_its_speed_in_the_hertz_contact_of_its_time():
     """A contact of radius A a* with the same oil and speed has the film that its own a and p_h give."""
-    p, A, v = Parameters.from_moes(1000, 10), 0.8, 0.5
-    own = Parameters(p.lambda_bar * v / A**4, p.alpha_bar * A)
-    assert fronts.film_from_speed(p, v, A) == pytest.approx(film_formulas.nijenbanning_venner_moes(own.M, own.L) * A**2)
-
-
-def test_local_nabla2_is_that_of_the_local_lambda_bar():
-    p, v, A = Parameters.from_moes(2000, 10), 0.4, 0.7
-    local = Parameters(p.lambda_bar * v, p.alpha_bar)
-    assert waves.local_nabla2(p, 0.3, v) == pytest.approx(local.nabla2(0.3))
+    p = Parameters.from_moes(1000, 10)
+    for v, A in ((1.0, 1.0), (0.3, 1.0), (0.5, 0.8)):
+        own = Parameters(p.lambda_bar * v / A**4, p.alpha_bar * A)
+        film = film_formulas.nijenbanning_venner_moes(own.M, own.L) * A**2
+        assert fronts.film_from_speed(p, v, A) == pytest.approx(film)
+        assert waves.local_nabla2(p, 0.3, v, A) == pytest.approx(own.nabla2(0.3 / A))
+    assert fronts.film_from_speed(p, [0.3, 1.0], [0.9, 1.0]).shape == (2,)
     assert waves.local_nabla2(p, 0.3, 1.0) == pytest.approx(p.nabla2(0.3))
-    # with the Hertz contact then it is that of rolling in the front's place: lambda_bar v/A^4, alpha_bar A
-    then = Parameters(p.lambda_bar * v / A**4, p.alpha_bar * A)
-    assert waves.local_nabla2(p, 0.3, v, A) == pytest.approx(then.nabla2(0.3 / A))
 
 
 def test_ridges_that_a_front_left_behind():
@@ -160,9 +131,9 @@ def test_amplitude_reduction():
 
 def test_waves_of_a_cosine():
     X = np.linspace(-1.5, 1.5, 301)  # 20 nodes a wave, crests between nodes
-    found = waves.waves(X, -0.7 * np.cos(2 * np.pi * (X - 0.003) / 0.2))
-    assert [wave.amplitude for wave in found] == pytest.approx([0.7] * len(found), rel=1e-3)
-    last = waves.last_wave(X, -0.7 * np.cos(2 * np.pi * (X - 0.003) / 0.2))
+    dH = -0.7 * np.cos(2 * np.pi * (X - 0.003) / 0.2)
+    assert [wave.amplitude for wave in waves.waves(X, dH)] == pytest.approx([0.7] * 8, rel=1e-3)
+    last = waves.last_wave(X, dH)
     assert (last.start, last.end, last.X) == pytest.approx((0.753, 0.953, 0.853), abs=1e-3)
 
 
@@ -185,26 +156,16 @@ def test_amplitude_of_waves_that_fade_outwards():
 # -- a real run --------------------------------------------------------------------------------------------------------
 
 
-@cache
-def run():
+def test_a_small_run():
+    """The three definitions of its front agree, oil slows it, and the film at maximum approach follows its speed."""
     case = impact(1000, 10, 201, solver={"method": "radial", "half_width": 4.0}, output={"interval": 0.02})
-    return case, simulate(case).dataset
-
-
-def test_three_definitions_of_the_front_agree():
-    _, data = run()
-    found = {by: fronts.front(data, by) for by in DEFINITIONS}
+    data = simulate(case).dataset
     X = np.linspace(0.55, 0.85, 7)
-    speeds = np.array([front.speed_at(X) for front in found.values()])
+    speeds = np.array([fronts.front(data, by).speed_at(X) for by in DEFINITIONS])
     assert np.ptp(speeds, axis=0).max() < 0.1
     np.testing.assert_allclose(speeds, np.broadcast_to(hertz.front_speed(X), speeds.shape), rtol=0.2)
-    assert (speeds < hertz.front_speed(X)).all()  # oil slows the front
-
-
-def test_film_at_maximum_follows_the_fronts_speed():
-    case, data = run()
+    assert (speeds < hertz.front_speed(X)).all()
     trace = fronts.film_behind_front(data, fronts.front(data), np.linspace(0.75, 0.95, 41))
     C = fronts.fit_power(trace)
     assert fronts.deviation(C * trace.speed**0.67, trace.H).rms < 0.1
-    plain = fronts.film_from_speed(case.parameters, trace.speed)
-    assert fronts.deviation(plain, trace.H).rms < 0.2
+    assert fronts.deviation(fronts.film_from_speed(case.parameters, trace.speed), trace.H).rms < 0.2

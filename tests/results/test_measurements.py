@@ -15,21 +15,18 @@ from ertel.results.profiles import moment_of, profile, write_profile
 from ertel.results.result import Result
 from ertel.results.summary import impact_summary
 
-WORK = {"steps": 1, "newton_iterations": 1, "krylov_iterations": 1, "convolutions": 1, "wall_s": 1.0}
 
-
-def as_result(data, case_data=BALL_FALLS) -> Result:
-    case = parse_case(case_data)
+def as_result(case_data) -> Result:
+    """The dry impact of a ball of 10 mm, whose film is known in closed form."""
+    case, data = parse_case(case_data), dry_impact(case_data, radial=True)
     then = data.drop_dims([name for name in data.dims if name != "time"]).sel(time=2.45, method="nearest")
     reached = {"T": 2.45, **{str(name): float(value) for name, value in then.data_vars.items()}}
-    summary = impact_summary(case, data, reached, WORK, Status.CONVERGED)
-    return Result(case, data, summary, Status.CONVERGED)
+    return Result(case, data, impact_summary(case, data, reached, {}, Status.CONVERGED), Status.CONVERGED)
 
 
 @pytest.fixture(scope="module")
 def ball() -> Result:
-    """The dry impact of a ball of 10 mm, whose film is known in closed form."""
-    return as_result(dry_impact(BALL_FALLS, radial=True))
+    return as_result(BALL_FALLS)
 
 
 @pytest.fixture
@@ -60,11 +57,6 @@ def test_a_moment_by_number_by_quantity_and_by_event(ball):
 def test_a_moment_that_a_run_does_not_have(ball, at):
     with pytest.raises(ValueError, match=r"at = .*0\.05 to 3\.9 t0 \(1\.87 µs to 145\.9 µs\) .*max-approach"):
         moment_of(ball.dataset, at)
-
-
-def test_a_dimensionless_run_has_no_seconds():
-    with pytest.raises(ValueError, match="at = '60 us': the case is dimensionless"):
-        profile(dry_impact(MOES_FALLS), "60 us")
 
 
 def test_a_profile_on_the_plane_and_along_the_radius():
@@ -182,6 +174,11 @@ def test_a_history_and_numbers(ball):
     assert Measurement.number("contact_time", "95 us", "1 us").values == pytest.approx([95e-6])
 
 
+@pytest.fixture(scope="module")
+def moes() -> Result:
+    return as_result(MOES_FALLS)
+
+
 def film(quantity="h", x=(0.0, 1e-4), at=None) -> Measurement:
     return Measurement("profile", quantity, [1e-7, 2e-7], x, at=at)
 
@@ -201,12 +198,10 @@ def test_what_a_run_does_not_have(ball, measured, message):
     assert message in str(error.value)
 
 
-def test_measurements_are_in_si():
-    moes = as_result(dry_impact(MOES_FALLS), MOES_FALLS)
-    for measured in (
-        film(),
-        Measurement("history", "h_c", [1e-7, 2e-7], [0.0, 1e-4]),
-        Measurement.number("h_c", "100 nm"),
-    ):
+def test_a_dimensionless_run_has_no_seconds_and_no_measurements(moes):
+    with pytest.raises(ValueError, match="at = '60 us': the case is dimensionless"):
+        profile(moes.dataset, "60 us")
+    history = Measurement("history", "h_c", [1e-7, 2e-7], [0.0, 1e-4])
+    for measured in (film(), history, Measurement.number("h_c", "100 nm")):
         with pytest.raises(ValueError, match="dimensionless"):
             measured.predicted(moes)

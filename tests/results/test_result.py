@@ -1,8 +1,10 @@
-"""A result shows its key numbers, in SI where it can, and its pictures."""
+"""A result shows its key numbers, in SI where it can, its pictures, and its outcome in one line."""
 
 import json
 from dataclasses import replace
+from math import hypot
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,11 +13,14 @@ from cases import python
 from made_up import BALL_FALLS, BALL_ROLLS, C1, MOES_FALLS, MOES_ROLLS, dry_impact, in_time, solutions, steady
 from matplotlib.figure import Figure
 
+import ertel
 from ertel import plots
 from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
+from ertel.physics.amplitude_reduction import lambda_ratio
 from ertel.results.dataset import provenance
-from ertel.results.result import Result
+from ertel.results.parameters import parameters_of, scale_values
+from ertel.results.result import Result, lambda_of, verdict
 from ertel.results.summary import impact_summary, rolling_summary, steady_summary
 from ertel.results.variables import to_si
 
@@ -36,24 +41,21 @@ def rolling(case):
     return Result(case, steady(case), summary, Status.CONVERGED)
 
 
-def rolling_in_time(case):
-    data = in_time(case)
-    case = replace(case, solver=replace(case.solver, method="transient"))
-    return Result(case, data, rolling_summary(case, data, WORK, Status.CONVERGED), Status.CONVERGED)
-
-
 def test_repr_of_a_physical_impact():
     estimate = {"H_c": {"error": 0.0007, "extrapolated": 0.0693}, "H_min": {"error": 0.002, "extrapolated": 0.018}}
     result = impact({**BALL_FALLS, "name": "ball"}, error_estimate=estimate, restitution=0.93)
     text = repr(result)
-    film = result.case.scales.film * 1e9
     assert text.startswith("Result: ball, converged\n  impact (2d), M = ")
-    assert "at maximum approach" in text
-    assert f"{0.07 * film:.4g} nm (0.07 a*^2/R), error 1.0%" in text
-    assert "error 10.0%" in text
-    assert "GPa (1.3 p_h*)" in text
-    assert "(0.004 F* a*^2/(R t0))" in text and "traction" not in text
-    assert "coefficient of restitution e  0.9300" in text
+    for part in (
+        "at maximum approach",
+        f"{0.07 * result.case.scales.film * 1e9:.4g} nm (0.07 a*^2/R), error 1.0%",
+        "error 10.0%",
+        "GPa (1.3 p_h*)",
+        "(0.004 F* a*^2/(R t0))",
+        "coefficient of restitution e  0.9300",
+    ):
+        assert part in text
+    assert "traction" not in text
     assert len(text.splitlines()) < 15
 
 
@@ -64,12 +66,21 @@ def test_repr_carries_the_warnings():
     assert warning in result._repr_html_().replace("&#x27;", "'").replace("&gt;", ">")
 
 
-def test_repr_of_a_steady_contact(tmp_path: Path):
+def test_a_steady_contact_as_text_as_plain_data_in_si_and_for_a_notebook(tmp_path: Path):
     result = rolling(BALL_ROLLS)
     text = repr(replace(result, directory=tmp_path))
     assert text.startswith("Result: steel_ball, converged\n  rolling (steady), M = 200, L = 10\n  on 129 x 129 nodes")
     assert f"{0.095 * C1.film * 1e9:.4g} nm (0.095 a^2/R), error 1.8%" in text
     assert f"stored in {tmp_path}" in text
+    assert json.loads(json.dumps(result.summary)) == {**result.summary} and isinstance(result.summary, dict)
+    assert repr(result.summary).startswith("Summary: converged")
+    assert len(repr(result.summary).splitlines()) < 12
+    assert "central film thickness" in result.summary._repr_html_()
+    html = result._repr_html_()
+    for part in ("<b>steel_ball</b>", "<td>H_min</td>", "<th>in SI</th>", "<th>error</th>"):
+        assert part in html
+    assert 'src="data:image/png;base64,iVBOR' in html
+    np.testing.assert_allclose(result.si["h_c"].values, result.dataset["H_c"].values * C1.film)
 
 
 def test_what_is_missing_is_not_shown():
@@ -79,34 +90,14 @@ def test_what_is_missing_is_not_shown():
     assert "<img" not in replace(before, dataset=before.dataset.isel(frame=slice(0, 0)))._repr_html_()
 
 
-def test_summary_is_plain_data_that_shows_little():
-    result = rolling(BALL_ROLLS)
-    plain = json.loads(json.dumps(result.summary))
-    assert plain == {**result.summary} and isinstance(result.summary, dict)
-    assert repr(result.summary).startswith("Summary: converged")
-    assert len(repr(result.summary).splitlines()) < 12
-    assert "central film thickness" in result.summary._repr_html_()
-
-
-def test_a_notebook_gets_a_table_and_a_picture():
-    html = rolling(BALL_ROLLS)._repr_html_()
-    assert "<b>steel_ball</b>" in html
-    assert "<td>H_min</td>" in html and "<th>in SI</th>" in html and "<th>error</th>" in html
-    assert 'src="data:image/png;base64,iVBOR' in html
-
-
 def test_a_dimensionless_run_in_time_has_no_column_in_si():
-    result = rolling_in_time(MOES_ROLLS)
+    data, case = in_time(MOES_ROLLS), replace(MOES_ROLLS, solver=replace(MOES_ROLLS.solver, method="transient"))
+    result = Result(case, data, rolling_summary(case, data, WORK, Status.CONVERGED), Status.CONVERGED)
     text, html = repr(result), result._repr_html_()
     assert "at T = 4" in text and "0.08486 a^2/R" in text and "nm" not in text
     assert "<th>in SI</th>" not in html and "<th>error</th>" not in html
-
-
-def test_si():
-    result = rolling(BALL_ROLLS)
-    np.testing.assert_allclose(result.si["h_c"].values, result.dataset["H_c"].values * C1.film)
     with pytest.raises(ValueError, match="dimensionless and has no SI scales"):
-        _ = rolling(MOES_ROLLS).si
+        _ = result.si
 
 
 def test_plots_of_a_result():
@@ -130,8 +121,6 @@ def test_dataset_ertel_of_a_run_that_xarray_alone_has_opened(tmp_path):
     assert "film()" in repr(opened.ertel) and "interferogram()" in repr(opened.ertel)
     xr.testing.assert_identical(opened.ertel.si(), to_si(opened))
     assert opened.ertel.si()["h_c"].attrs["units"] == "m"
-    with pytest.raises(ValueError, match="dimensionless"):
-        dry_impact(MOES_FALLS).ertel.si()
 
 
 def test_what_is_imported_and_when():
@@ -147,3 +136,58 @@ import ertel.results.result
 print(json.dumps([before, hasattr(xarray.Dataset, "ertel"), "matplotlib" in sys.modules]))
 """
     assert json.loads(python("-c", code).stdout) == [False, True, False]
+
+
+# -- in one line -------------------------------------------------------------------------------------------------------
+
+FILM = {"H_c": 341e-9, "H_min": 200e-9, "H_c_error": 15e-9, "H_min_error": 8e-9}
+
+
+def rolled(case=BALL_ROLLS, dataset=None, **more):
+    """A steady run with known films, of which the case has the scales."""
+    films = {name: value / C1.film for name, value in FILM.items()}
+    films |= {f"{name}_extrapolated": films[name] for name in ("H_c", "H_min")}
+    si = {"si": scale_values(case)} if case.scales else {}
+    summary = {"kind": "rolling", **parameters_of(case), **films, "mu_sliding": -0.047, **si, **more}
+    return SimpleNamespace(case=case, dataset=dataset, summary=summary)
+
+
+def test_the_line_has_what_the_run_has():
+    assert verdict(rolled()) == "film 341 ± 15 nm, mu = 0.047"
+    assert verdict(rolled(), "60 nm", 80e-9) == "film 341 ± 15 nm, Lambda = 2, mu = 0.047"
+    assert verdict(rolled(H_c_error=None, mu_sliding=0.0)) == "film 341 nm"
+    assert verdict(rolled(H_c=None)) == ""
+    assert verdict(rolled(MOES_ROLLS)).startswith("film 0.") and "mu" not in verdict(rolled(MOES_ROLLS))
+    # with heat the film and the friction are the warm ones
+    warm = rolled(thermal={"h_c_m": 300e-9, "h_min_m": 180e-9, "mu_sliding": 0.031, "T_film_mean_K": 324.0})
+    warm.case = SimpleNamespace(features=(), scales=C1, thermal=SimpleNamespace(temperature=313.0))
+    assert verdict(warm) == "film 300 nm, mu = 0.031, 11 K"
+
+
+def test_the_lambda_ratio():
+    assert lambda_ratio(3.0, 1.0) == 3.0 and lambda_ratio(5.0, 3.0, 4.0) == 1.0
+    assert lambda_of(rolled(), "60 nm", "80 nm") == pytest.approx(2.0)
+    with pytest.raises(ValueError, match="sigma = -1: must not be negative"):
+        lambda_ratio(1.0, -1.0)
+    for sigma, case, message in (
+        ((), BALL_ROLLS, "sigma_1: missing"),
+        (("20 nm",), MOES_ROLLS, "lambda ratio: the case is dimensionless"),
+        (("20",), BALL_ROLLS, "unit"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            lambda_of(rolled(case), *sigma)
+
+
+def test_a_rough_surface_brings_its_own():
+    """A map with a given rms on each surface; the film is the mean with the pressure as weight."""
+    heights = np.random.default_rng(0).normal(size=(16, 16))
+    maps = [ertel.Measured.of(each * 40e-9, 5e-6) for each in (heights, heights / 2)]
+    rough = [ertel.Feature(shape, surface) for surface, shape in enumerate(maps, 1)]
+    case = replace(BALL_ROLLS, roughness=tuple(rough), solver=replace(BALL_ROLLS.solver, method="transient"))
+    H, P = np.array([[[1.0, 2.0], [4.0, 9.0]]]), np.array([[[0.0, 3.0], [1.0, 0.0]]])
+    data = xr.Dataset(
+        {"H": (("frame", "Y", "X"), H), "P": (("frame", "Y", "X"), P), "event": ("frame", [2])}, {"frame": [1.0]}
+    )
+    sigma = hypot(heights.std(), heights.std() / 2) * 40e-9
+    assert lambda_of(rolled(case, data)) == pytest.approx(2.5 * C1.film / sigma, rel=1e-3)
+    assert f"Lambda = {2.5 * C1.film / sigma:.2g}" in verdict(rolled(case, data))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import ertel
-from ertel.case.derived import grid_of
+from ertel.case.definition import grid_of
 from ertel.case.sections import Inlet
 from ertel.inputs.case_files import parse_case
 from ertel.physics.thermal import AT_REST, SLOWEST, slow_excess
@@ -27,18 +27,16 @@ DATA = {"temperature": "40 degC", "conductivity": "0.14 W/(m*K)", "beta": "0.04 
 }
 OIL = {"eta0": "40 mPa*s", "alpha": "22 / GPa"}
 CONTACT = {"kind": "rolling", "radius": "10 mm", "E_prime": "219.7802 GPa", "load": "3.888524 N"}
-SPEED = {"mean_speed": "0.502636 m/s", "slide_to_roll": 0.03}
+CONTACT |= {"mean_speed": "0.502636 m/s", "slide_to_roll": 0.03}
 
 
-def case_of(thermal: dict[str, Any] | None = None, **speed: Any) -> ertel.Case:
-    sections = {} if thermal is None else {"thermal": thermal}
-    contact = CONTACT | (speed or SPEED)
-    return parse_case({"contact": contact, "lubricant": OIL, "solver": {"nodes": 65}, **sections})
+def case_of(**sections: Any) -> ertel.Case:
+    return parse_case({"contact": CONTACT, "lubricant": OIL, "solver": {"nodes": 65}, **sections})
 
 
 @pytest.fixture(scope="module")
 def run() -> ertel.Result:
-    return ertel.simulate(case_of(DATA))
+    return ertel.simulate(case_of(thermal=DATA))
 
 
 def test_maps_and_summary(run: ertel.Result) -> None:
@@ -67,10 +65,6 @@ def test_the_warm_film_is_thinner_and_carries_less_traction(run: ertel.Result) -
     assert said["h_c_m"] == pytest.approx(said["phi_T"] * si["h_c_m"])
     assert said["h_min_m"] == pytest.approx(said["phi_T"] * si["h_min_m"])
     assert 0.5 < said["mu_sliding"] / si["mu_sliding"] < 1.1  # thinner by phi_T, and less viscous
-
-
-def test_text(run: ertel.Result) -> None:
-    said = run.summary["thermal"]
     text, html = "\n".join(lines(run.summary)), html_table(run.summary)
     for line in (
         f"(phi_T = {said['phi_T']:.4g}, L_t = {said['L_t']:.3g})",
@@ -122,8 +116,8 @@ def test_account_and_heat_are_computed_once_for_a_grid(
 
         return call
 
-    for name in ("steady_account", "heated"):
+    for name in ("_account_program", "heated"):
         monkeypatch.setattr(steady, name, counted(name, getattr(steady, name)))
     monkeypatch.setattr(ReplacedData, "flush_interval", flush_interval)
-    ertel.run(case_of(DATA), tmp_path / "run")
-    assert calls == {"steady_account": 2, "heated": 1 if flush_interval else 2}  # grids of 33 and 65 nodes
+    ertel.run(case_of(thermal=DATA), tmp_path / "run")
+    assert calls == {"_account_program": 2, "heated": 1 if flush_interval else 2}  # grids of 33 and 65 nodes

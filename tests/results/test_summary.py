@@ -1,59 +1,66 @@
-"""The outcome of a run as plain data: values in SI, film formulas, the extremes of a run in time."""
+"""The outcome of a run as plain data: values in SI, extremes, coefficients of friction, and the error of a run."""
+
+from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
-from made_up import BALL_ROLLS, C1, MOES_FALLS, MOES_ROLLS, as_in_time, dry_impact, in_time
+from cases import impact
+from made_up import BALL_FALLS, BALL_ROLLS, C1, MOES_FALLS, MOES_ROLLS, as_in_time, dry_impact, in_time
 
+import ertel
+from ertel.apps.tables import film_rows, value_rows
+from ertel.case.case import Case
+from ertel.case.definition import grid_of
+from ertel.case.sections import Time
 from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
 from ertel.physics import hertz
+from ertel.physics.film_formulas import FormulaFilm
+from ertel.physics.units import Quantity
 from ertel.results import parameters, variables
-from ertel.results.numbers import lines, more_lines
-from ertel.results.summary import extremes, impact_summary, rolling_summary
+from ertel.results.numbers import as_now, key_numbers, lines, more_lines, number, scalars
+from ertel.results.summary import comparisons, extremes, impact_summary, in_smaller_steps, rolling_summary, with_error
+from ertel.results.variables import one_number, to_si, with_coefficients
+from ertel.runs.drive import simulate
+from ertel.solvers import radial
 
-BALL = {"radius": "10 mm", "mass": "32.6726 g", "speed": "0.1 m/s", "E_prime": "226.37 GPa"}
 ROLLING = {  # of reference/rolling.json, M = 20, L = 10
     **{"kind": "rolling", "radius": "10 mm", "E_prime": "219.7802 GPa"},
     **{"load": "3.888524 N", "mean_speed": "0.502636 m/s"},
 }
 ROLLING_OIL = {"viscosity": "barus", "density": "incompressible", "eta0": "40 mPa*s", "alpha": "22 / GPa"}
-OIL = {"eta0": "0.1 Pa*s", "alpha": "22 / GPa"}
+WORK = {"steps": 1, "newton_iterations": 1, "krylov_iterations": 1, "wall_s": 1.0}
 
 
-def test_si_summary_has_units_in_its_names():
-    case = parse_case({"contact": BALL, "lubricant": OIL})
-    scales = case.scales
-    assert scales is not None
-    film, pressure, place = scales.film, scales.p_h, scales.a
-    assert variables.values_in_si(dict.fromkeys(variables.AT_MAXIMUM, 1.0), scales) == {
-        **{"t_s": scales.t0, "delta_m": film, "f_N": scales.load, "p_c_Pa": pressure, "p_max_Pa": pressure},
-        **{"h_c_m": film, "h_min_m": film, "x_min_m": place, "y_min_m": place},
+def test_si_summary_has_units_in_its_names() -> None:
+    s = parse_case(BALL_FALLS).scales
+    assert variables.values_in_si(dict.fromkeys(variables.AT_MAXIMUM, 1.0), s) == {
+        **{"t_s": s.t0, "delta_m": s.film, "f_N": s.load, "p_c_Pa": s.p_h, "p_max_Pa": s.p_h},
+        **{"h_c_m": s.film, "h_min_m": s.film, "x_min_m": s.a, "y_min_m": s.a},
     }
-    dimensionless = impact_summary(parse_case(MOES_FALLS), dry_impact(MOES_FALLS), None, {}, Status.CONVERGED)
-    assert "si" not in dimensionless
+    assert "si" not in impact_summary(parse_case(MOES_FALLS), dry_impact(MOES_FALLS), None, {}, Status.CONVERGED)
 
 
-def test_duration_and_largest_load_of_an_impact():
+def test_duration_and_largest_load_of_an_impact() -> None:
     """Of the dry one F = Delta^(3/2), so that F = 0.01 at Delta = 0.01^(2/3)."""
-    case, data = parse_case({"contact": BALL, "lubricant": OIL}), dry_impact(MOES_FALLS)
+    case, data = parse_case(BALL_FALLS), dry_impact(MOES_FALLS)
     assert impact_summary(case, data, None, {}, Status.CONVERGED)["contact_time"] is None  # not yet free
     left = data.assign(F=data["F"].where(data["time"] < 3.9, 0.0))
     summary = impact_summary(case, left, None, {}, Status.CONVERGED)
     duration = hertz.CONTACT_TIME - 2 * float(hertz.time_at(0.01 ** (2 / 3)))
     assert summary["contact_time"] == pytest.approx(duration, abs=0.02)  # the steps are 0.05
     assert summary["F_max"] == pytest.approx(1.0, abs=1e-3)
-    assert case.scales is not None
     assert summary["si"]["t_contact_s"] == pytest.approx(summary["contact_time"] * case.scales.t0)
     assert summary["si"]["f_max_N"] == pytest.approx(summary["F_max"] * case.scales.load)
 
 
-def test_films_of_another_load_and_speed():
+def test_films_of_another_load_and_speed() -> None:
     """As if the case had been given with them."""
     a = parse_case({"contact": ROLLING, "lubricant": ROLLING_OIL})
     other = {"load": f"{2 * 3.888524!r} N", "mean_speed": f"{3 * 0.502636!r} m/s"}
     b = parse_case({"contact": ROLLING | other, "lubricant": ROLLING_OIL})
-    assert a.scales is not None and b.scales is not None
     for one, two in zip(parameters.formula_films(a, 2.0, -3.0), parameters.formula_films(b), strict=True):
         for p, q in ((one.central, two.central), (one.minimum, two.minimum)):
             assert (p is None and q is None) or p * a.scales.film == pytest.approx(q * b.scales.film)
@@ -61,8 +68,6 @@ def test_films_of_another_load_and_speed():
 
 
 # -- extremes ----------------------------------------------------------------------------------------------------------
-
-WORK = {"steps": 1, "newton_iterations": 1, "krylov_iterations": 1, "wall_s": 1.0}
 
 
 def with_a_peak(data: xr.Dataset, fall: float) -> xr.Dataset:
@@ -73,14 +78,22 @@ def with_a_peak(data: xr.Dataset, fall: float) -> xr.Dataset:
 
 
 def test_the_extremes_of_the_whole_run() -> None:
-    data = with_a_peak(in_time(MOES_ROLLS), 0.02)
-    both = extremes(data)
+    data = with_a_peak(in_time(BALL_ROLLS), 0.02)
     thin = int(np.argmin(data["H_min"].values))
-    assert both["H_min"]["value"] == float(data["H_min"].values.min()) < float(data["H_min"].values[0])
-    assert both["H_min"]["T"] == float(data["time"].values[thin])
-    assert (both["H_min"]["X"], both["H_min"]["Y"], both["H_min"]["note"]) == (0.2, 0.8, "")
-    assert both["P_max"] == {"value": 3.2, "T": pytest.approx(0.7), "X": 0.9, "Y": -0.1, "note": ""}
+    assert float(data["H_min"][thin]) < float(data["H_min"][0])
+    place = {"T": float(data["time"][thin]), "X": 0.2, "Y": 0.8}
+    assert extremes(data) == {
+        "H_min": {"value": float(data["H_min"][thin]), **place, "note": ""},
+        "P_max": {"value": 3.2, "T": pytest.approx(0.7), "X": 0.9, "Y": -0.1, "note": ""},
+    }
     assert extremes(data.isel(time=slice(0, 0))) == {}
+    summary = rolling_summary(as_in_time(BALL_ROLLS), data, WORK, Status.CONVERGED)
+    assert summary["si"]["extremes"]["P_max"] == {
+        **{"p_max_Pa": pytest.approx(3.2 * C1.p_h), "t_s": pytest.approx(0.7 * C1.t0)},
+        **{"x_m": pytest.approx(0.9 * C1.a), "y_m": pytest.approx(-0.1 * C1.a)},
+    }
+    thinnest, highest = list(more_lines(summary))[:2]
+    assert "nm (" in thinnest and "GPa (3.2 p_h) at t = " in highest and "µm" in highest
 
 
 def test_a_peak_as_narrow_as_the_grid_is_said_to_be_the_grids() -> None:
@@ -89,17 +102,124 @@ def test_a_peak_as_narrow_as_the_grid_is_said_to_be_the_grids() -> None:
     (line,) = [line for line in lines(summary) if "highest pressure" in line]
     assert "P_max: 3.2 p_h at T = 0.7 t0, X = 0.9, Y = -0.1 a; it depends on the grid" in line
     assert "85% lower" in line
+    assert any("the film is not resolved in the inlet" in warning for warning in summary["warnings"])
 
 
-def test_the_extremes_in_si() -> None:
-    data = with_a_peak(in_time(BALL_ROLLS), 0.02)
-    summary = rolling_summary(as_in_time(BALL_ROLLS), data, WORK, Status.CONVERGED)
-    peak = summary["si"]["extremes"]["P_max"]
-    assert peak == {
-        "p_max_Pa": pytest.approx(3.2 * C1.p_h),
-        "t_s": pytest.approx(0.7 * C1.t0),
-        "x_m": pytest.approx(0.9 * C1.a),
-        "y_m": pytest.approx(-0.1 * C1.a),
-    }
-    thinnest, highest = list(more_lines(summary))[:2]
-    assert "nm (" in thinnest and "GPa (3.2 p_h) at t = " in highest and "µm" in highest
+# -- a coefficient of friction is one number ---------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def run() -> ertel.Result:
+    contact = {"radius": "10 mm", "load": "20 N", "mean_speed": 1.0, "E_prime": "226 GPa", "slide_to_roll": 0.01}
+    return ertel.simulate(ertel.rolling(**contact, oil=ertel.Oil(eta0="20 mPa*s", alpha="15 / GPa"), nodes=33))
+
+
+def test_one_number_everywhere(run: ertel.Result) -> None:
+    """In the summary, in SI, in the Dataset, in tables; a dimensionless case does not know a/R."""
+    summary, mu = run.summary, run.summary["mu_sliding"]
+    assert 0.001 < mu < 0.1  # 60 times as much in units a/R
+    assert summary["si"]["mu_sliding"] == mu == float(run.dataset["mu_sliding"][-1])
+    assert "in_units_of" not in run.dataset["mu_sliding"].attrs
+    assert float(to_si(run.dataset)["mu_sliding"][-1]) == mu == scalars(summary)["mu_sliding"].value
+    (shown,) = [number for number in key_numbers(summary) if number.about.symbol == "mu_sliding"]
+    assert (shown.text, shown.text_in_si) == (f"{mu:.4g}", "")
+    cell = float(run.dataset["X"][1] - run.dataset["X"][0]) ** 2
+    force = float(run.dataset["tau_x"].sum()) * cell * run.case.scales.a_over_R
+    assert mu == pytest.approx(force * 3 / (2 * np.pi), rel=0.02)
+    assert with_coefficients({"mu_sliding": 2.0, "H_c": 0.1}, None) == {"mu_sliding": 2.0, "H_c": 0.1}
+
+
+def test_summaries_and_data_of_earlier_versions(run: ertel.Result) -> None:
+    """They had units a/R, beside the number itself in SI."""
+    unit, now = run.case.scales.a_over_R, run.summary
+    assert as_now({**now, "mu_sliding": now["mu_sliding"] / unit})["mu_sliding"] == now["mu_sliding"]
+    assert as_now(now) == now
+    reached = {"kind": "impact", "max_approach": {"H_c": 1.0, "mu_sliding": 9.0}}
+    reached["si"] = {"max_approach": {"mu_sliding": 0.1}}
+    assert as_now(reached)["max_approach"] == {"H_c": 1.0, "mu_sliding": 0.1}
+    attributes = {"in_units_of": "a*/R", "si_factor": unit, "si_name": "mu_sliding", "si_units": "1"}
+    old = xr.Dataset({"mu_sliding": ("grid", run.dataset["mu_sliding"].values / unit, attributes)})
+    np.testing.assert_allclose(one_number(old)["mu_sliding"], run.dataset["mu_sliding"], rtol=1e-14)
+    assert one_number(old)["mu_sliding"].attrs == {"si_factor": 1.0, "si_name": "mu_sliding", "si_units": "1"}
+    assert one_number(run.dataset) is run.dataset
+
+
+def test_the_films_of_an_impact_stand_where_those_of_rolling_do() -> None:
+    fall = ertel.impact(
+        radius=0.01, ball_density=7850, speed=0.1, E_prime="226 GPa", oil=ertel.Oil(eta0=0.0186, alpha=20e-9),
+        method="radial", nodes=33, until="max-approach",
+    )  # fmt: skip
+    summary = ertel.simulate(fall).summary
+    for name, key in {"H_c": "h_c_m", "H_min": "h_min_m", "P_max": "p_max_Pa", "Delta": "approach_m"}.items():
+        assert summary[name] == summary["max_approach"][name]
+        assert summary["si"][key] == summary["si"]["max_approach"]["delta_m" if name == "Delta" else key]
+    assert summary["si"]["delta_m"] == fall.scales.approach
+    least, most = fall.parameters.impact_films
+    assert least < summary["H_c"] < most < fall.parameters.trapped_film
+
+
+def test_tables_show_the_value_and_the_extrapolated_one_with_the_error(run: ertel.Result) -> None:
+    case, film = run.case, FormulaFilm("formula", 0.12, 0.06, "source", "valid", True)
+    values = {"H_c": (0.10, 0.01, 0.11), "H_min": (0.04, 0.02, 0.05)}
+    computed = {name: number(case.kind, case.scales, name, *known) for name, known in values.items()}
+    columns = list(zip(*film_rows(case, [film], computed), strict=True))
+    assert columns[0][1:] == ("computed", "computed, extrapolated", "formula")
+    assert columns[2][1:] == ("+-10.0%", "", "+9.1%") and columns[4][1:] == ("+-50.0%", "", "+20.0%")
+    head, row = value_rows("", [computed["H_c"]])
+    assert head[2:] == ["value", "in SI", "error", "extrapolated", "in SI"]
+    assert float(row[6].split()[0]) == pytest.approx(1.1 * float(row[3].split()[0]), rel=1e-3)
+
+
+# -- the error ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("nodes", [65, 97, 129, 257, 385])
+def test_the_wider_grid_has_the_spacing_and_the_nodes_of_the_half_grid(nodes: int) -> None:
+    case = parse_case({"contact": {"kind": "rolling", "M": 100, "L": 5}, "solver": {"nodes": nodes}})
+    assert sorted(comparisons(case)) == ["domain", "grid"]  # a steady contact has no error in time
+    half, wide = (grid_of(comparisons(case)[name]) for name in ("grid", "domain"))
+    assert wide.spacing == pytest.approx(half.spacing, rel=1e-12)
+    assert -wide.x[0] == pytest.approx(1.5 * -half.x[0], rel=0.03)
+    assert wide.x[-1] == pytest.approx(1.5 * half.x[-1], rel=0.03)
+    assert np.abs(wide.x).min() == pytest.approx(0, abs=1e-9)
+
+
+def test_the_wider_radial_grid_is_as_fine_in_the_contact() -> None:
+    found = comparisons(impact(200, 10, 129, solver={"method": "radial", "half_width": 4.0}))
+    half, wide = (radial.radii(found[name].solver.nodes, found[name].solver.half_width) for name in ("grid", "domain"))
+    assert (half[-1], wide[-1]) == (4.0, 6.0)
+    assert np.diff(wide).min() == pytest.approx(np.diff(half).min(), rel=0.02)
+
+
+def test_smaller_steps_have_half_the_error() -> None:
+    assert in_smaller_steps(Time(step=0.02)).step == pytest.approx(0.02 * 0.5**0.5)
+    assert in_smaller_steps(Time(step=Quantity(1e-5, "s"))).step == Quantity(1e-5 * 0.5**0.5, "s")
+    assert in_smaller_steps(Time(tolerance=8e-4)).tolerance == pytest.approx(8e-4 / 8**0.5)
+
+
+def ball(nodes: int, half_width: float, tolerance: float) -> Case:
+    solver = {"method": "radial", "half_width": half_width}
+    return impact(50, 5, nodes, solver=solver, time={"tolerance": tolerance})
+
+
+@cache
+def truth() -> dict[str, float]:
+    return simulate(ball(401, 12.0, 1e-5)).summary["max_approach"]
+
+
+@pytest.mark.parametrize(
+    ("half_width", "tolerance"), [(3.0, 5e-5), pytest.param(8.0, 3e-4, marks=pytest.mark.slow), (2.0, 5e-5)]
+)
+def test_the_estimate_is_honest(half_width: float, tolerance: float) -> None:
+    """True error over estimated error: for H_c a half to 2; Delta's parts may cancel, it is never understated."""
+    case = ball(129, half_width, tolerance)
+    others = {name: simulate(other).summary for name, other in comparisons(case).items()}
+    found: dict[str, Any] = with_error(case, simulate(case).summary, others)["error_estimate"]
+    H_c, Delta = (
+        abs(found[name]["value"] - truth()[key]) / found[name]["error"]
+        for name, key in {"H_c": "H_c", "Delta_max": "Delta"}.items()
+    )
+    assert 0.5 < H_c < 2, found["H_c"]
+    assert (0.5 if half_width == 2.0 else 0) < Delta < 2, found["Delta_max"]
+    assert found["H_c"]["dominant"] == "time"
+    assert half_width > 2 or found["Delta_max"]["dominant"] == "domain"

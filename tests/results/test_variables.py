@@ -2,34 +2,20 @@
 
 import numpy as np
 import pytest
+from made_up import BALL_FALLS, MOES_FALLS, dry_impact
 
 from ertel.case import rules
 from ertel.inputs.case_files import parse_case
 from ertel.results import variables
-from ertel.results.dataset import assemble
-from ertel.runs.stepping import Frame
-
-
-def a_run(contact, oil=None):
-    """Two steps and two maps of a made-up run."""
-    case = parse_case({"contact": contact, "lubricant": oil or {}})
-    x = np.linspace(-1, 1, 5)
-    records = [{"T": T, **{name: float(k) for k, name in enumerate(variables.SCALARS)}} for T in (0.1, 0.2)]
-    frames = [
-        Frame(T, {name: np.full((5, 5), k * T) for k, name in enumerate(variables.FIELDS, 1)}, event)
-        for T, event in ((0.1, ""), (0.2, "end"))
-    ]
-    return case, assemble(case, records, frames, {"Y": x, "X": x})
-
-
-BALL = {"radius": "10 mm", "mass": "32.6726 g", "speed": "0.1 m/s", "E_prime": "226.37 GPa"}
-OIL = {"eta0": "0.1 Pa*s", "alpha": "22 / GPa"}
+from ertel.results.dataset import Frame, assemble
 
 
 def test_si_is_the_scales_times_the_dimensionless():
-    case, data = a_run(BALL, OIL)
+    case, x = parse_case(BALL_FALLS), np.linspace(-1, 1, 5)
+    records = [{"T": T, **{name: float(k) for k, name in enumerate(variables.SCALARS)}} for T in (0.1, 0.2)]
+    maps = {name: np.full((5, 5), k) for k, name in enumerate(variables.FIELDS, 1)}
+    data = assemble(case, records, [Frame(0.1, maps, ""), Frame(0.2, maps, "end")], {"Y": x, "X": x})
     si, scales = variables.to_si(data), case.scales
-    assert scales is not None
     for name, new, factor, units in [
         ("H_c", "h_c", scales.film, "m"),
         ("P_max", "p_max", scales.p_h, "Pa"),
@@ -49,16 +35,12 @@ def test_si_is_the_scales_times_the_dimensionless():
         assert si[new].attrs["long_name"] == data[name].attrs["long_name"]
     assert si["h"].dims == ("frame", "y", "x")
     assert si["newton_iterations"].equals(data["newton_iterations"].rename(time="t").assign_coords(t=si["t"]))
+    with pytest.raises(ValueError, match="dimensionless"):
+        variables.to_si(dry_impact(MOES_FALLS))
 
 
 def test_the_rule_for_the_size_of_the_output_counts_all_maps():
     assert len(variables.FIELDS) == rules.FIELDS
-
-
-def test_dimensionless_runs_have_no_si():
-    _, data = a_run({"M": 100, "L": 10})
-    with pytest.raises(ValueError, match="dimensionless"):
-        variables.to_si(data)
 
 
 @pytest.mark.parametrize(

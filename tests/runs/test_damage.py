@@ -301,6 +301,23 @@ def test_data_older_than_the_checkpoint_are_refused(impact, copy):
         compute(RunStore.open(directory))
 
 
+def test_a_run_that_an_earlier_version_left_unfinished_is_refused(impact, copy):
+    """With coefficients in units a/R, or without a variable: the rows to come would mean something else."""
+    directory = copy(impact.cut)
+    whole = arrays.read_root(directory / "run.zarr", "")
+    for edit in (
+        lambda metadata: metadata["mu_sliding"]["attributes"].update(si_factor=0.01),
+        lambda metadata: metadata.pop("mu_sliding"),
+    ):
+        root = json.loads(json.dumps(whole))
+        edit(root["consolidated_metadata"]["metadata"])
+        arrays.write_root(directory / "run.zarr", root)
+        with pytest.raises(StoreError, match="was left unfinished by an earlier version of ertel; the run must be"):
+            compute(RunStore.open(directory))
+    arrays.write_root(directory / "run.zarr", whole)
+    assert impact.unchanged(impact.resume, directory)
+
+
 def test_data_that_are_replaced_while_they_are_read(steady, copy, monkeypatch):
     """By the process that computes them, grid by grid."""
     data, read, attempts = copy(steady.finished) / "run.zarr", arrays._read, itertools.count()

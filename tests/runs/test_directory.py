@@ -10,9 +10,9 @@ from cases import stop_after
 import ertel
 from ertel.inputs.case_files import parse_case
 from ertel.runs.arrays import AppendedData
-from ertel.runs.directory import Taken, changes
+from ertel.runs.directory import Taken
 from ertel.runs.files import StoreError
-from ertel.runs.store import RunStore, compute
+from ertel.runs.store import RunStore, changes, compute
 
 pytestmark = pytest.mark.filterwarnings("ignore:the film is not resolved", "ignore:the oil outside the domain")
 DATA = {"name": "small", "contact": {"M": 200, "L": 10}, "solver": {"method": "radial", "nodes": 33}}

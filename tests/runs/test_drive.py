@@ -10,11 +10,11 @@ from cases import course_with, impact, march
 
 from ertel.case.case import Case
 from ertel.case.status import Status
-from ertel.equations.approach import NewtonsLaw, PrescribedApproach
+from ertel.equations.approach import ClosureLine, NewtonsLaw
 from ertel.equations.state import Method
 from ertel.physics.motion import constant
-from ertel.results.errors import with_error
 from ertel.results.result import Result
+from ertel.results.summary import with_error
 from ertel.runs.drive import Recorder, TransientRun, drive, run_of, simulate
 from ertel.runs.stepping import StepLimits
 from ertel.solvers.radial import RadialImpact
@@ -80,8 +80,14 @@ def test_a_rig_may_prescribe_the_approach(method: type[Transient2D] | type[Radia
     def motion(T: float) -> float:
         return -1.0 + 1.5 * np.sin(np.pi / 2 * min(T / 1.5, 1.0))
 
+    class Rig(NewtonsLaw):
+        def line(self, T: float, *_: Any) -> ClosureLine:
+            return ClosureLine(1.0, 0.0, motion(T))
+
     case = impact(200, 10, 33, time={"until": 2.5, "tolerance": 1e-3})
-    data = simulated(case, method(case, PrescribedApproach(motion))).dataset
+    pressed = method(case)
+    pressed.closure = Rig.of(case.motion)
+    data = simulated(case, pressed).dataset
     np.testing.assert_allclose(data.Delta.values, [motion(T) for T in data.time.values], atol=1e-12)
     H_c = float(data.H_c[-1])
     assert H_c > 0.1
@@ -90,7 +96,8 @@ def test_a_rig_may_prescribe_the_approach(method: type[Transient2D] | type[Radia
 
 def test_a_rig_may_press_with_a_given_load() -> None:
     """A law in which Delta has no weight, for bodies that start apart."""
-    method = Transient2D(impact(20, 5, 33, time={"start_approach": -0.3}), NewtonsLaw(0.0, constant(0.3)))
+    method = Transient2D(impact(20, 5, 33, time={"start_approach": -0.3}))
+    method.closure = NewtonsLaw(0.0, constant(0.3))
     for level in march(method, 0.1, 2)[:2]:
         assert method.measure(level)["F"] == pytest.approx(0.3, rel=1e-5)
 

@@ -11,7 +11,7 @@ import pytest
 from cases import OIL, impact, rolled
 from numpy.testing import assert_allclose
 
-from ertel.case.derived import grid_of
+from ertel.case.definition import grid_of
 from ertel.case.sections import SOLVERS, Drive, Time
 from ertel.equations import discretise
 from ertel.equations.account import friction

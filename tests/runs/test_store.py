@@ -22,7 +22,7 @@ import ertel
 from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.inputs.case_files import load_case, parse_case
-from ertel.runs import arrays, store
+from ertel.runs import arrays, files
 from ertel.runs.arrays import ReplacedData
 from ertel.runs.drive import TransientRun, method_of, simulate
 from ertel.runs.files import StoreError
@@ -311,7 +311,7 @@ def test_a_run_that_has_ended_keeps_what_it_has(ended, end):
     assert data.attrs["status"] == summary["status"]
 
 
-CUTS = [(RunStore, "summarise"), (RunStore, "finish"), (arrays, "update_attributes"), (store, "sealed")]
+CUTS = [(RunStore, "summarise"), (RunStore, "finish"), (arrays, "update_attributes"), (files, "sealed")]
 QUICK = [*(("event", name) for _, name in CUTS), ("time", "summarise"), ("given up", "finish")]
 EACH_CUT = [
     pytest.param(end, *cut, marks=[] if (end, cut[1]) in QUICK else pytest.mark.slow) for end in ends() for cut in CUTS

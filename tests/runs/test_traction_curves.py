@@ -10,7 +10,6 @@ import xarray as xr
 from ertel.case.case import Case
 from ertel.case.sections import Drive
 from ertel.case.status import Status
-from ertel.equations import account
 from ertel.inputs.case_files import ConfigError, parse_case
 from ertel.physics.motion import constant
 from ertel.plots.drawing import NoFigure
@@ -85,7 +84,7 @@ def test_a_point_over_the_speed_or_the_load_is_its_own_case(axis: str) -> None:
     value = 2.0 * getattr(base.contact, axis)
     at = replace(base, contact=replace(base.contact, **{axis: value}))
     film = steady.steady_film(at).finest
-    found = account.steady_friction(at, film)
+    found = steady.steady_friction(at, film)
     data = traction(base, **{axis: [0.5 * value, value]}).dataset.isel({axis: 1})  # each with scales of its own
     assert float(data[axis]) == value
     assert at.scales is not None
@@ -132,7 +131,7 @@ def test_a_film_that_does_not_converge_is_said(monkeypatch: Any) -> None:
     def stalled(*arguments: Any) -> Any:
         return replace(drive(*arguments), status=Status.NEWTON_STALLED)
 
-    monkeypatch.setattr("ertel.runs.traction.drive", stalled)
+    monkeypatch.setattr("ertel.runs.store.drive", stalled)
     curve = traction(physical(), slide_to_roll=[0.0, 0.1])
     assert curve.failed == [0.0, 0.1]
     assert np.isnan(curve.dataset["mu_sliding"]).all()

@@ -11,7 +11,7 @@ import pytest
 from cases import march, parse_case
 
 from ertel.case.case import Case
-from ertel.case.derived import grid_of
+from ertel.case.definition import grid_of
 from ertel.case.sections import Drive
 from ertel.equations import discretise
 from ertel.equations.account import Friction, friction
@@ -20,7 +20,7 @@ from ertel.numerics.integrals import Plane
 from ertel.numerics.stencils import unfolded
 from ertel.physics.geometry import hertz_ellipse
 from ertel.physics.surfaces import Feature, Waviness
-from ertel.results.errors import comparisons
+from ertel.results.summary import comparisons
 from ertel.runs.response import respond, respond_in_rolling, respond_linearly
 from ertel.solvers import steady
 from ertel.solvers.steady import GridSolution

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from cases import OIL, rolled, steady_solver
 
-from ertel.case.derived import grid_of
+from ertel.case.definition import grid_of
 from ertel.equations import discretise
 from ertel.equations.approach import balanced
 from ertel.equations.flow import Rate

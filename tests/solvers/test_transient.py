@@ -13,7 +13,7 @@ import pytest
 from cases import BARUS_LIMIT, OIL, free_ball, impact, march, rolled, steps_of
 
 from ertel.case.case import Case
-from ertel.case.derived import coarsenings
+from ertel.case.definition import coarsenings
 from ertel.case.sections import SOLVERS, Drive, Solver, Time
 from ertel.equations import contact
 from ertel.equations.flow import Rate

@@ -23,6 +23,7 @@ from ertel.case.case import Case
 from ertel.inputs.case_files import load_case
 from ertel.inputs.studies import load_study
 from ertel.numerics.programs import Program
+from ertel.results.summary import comparisons
 from ertel.runs import arrays, workers
 from ertel.runs.drive import drive, run_of
 from ertel.runs.store import RunStore, compute, open_run
@@ -158,5 +159,5 @@ def _compute(case: Case, directory: Path, with_error: bool) -> None:
     compute(RunStore.open(directory))
     open_run(directory)
     CliRunner().invoke(app, ["show", str(directory)])  # imports what commands need
-    for other in course.comparisons.values() if with_error else ():
-        drive(other)
+    for other in comparisons(case).values() if with_error else ():
+        drive(run_of(other))

@@ -23,7 +23,6 @@ from matplotlib.figure import Figure
 
 import ertel
 from ertel.case.case import Case
-from ertel.equations import account
 from ertel.numerics.integrals import Plane
 from ertel.physics.fluidity import cut_off
 from ertel.runs.traction import curve_of
@@ -96,7 +95,7 @@ class Traction(NamedTuple):
 
 def traction(case: Case, film: GridSolution, limit: float) -> Traction:
     """The traction of a film in a case that may slide in another way, as `ertel.traction(..., film="once")` has it."""
-    found, scales = account.steady_friction(case, film), case.scales
+    found, scales = steady.steady_friction(case, film), case.scales
     assert scales is not None
     largest = np.maximum(limit * np.asarray(film.P) * scales.p_h / scales.shear_stress, 1e-30)
     cut = cut_off(np.asarray(found.stress), largest)

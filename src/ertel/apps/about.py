@@ -4,6 +4,7 @@ import json
 import os
 import platform
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 from typing import Any
 
 import ertel
@@ -52,8 +53,9 @@ def bibtex(of_version: str | None = None) -> str:
     return BIBTEX.format(version=of_version or ertel.__version__)
 
 
-def of_run(run: RunStore) -> dict[str, str]:
+def of_run(directory: Path) -> dict[str, str]:
     """The case, versions and machine of a run, and its end, by name.  Raises StoreError where the run is damaged."""
+    run = RunStore.open(directory)
     attributes = run.dataset().attrs
     versions = json.loads(attributes["versions"])
     return {

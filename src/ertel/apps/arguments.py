@@ -25,7 +25,8 @@ def case_files(incomplete: str) -> list[str]:
 
 def settings(incomplete: str) -> list[str]:
     """section.key= for the keys of case files that begin so."""
-    from ertel.inputs.layout import SECTIONS, section
+    from ertel.case.definition import SECTIONS
+    from ertel.inputs.layout import section
 
     keys = [f"{name}.{key.name}=" for name in SECTIONS for key in section(name).keys]
     return [key for key in keys if key.startswith(incomplete)]

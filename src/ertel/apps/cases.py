@@ -3,12 +3,12 @@
 import json
 from pathlib import Path
 from textwrap import wrap
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
 from ertel.apps.arguments import CaseFile, Json, OptionalCase, Set, path_argument
-from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, print_json, print_path, rough_time, shown
+from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, print_json, print_path, shown
 
 if TYPE_CHECKING:
     from ertel.case.case import Case
@@ -151,11 +151,7 @@ def check(case_file: CaseFile, set_: Set = None, as_json: Json = False) -> None:
     content = outlook(case)
     if as_json:
         print_json(content)
-    else:
-        _print_outlook(case, content)
-
-
-def _print_outlook(case: "Case", content: dict[str, Any]) -> None:
+        return
     from ertel.apps import tables
     from ertel.results.parameters import formula_films
 
@@ -167,35 +163,9 @@ def _print_outlook(case: "Case", content: dict[str, Any]) -> None:
         out.print()
         tables.print_films(case, formulas)
     out.print()
-    tables.print_names(_needs(content))
+    tables.print_names(tables.needs(content))
     for warning in content["warnings"]:
         out.print(f"Warning: {warning}", style="yellow")
-
-
-def _needs(content: dict[str, Any]) -> dict[str, str]:
-    """Grid, memory and time in words."""
-    from ertel.results.variables import with_prefix
-
-    grid, memory, time = content["grid"], content["memory"], content["time"]
-    size = f"{grid['nodes']} nodes along the radius"
-    if content["method"] != "radial":
-        size = f"{grid['nodes']} x {grid['nodes_across']} nodes"
-    in_si = f" = {with_prefix(grid['spacing_m'], 'm')}" if "spacing_m" in grid else ""
-    there = f" of {memory['available'] / 1e9:.3g} GB" if memory["available"] else ""
-    steps = f", {time['steps']} time steps" if time["steps"] else ""
-    starved, layers = content["starvation"], {}
-    if starved:
-        layers["layers of oil"] = f"r = {starved['r']:.3g}, about {starved['share']:.0%} of the flooded film"
-    if "wet_radius" in starved:
-        layers["wet radius"] = f"at most {starved['wet_radius']:.3g} a at maximum approach"
-    return {
-        "rheology": content["rheology"],
-        **layers,
-        "grid": f"{size}, spacing {grid['spacing']:.3g} a{in_si}",
-        "pressure sweep": f"{grid['sweep']:.3g} a long, {grid['cells_in_sweep']:.1f} cells (about 10 needed)",
-        "memory": f"about {memory['needed'] / 1e9:.2g} GB{there}",
-        "time": f"roughly {rough_time(time['seconds'])}{steps}",
-    }
 
 
 def oils(

@@ -280,12 +280,9 @@ def about(
     cite: Annotated[bool, typer.Option("--cite", help="Print BibTeX entries of ertel and of the paper.")] = False,
 ) -> None:
     """Print versions, devices and how to cite ertel; or the versions and the machine of a run, and how it ended."""
-    from ertel.apps import about, running, tables
+    from ertel.apps import about, tables
 
-    content = {}
-    if directory:
-        with running.opened(directory) as run:
-            content = about.of_run(run)
+    content = about.of_run(directory) if directory else {}
     if cite:
         print(about.bibtex(content.get("ertel")), end="")
     else:

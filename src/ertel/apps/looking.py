@@ -8,11 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from ertel.apps.arguments import Json, RunDirectory, figures, path_argument, path_option, run_directories
-from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, print_json, print_path, say, shown
+from ertel.apps.terminal import BAD_INPUT, bad_input, leave, print_json, print_path, say, shown
 
 if TYPE_CHECKING:  # these take long to import
-    import xarray as xr
-
     from ertel.optics import Light, Rig
     from ertel.results.numbers import Compared, Difference
     from ertel.runs.directory import Listed
@@ -57,22 +55,18 @@ def _as_data(run: "Listed", folder: Path) -> dict[str, Any]:
 def _print_runs(runs: "Sequence[Listed]", folder: Path) -> None:
     from ertel.apps.tables import print_rows
     from ertel.results.numbers import SHOWN
-    from ertel.results.variables import name_in_si
+    from ertel.results.variables import name_in_si, with_prefix
 
     there = {name for run in runs for name in run.numbers}
     names = ["M", "L", *(name for name in SHOWN if there & {name, name_in_si(name)})]
-    print_rows([("run", "case", "status", "written", *names), *(_row(run, folder, names) for run in runs)], left=4)
-
-
-def _row(run: "Listed", folder: Path, names: Sequence[str]) -> list[str]:
-    """A run in the list, with its numbers of these names."""
-    from ertel.results.variables import name_in_si, with_prefix
-
-    case = f"{run.case.name or run.case.kind}, {run.case.solver.method}" if run.case else ""
-    status = run.status if run.done >= 1 else f"{run.status} {run.done:.0%}"
-    numbers = [run.numbers.get(name_in_si(name)) or run.numbers.get(name) for name in names]
-    texts = [with_prefix(number.value, number.attributes["units"]) if number else "" for number in numbers]
-    return [str(run.directory.relative_to(folder)), case, status, f"{run.written:%Y-%m-%d %H:%M}", *texts]
+    rows = [["run", "case", "status", "written", *names]]
+    for run in runs:
+        case = f"{run.case.name or run.case.kind}, {run.case.solver.method}" if run.case else ""
+        status = run.status if run.done >= 1 else f"{run.status} {run.done:.0%}"
+        numbers = [run.numbers.get(name_in_si(name)) or run.numbers.get(name) for name in names]
+        texts = [with_prefix(number.value, number.attributes["units"]) if number else "" for number in numbers]
+        rows.append([str(run.directory.relative_to(folder)), case, status, f"{run.written:%Y-%m-%d %H:%M}", *texts])
+    print_rows(rows, left=4)
 
 
 def compare(
@@ -110,12 +104,11 @@ def compare(
         name for name, each in (("at", at), ("along", along != "x"), ("align", align), ("column", column)) if each
     ]:
         leave(BAD_INPUT, f"--{given[0]}: only for a measurement, and {shown(second)} is not a file")
-    from ertel.apps import running
     from ertel.results import numbers
+    from ertel.runs.store import RunStore
 
-    with running.opened(first) as one, running.opened(second) as two:
-        summaries = [run.summary() or run.summary_so_far() for run in (one, two)]
-        data = [run.dataset() for run in (one, two)] if plot else []
+    one, two = RunStore.open(first), RunStore.open(second)
+    summaries = [run.summary() or run.summary_so_far() for run in (one, two)]
     names, statuses = [shown(first), shown(second)], [summary["status"] for summary in summaries]
     differing = numbers.differences(one.case, two.case)
     pairs = numbers.pairs(*summaries)
@@ -128,6 +121,7 @@ def compare(
     if plot:
         from ertel import plots
 
+        data = [run.dataset() for run in (one, two)]
         with bad_input():
             plots.comparison(data, names).savefig(plot)
         print_path(plot)
@@ -135,11 +129,10 @@ def compare(
 
 def _compare_measured(directory: Path, file: Path, plot: Path | None, as_json: bool, **given: Any) -> None:
     """Print a measurement beside a run, and draw both."""
-    from ertel.apps import running
     from ertel.results.measurements import Measurement
+    from ertel.runs.store import RunStore
 
-    with running.opened(directory) as run:
-        result = run.result()
+    result = RunStore.open(directory).result()
     with bad_input():
         found = result.compare(Measurement.read(file, **given))
         if plot:
@@ -185,18 +178,13 @@ def show(
 ) -> None:
     """Print the summary of a run, also of an unfinished one."""
     from ertel.apps import running
-    from ertel.runs.files import Damaged, StoreError
+    from ertel.runs.store import RunStore
 
     if sigma is not None and len(sigma.split(",")) > 2:
         leave(BAD_INPUT, f"--sigma {sigma}: must be one length or two, of the two surfaces")
-    with running.opened(directory) as run:
-        try:
-            summary = run.summary() or run.summary_so_far()
-        except Damaged:
-            raise
-        except StoreError as error:
-            raise StoreError(f"{error}; to start it: ertel resume {in_shell(directory)}") from error
-        running.report(run, summary, as_json, sigma=() if sigma is None else sigma.split(","))
+    run = RunStore.open(directory)
+    summary = run.summary() or run.summary_so_far()
+    running.report(run, summary, as_json, sigma=sigma.split(",") if sigma is not None else ())
 
 
 def plot(
@@ -231,7 +219,8 @@ def plot(
     An interferogram needs a case in SI. It is that of a steel ball on glass with 8 nm of chromium; from Python other
     layers and light sources can be chosen, see ertel.optics.
     """
-    from ertel.apps import running
+    from ertel import plots
+    from ertel.runs.store import RunStore
 
     if format_ in MOVIES and interferogram is None:
         leave(BAD_INPUT, f"--format {format_}: only an interferogram can be a movie; add --interferogram mono")
@@ -243,11 +232,19 @@ def plot(
         leave(BAD_INPUT, f"--wavelength {wavelength}: only for --interferogram mono or two-beam")
     if format_ == "mp4":
         _find_ffmpeg()
-    with running.opened(directory) as run:
-        data = run.dataset()
+    data = RunStore.open(directory).dataset()
+    writers: dict[str, Callable[[Path], object]]
+    sheet: Any = {"columns": columns, "title": title}
     with bad_input():
-        sheet = {"columns": columns, "title": title}
-        writers = _drawn(data, what, at, interferogram, wavelength, format_, sheet)
+        if interferogram is None:
+            names = [what] if what else plots.names_of(data)
+            writers = {name: plots.draw(data, name, at, **sheet).savefig for name in names}
+        elif format_ in MOVIES:
+            movie = plots.animation(data, *optics(interferogram, wavelength))
+            writers = {f"interferogram-{interferogram}": partial(movie.save, writer=MOVIES[format_])}
+        else:
+            picture = plots.interferogram(data, at, *optics(interferogram, wavelength), **sheet)
+            writers = {f"interferogram-{interferogram}": picture.savefig}
     target = out or directory / "plots"
     target.mkdir(parents=True, exist_ok=True)
     for name, write in writers.items():
@@ -256,29 +253,7 @@ def plot(
         print_path(path)
 
 
-def _drawn(
-    data: "xr.Dataset",
-    what: str | None,
-    at: str | None,
-    lighting: Lighting | None,
-    wavelength: str | None,
-    kind: str,
-    sheet: dict[str, Any],
-) -> dict[str, Callable[[Path], object]]:
-    """The figures or the interferogram of a run: by name the function that writes it into a file."""
-    from ertel import plots
-
-    if lighting is None:
-        names = [what] if what else plots.names_of(data)
-        return {name: plots.draw(data, name, at, **sheet).savefig for name in names}
-    light, rig = _optics(lighting, wavelength)
-    name = f"interferogram-{lighting}"
-    if kind in MOVIES:
-        return {name: partial(plots.animation(data, light, rig).save, writer=MOVIES[kind])}
-    return {name: plots.interferogram(data, at, light, rig, **sheet).savefig}
-
-
-def _optics(lighting: Lighting, wavelength: str | None) -> tuple["Light", "Rig"]:
+def optics(lighting: str, wavelength: str | None = None) -> tuple["Light", "Rig"]:
     """The light and the rig of an interferogram.  Raises ValueError for an impossible wavelength."""
     from ertel.inputs.quantities import parse_quantity
     from ertel.optics import Monochromatic, Rig, TwoBeams, White
@@ -331,10 +306,10 @@ def export(
     --what profile: profile_x.csv or profile_y.csv, in SI where the case is, with units in the names of the columns.
     Between two maps it is interpolated in time.
     """
-    from ertel.apps import running
     from ertel.results.dataset import EXPORTS
     from ertel.results.profiles import write_profile
     from ertel.results.variables import to_si
+    from ertel.runs.store import RunStore
 
     if what and to != "csv":
         leave(BAD_INPUT, f"--to {to}: a profile is written as csv")
@@ -342,8 +317,7 @@ def export(
         leave(BAD_INPUT, f"--at {at}: only for --what profile; the other exports have all times")
     if along != "x" and not what:
         leave(BAD_INPUT, f"--along {along}: only for --what profile")
-    with running.opened(directory) as run:
-        data = run.dataset()
+    data = RunStore.open(directory).dataset()
     with bad_input():
         if what:
             path, moment = write_profile(data, out or directory / "export", at, along)

@@ -19,13 +19,14 @@ import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from io import TextIOWrapper
+from pathlib import Path
 from types import FrameType
-from typing import Any, TextIO, cast
+from typing import Any, NoReturn, TextIO, cast
 
 import typer
 from typer.core import TyperGroup
 
-from ertel.apps.terminal import BAD_INPUT, FAILED, leave, reason_of, say
+from ertel.apps.terminal import ASKED, BAD_INPUT, FAILED, in_shell, leave, reason_of, say
 
 WrongUsage: Any = typer.BadParameter.__base__  # of all errors in flags and arguments
 
@@ -134,6 +135,10 @@ class Stop:
     def __call__(self, item: object = None) -> bool:
         """True after a signal."""
         return self.code > 0
+
+    def leave(self, advice: str) -> NoReturn:
+        """End the program after a signal, or after the file that asks to stop."""
+        leave(self.code or ASKED, f"interrupted; {advice}")
 
 
 @contextmanager
@@ -252,8 +257,10 @@ def _judged(error: Exception) -> tuple[int, str]:
         message = str(error.format_message()).rstrip(".")
         return BAD_INPUT, f"{message}; see {error.ctx.command_path} --help" if error.ctx else message
     from ertel.case.records import ConfigError
-    from ertel.runs.files import StoreError
+    from ertel.runs.files import Damaged, StoreError
 
+    if isinstance(error, Damaged):
+        return BAD_INPUT, f"{error}{_repair(error.path)}"
     if isinstance(error, ConfigError | StoreError):
         return BAD_INPUT, str(error)
     from ertel.runs import outlook
@@ -270,6 +277,20 @@ def _judged(error: Exception) -> tuple[int, str]:
     except NoDevice as cause:
         return BAD_INPUT, str(cause)
     return FAILED, f"internal error, {type(error).__name__}: {error}; {_where(error)}"
+
+
+def _repair(damaged: Path) -> str:
+    """The command that repairs a damaged file of a run, as the end of a sentence; empty for other files."""
+    from ertel.runs.directory import CASE, CHECKPOINT, SUMMARY, read_case
+
+    run = next((parent for parent in damaged.parents if (parent / CASE).exists()), None)
+    if run is None:
+        return ""
+    to_resume = f"ertel resume {in_shell(run)}"
+    if damaged.name == CHECKPOINT:
+        return f": rm {in_shell(damaged)}; {to_resume}"
+    resumable = damaged.name == SUMMARY or read_case(run).is_steady
+    return f": {to_resume}" if resumable else f": ertel run {in_shell(run / CASE)}"
 
 
 def _where(error: Exception) -> str:

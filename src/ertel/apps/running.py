@@ -10,18 +10,17 @@ import xarray as xr
 
 from ertel.apps import tables
 from ertel.apps.process import Stop, interruptible
-from ertel.apps.terminal import ASKED, BAD_INPUT, FAILED, bad_input, in_shell, leave, print_json, say, shown, writing_to
+from ertel.apps.terminal import BAD_INPUT, FAILED, bad_input, in_shell, leave, print_json, say, shown, writing_to
 from ertel.case.case import Case
 from ertel.case.status import Status
-from ertel.results.errors import with_error
-from ertel.results.result import Result
-from ertel.results.verdict import verdict
+from ertel.results.result import Result, verdict
+from ertel.results.summary import comparisons, with_error
 from ertel.runs import outlook, store
 from ertel.runs.batch import warm_up
 from ertel.runs.compile import cache_directory, prepare_jax
-from ertel.runs.directory import CASE, CHECKPOINT, SUMMARY, Taken
+from ertel.runs.directory import CASE, Taken
 from ertel.runs.drive import Recorder, Run, bars, drive, run_of, watch
-from ertel.runs.files import Damaged, StoreError
+from ertel.runs.files import StoreError
 from ertel.runs.store import RunStore
 
 
@@ -50,20 +49,20 @@ def run(case: Case, directory: Path | None, options: RunOptions) -> None:
 
 def resume(directory: Path, options: RunOptions) -> None:
     """Continue a run, or estimate the error of a finished one; where nothing is left to do, print its summary."""
-    with opened(directory) as run:
-        summary = run.outcome()
-        if summary and (not options.error or summary.get("error_estimate")):
-            report(run, summary, options.as_json, options.quiet)
-            return
-        prepare_jax()
-        with within_memory(run.case):
-            _finish(run, _compared(run.run, options), options)
+    run = RunStore.open(directory)
+    summary = run.outcome()
+    if summary and (not options.error or summary.get("error_estimate")):
+        report(run, summary, options.as_json, options.quiet)
+        return
+    prepare_jax()
+    with within_memory(run.case):
+        _finish(run, _compared(run.run, options), options)
 
 
 def _compared(course: Run, options: RunOptions) -> Mapping[str, Run]:
     """The runs with which a run is compared for its error.  A grid may have no half grid for them."""
     with bad_input():
-        return course.comparisons if options.error else {}
+        return {part: run_of(other) for part, other in comparisons(course.case).items()} if options.error else {}
 
 
 def warm_up_all(cases: Sequence[Case]) -> None:
@@ -87,26 +86,6 @@ def say_before(cases: Sequence[Case]) -> None:
 
 
 # -- directories ------------------------------------------------------------------------------------------------------
-
-
-@contextmanager
-def opened(directory: Path) -> Iterator[RunStore]:
-    """The store of a run.  Raises StoreError, where it is damaged with the command that repairs it."""
-    run = RunStore.open(directory)
-    try:
-        yield run
-    except Damaged as error:
-        raise StoreError(f"{error}: {_to_repair(run, error.path)}") from error
-
-
-def _to_repair(run: RunStore, damaged: Path) -> str:
-    """The command that repairs the damage."""
-    to_resume = f"ertel resume {in_shell(run.directory)}"
-    if damaged.name == CHECKPOINT:
-        return f"rm {in_shell(damaged)}; {to_resume}"
-    if damaged.name == SUMMARY or run.case.is_steady:
-        return to_resume
-    return f"ertel run {in_shell(run.directory / CASE)}"
 
 
 def _create(directory: Path | None, course: Run) -> RunStore:
@@ -147,11 +126,11 @@ def _finish(run: RunStore, others: Mapping[str, Run], options: RunOptions) -> No
         with writing_to(run.directory, to_continue):
             summary = _computed(run, others, options.quiet, stop)
         if summary is None:
-            leave(stop.code or ASKED, f"interrupted; {to_continue}")
+            stop.leave(to_continue)
         report(run, summary, options.as_json, options.quiet)
     status = Status(summary["status"])
     if status is Status.INTERRUPTED:
-        leave(stop.code or ASKED, f"interrupted; {to_continue}")
+        stop.leave(to_continue)
     if not status.ok:
         gone = status is Status.FILM_VANISHED
         reason = summary["warnings"][0] if gone else f"{status.value}; {status.advice}"
@@ -163,30 +142,19 @@ def _computed(run: RunStore, others: Mapping[str, Run], quiet: bool, stop: Stop)
     with bars(not quiet) as shown_bars, run.alone():
         compared = {}
         for part, course in others.items():
-            bar = watch(shown_bars, course, f"for the error of the {part}")
-            compared[part] = _summary_of(course, [bar, stop, run.asked_to_stop])
+            recorder, bar = Recorder(course), watch(shown_bars, course, f"for the error of the {part}")
+            last = drive(course, [recorder, bar, stop, run.asked_to_stop])
             if stop.code or run.asked_to_stop():
                 return None
+            compared[part] = recorder.result(last).summary
         summary = run.outcome() or store.compute(run, [watch(shown_bars, run.run), stop])
-        if summary["status"] == "converged" and compared:
-            return _completed(run, summary, compared)
+        failed = [(part, other["status"]) for part, other in compared.items() if other["status"] != "converged"]
+        for part, status in failed[:1]:
+            say(f"ertel: warning: no error is estimated: the run for the error of the {part} failed: {status}")
+        if compared and not failed and summary["status"] == "converged":
+            summary = with_error(run.case, summary, compared)
+            run.finish(summary)
     return summary
-
-
-def _summary_of(course: Run, observers: list[Any]) -> Mapping[str, Any]:
-    recorder = Recorder(course)
-    return recorder.result(drive(course, [recorder, *observers])).summary
-
-
-def _completed(run: RunStore, summary: Mapping[str, Any], compared: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The summary with the errors, also stored; without them if a run for comparison gave up."""
-    for part, other in compared.items():
-        if other["status"] != "converged":
-            say(f"ertel: warning: no error is estimated: the run for the error of the {part} failed: {other['status']}")
-            return summary
-    complete = with_error(run.case, summary, compared)
-    run.finish(complete)
-    return complete
 
 
 # -- reporting --------------------------------------------------------------------------------------------------------
@@ -205,5 +173,5 @@ def report(
             line = verdict(Result(run.case, data, dict(summary), status), *sigma) if status.ok else ""
         tables.print_summary(out, run.case, summary)
         if line:
-            out.print(f"{line[0].upper()}{line[1:]}", style="bold")
+            out.say(line, style="bold")
         out.print(f"Stored in {shown(run.directory)}; for figures: ertel plot {in_shell(run.directory)}")

@@ -37,10 +37,15 @@ def print_path(path: Path) -> None:
     print(printable(shown(path)))
 
 
-def rough_time(seconds: float) -> str:
+def capital(text: str) -> str:
+    """A message with a capital letter, as a sentence begins."""
+    return f"{text[:1].upper()}{text[1:]}"
+
+
+def duration(seconds: float) -> str:
     """A rough duration in words."""
-    if seconds < 60:
-        return f"{max(seconds, 5):.0f} s"
+    if seconds < 90:
+        return f"{seconds:.0f} s"
     return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
 
 

@@ -6,26 +6,24 @@ A `Case` holds the input, in SI or dimensionless.  The solvers use the propertie
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cached_property
-from math import inf
-from typing import Any, TypeVar
+from html import escape
+from typing import Any
 
 from ertel.case import rules
-from ertel.case.conditions import Conditions, Kind
+from ertel.case.definition import SECTIONS, Definition
 from ertel.case.height_map import NO_MAPS, HeightMap
-from ertel.case.reading import Reader, check_key
+from ertel.case.reading import Reader, check_keys
 from ertel.case.records import (
     checked,
     data_of,
     described,
-    described_in_html,
     feature_data,
     named,
     oil_data,
     scaled,
-    scaled_all,
     show,
     with_own_numbers,
 )
@@ -33,35 +31,25 @@ from ertel.case.sections import (
     CENTRED_HALF_WIDTH,
     ENDS,
     METHODS,
+    ROLLING_UNTIL,
     SOLVERS,
     START_APPROACH,
-    Drive,
     Output,
-    Schedule,
     Solver,
-    Stop,
-    Thermal,
     Time,
     half_width_at,
     half_width_y,
     suited,
 )
-from ertel.physics import film_formulas, surfaces
-from ertel.physics.geometry import CIRCLE, Geometry
-from ertel.physics.lubricant import ALPHA, Lubricant, Oil
-from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, Track, constant, reversed_sign
-from ertel.physics.scales import Parameters, Scales
-from ertel.physics.surfaces import Feature
 from ertel.physics.units import plain
 
 SCHEMA = 1  # of the layout of case files
-USUAL_OIL, USUAL_SOLVER = Oil(), SOLVERS["2d"]
 READER = Reader()
-T = TypeVar("T")
+KEYS = ("schema", "name", "contact", "lubricant", "solver", "motion", "roughness", "time", "output", "thermal")
 
 
 @dataclass(frozen=True, repr=False)
-class Case:
+class Case(Definition):
     """One contact, ready to be simulated.
 
     Amounts are numbers in the units of the case, or quantities in SI.
@@ -101,32 +89,29 @@ class Case:
     True
     """
 
-    contact: Conditions
-    oil: Oil = USUAL_OIL
-    solver: Solver = USUAL_SOLVER
-    drive: Drive | None = None
-    roughness: tuple[Feature, ...] = ()
-    time: Time | None = None
-    output: Output | None = None
-    name: str = field(default="", compare=False)
-    thermal: Thermal | None = None
-
     def __post_init__(self) -> None:
         for item in fields(self):
             object.__setattr__(self, item.name, with_own_numbers(getattr(self, item.name)))
-        rules.check_name(self.name)
-        checked(self.solver, "solver")
-        rules.check_reference(self.oil)
-        rules.check_method(self.kind, self.solver)
-        rules.check_fields(self.drive, self.time, self.output, self.roughness)
+        for name, section in SECTIONS.items():
+            if (record := getattr(self, section.field)) is not None:
+                checked(record, name)
+        rules.refuse(self, rules.GIVEN)
+        for number, feature in enumerate(self.roughness, 1):
+            checked(feature.shape, f"roughness[{number}]")
         self._complete()
-        self._check()
+        rules.refuse(self, rules.COMPLETE)
+        self.lubricant  # noqa: B018  # raises if its data give no law
 
     def __repr__(self) -> str:
-        return described(*self._described)
+        title, data = self._described
+        return "\n".join([f"Case: {title}", *(f"  {name:<10} {content}" for name, content in described(data))])
 
     def _repr_html_(self) -> str:
-        return described_in_html(*self._described)
+        title, data = self._described
+        rows = "".join(
+            f"<tr><th>{escape(name)}</th><td>{escape(content)}</td></tr>" for name, content in described(data)
+        )
+        return f"<div>Case: {escape(title)}<table>{rows}</table></div>"
 
     @property
     def _described(self) -> tuple[str, dict[str, Any]]:
@@ -155,135 +140,6 @@ class Case:
             object.__setattr__(self, "time", replace(given, start_approach=start, until=until))
             object.__setattr__(self, "output", self.output or Output())
 
-    def _check(self) -> None:
-        """Raise ValueError if the case is not valid."""
-        rules.check_oil(self.oil, self.scales)
-        rules.check_rheology(self.oil, self.scales, self.solver)
-        rules.check_scales(self.scales, self.parameters)
-        rules.check_pressure_scale(self.oil, self.scales, self.parameters)
-        rules.check_time(self.kind, self.solver, self.time, self.output)
-        rules.check_drive(self.kind, self.contact, self.drive)
-        rules.check_geometry(self.solver, self.contact, self.motion)
-        rules.check_grid(self.solver, self.geometry)
-        rules.check_layer(self.oil, self.track, self.solver, self.geometry, self.motion, self.features)
-        until: Stop | float = inf
-        if self.time and self.output:
-            until = self.schedule.until
-            rules.check_schedule(self.time, self.output, self.solver, self.schedule)
-        rules.check_motion(self.kind, self.solver, self.motion, until)
-        if not self.starts_apart:
-            rules.check_outside(self.solver, self.parameters, self.geometry, self.motion)
-        rules.check_roughness(self.solver, self.motion, self.features)
-        if self.thermal:
-            rules.check_thermal(checked(self.thermal, "thermal"), self.oil, self.scales, self.solver, self.motion)
-        self.lubricant  # noqa: B018  # raises if its data give no law
-
-    # -- what follows -------------------------------------------------------------------------------------------------
-
-    @property
-    def kind(self) -> Kind:
-        """ "impact" or "rolling"."""
-        return self.contact.kind
-
-    @property
-    def is_steady(self) -> bool:
-        """Whether nothing changes in time."""
-        return self.solver.method == "steady"
-
-    @property
-    def starts_apart(self) -> bool:
-        """Whether the bodies are separated at T = 0, as in an impact; rolling starts from its steady film."""
-        return self.kind == "impact"
-
-    @property
-    def is_axisymmetric(self) -> bool:
-        """Whether the contact is the same in all directions: no entrainment, and no roughness that has a direction."""
-        return self.geometry is CIRCLE and not self.motion.flows and surfaces.axisymmetric(self.features)
-
-    @cached_property
-    def scales(self) -> Scales | None:
-        """The SI value of one unit of each dimensionless quantity; None for a dimensionless case."""
-        return self.contact.scales
-
-    @property
-    def geometry(self) -> Geometry:
-        """The undeformed gap and the constants of the dry contact."""
-        return self.contact.geometry
-
-    @cached_property
-    def parameters(self) -> Parameters:
-        """lambda_bar, alpha_bar and the ratio of the radii."""
-        return self.contact.parameters(self.oil)
-
-    @cached_property
-    def lubricant(self) -> Lubricant:
-        """The laws of the oil as functions of P = p/p_h."""
-        p_h = self.scales.p_h if self.scales else self.parameters.alpha_bar / (self.oil.alpha or ALPHA)
-        return named("lubricant", self.oil.under, p_h or 1.0)
-
-    @cached_property
-    def motion(self) -> Motion:
-        """Load, entrainment, sliding and inertia, from the conditions and the drive together."""
-        usual = FREE_BALL if self.starts_apart else STEADY_ROLLING
-        drive = scaled(self.drive or Drive(), self.scales, "motion")
-        mean, slide = self.contact.speeds
-        load, entrainment = drive.load or usual.load, drive.entrainment or usual.entrainment
-        if self.scales and mean is not None:
-            if self.starts_apart:
-                entrainment = drive.entrainment or constant(mean / self.scales.front_speed)
-            elif mean < 0:
-                entrainment = reversed_sign(entrainment)
-        return Motion(load, entrainment, self._inertia(drive), slide or drive.slide_to_roll or 0.0)
-
-    def _inertia(self, drive: Drive) -> float:
-        if self.starts_apart:
-            return self.geometry.free_inertia
-        s = self.scales
-        return self.contact.ball_mass * s.film / (s.load * s.t0**2) if s else drive.inertia or 0.0
-
-    @cached_property
-    def features(self) -> tuple[Feature, ...]:
-        """The roughness in the units of the case."""
-        return scaled_all(self.roughness, self.scales, "roughness")
-
-    @property
-    def maps(self) -> dict[str, HeightMap]:
-        """The measured heights that belong to the case, by the names of their files in its plain data."""
-        values = [value for feature in self.roughness for value in vars(feature.shape).values()]
-        return {value.name: value for value in values if isinstance(value, HeightMap)}
-
-    @cached_property
-    def schedule(self) -> Schedule:
-        """Start, end, steps and maps in units t0.  Raises ValueError for a steady case, which has none."""
-        if self.time is None or self.output is None:
-            raise ValueError(f'solver.method = "{self.solver.method}": a steady contact has no time')
-        time, output = scaled(self.time, self.scales, "time"), scaled(self.output, self.scales, "output")
-        until, step = time.until, time.step
-        return Schedule(
-            start_approach=START_APPROACH if time.start_approach is None else time.start_approach,
-            until=until if isinstance(until, str) else plain(until or 0.0),
-            tolerance=time.tolerance,
-            step=None if step is None else plain(step),
-            interval=plain(output.interval),
-        )
-
-    @cached_property
-    def track(self) -> Track | None:
-        """The oil per area that the surfaces bring along, (u1 h1 + u2 h2)/u_m, in a^2/R; None if the gap is full."""
-        slide_to_roll = 0.0 if self.starts_apart else self.motion.slide_to_roll
-        return scaled(self.oil, self.scales, "lubricant").track(slide_to_roll)
-
-    @property
-    def layer(self) -> float | None:
-        """The oil per area in the middle of the track, in a^2/R; None if the gap is full."""
-        return None if self.track is None else self.track(0.0)
-
-    @property
-    def film_scale(self) -> float:
-        """The expected film thickness in a^2/R: the scale of the trapped film (impact) or a formula (rolling)."""
-        p = self.parameters
-        return p.trapped_film if self.starts_apart else film_formulas.expected_film(p, self.contact.angle)
-
     def on_half_grid(self) -> "Case":
         """The same case with twice the grid spacing, for the discretisation error estimate."""
         return replace(self, solver=replace(self.solver, nodes=(self.solver.nodes - 1) // 2 + 1))
@@ -295,26 +151,20 @@ class Case:
 
         Raises ValueError for a law or a shape that has no registered name.
         """
-        sections: dict[str, Any] = {
-            "schema": SCHEMA,
-            "name": self.name,
-            "contact": data_of(self.contact),
-            "lubricant": named("lubricant", oil_data, self.oil),
-            "solver": self._solver_data(),
-            "motion": self.drive and data_of(self.drive),
-            "roughness": [
-                named(f"roughness[{i}]", feature_data, feature) for i, feature in enumerate(self.roughness, 1)
-            ],
-            "time": self.time and data_of(self.time),
-            "output": self.output and data_of(self.output),
-            "thermal": self.thermal and data_of(self.thermal),
-        }
-        return {name: section for name, section in sections.items() if section not in (None, [], "")}
+        data = {name: self._section_data(name) for name in KEYS}
+        return {name: section for name, section in data.items() if section not in (None, [], "")}
 
-    def _solver_data(self) -> dict[str, Any]:
-        """The section [solver]; a centred grid is written explicitly, because it is not the default of rolling."""
-        centred = self.solver.inlet is None and not self.starts_apart
-        return data_of(replace(self.solver, inlet=self.solver.half_width) if centred else self.solver)
+    def _section_data(self, name: str) -> Any:
+        if name == "schema":
+            return SCHEMA
+        if name == "roughness":
+            return [named(f"roughness[{i}]", feature_data, feature) for i, feature in enumerate(self.roughness, 1)]
+        record = getattr(self, SECTIONS[name].field) if name in SECTIONS else self.name
+        if record is self.oil:
+            return named(name, oil_data, record)
+        if record is self.solver and record.inlet is None and not self.starts_apart:
+            record = replace(record, inlet=record.half_width)  # a centred grid is not the default of rolling
+        return data_of(record) if is_dataclass(record) else record
 
     @classmethod
     def from_data(
@@ -336,33 +186,24 @@ class Case:
         ValueError
             At the first error, naming the field, its value and what is allowed.
         """
-        for name in data:
-            check_key(name, data[name], SECTIONS)
+        check_keys(data, KEYS)
         schema = data.get("schema", SCHEMA)
         if type(schema) is not int or schema != SCHEMA:
             raise ValueError(f"schema = {show(schema)}: allowed: {SCHEMA}")
-        reader = replace(reader, maps=maps)
-
-        def section(name: str, record: Callable[..., T]) -> T | None:
-            return None if data.get(name) is None else reader.record(record, data[name], name)
-
-        contact, oil = section("contact", Conditions) or Conditions(), section("lubricant", Oil) or USUAL_OIL
-        solver = section("solver", Solver) or USUAL_SOLVER
-        drive, time = section("motion", Drive), section("time", Time)
         roughness = data.get("roughness", [])
         if not isinstance(roughness, list):
             raise ValueError(f"roughness = {show(roughness)}: must be an array of tables, [[roughness]]")
-        return cls(
-            contact=contact,
-            oil=oil,
-            solver=_completed(solver, data.get("solver") or {}, contact, oil, drive, time),
-            drive=drive,
-            roughness=tuple(reader.feature(table, f"roughness[{i}]") for i, table in enumerate(roughness, 1)),
-            time=time,
-            output=section("output", Output),
-            thermal=section("thermal", Thermal),
-            name=data.get("name", ""),
-        )
+        reader = replace(reader, maps=maps)
+        data = {"contact": {}} | {name: section for name, section in data.items() if section is not None}
+        given: dict[str, Any] = {
+            section.field: reader.record(section.record, data[name], name)
+            for name, section in SECTIONS.items()
+            if name in data
+        }
+        given["roughness"] = tuple(reader.feature(table, f"roughness[{i}]") for i, table in enumerate(roughness, 1))
+        definition = Definition(name=data.get("name", ""), **given)
+        given["solver"] = _completed(definition, data.get("solver") or {})
+        return cls(name=definition.name, **given)
 
     @cached_property
     def digest(self) -> str:
@@ -373,28 +214,33 @@ class Case:
         return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()[:16]
 
 
-SECTIONS = ("schema", "name", "contact", "lubricant", "solver", "motion", "time", "output", "thermal", "roughness")
-
-
-def _completed(
-    given: Solver, written: Mapping[str, Any], contact: Conditions, oil: Oil, drive: Drive | None, time: Time | None
-) -> Solver:
+def _completed(case: Definition, written: Mapping[str, Any]) -> Solver:
     """The solver with what is not written filled in, an inlet of its default's share of the half width."""
-    written = {key: getattr(given, key) for key, value in written.items() if value is not None}
-    method = written.get("method") or METHODS[contact.kind][0]
-    rules.check_method(contact.kind, Solver(method=method))
+    written = {key: getattr(case.solver, key) for key, value in written.items() if value is not None}
+    method = written.get("method") or METHODS[case.kind][0]
+    rules.refuse(replace(case, solver=Solver(method)), [rules.method_suits])
     default = SOLVERS[method]
     half_width, inlet = default.half_width, default.inlet
-    if method == "transient" and drive and rules.reverses(contact, drive, time):
+    if method == "transient" and _reverses(case):
         half_width, inlet = CENTRED_HALF_WIDTH, None
     if "half_width" not in written:
-        rules.check_oil(oil, contact.scales)
-        p = contact.parameters(oil)
-        wide = half_width_at(contact.kind, half_width, p.as_ball.M if contact.kind == "impact" else p.M_BH)
+        rules.refuse(case, [rules.oil_is_complete])
+        p = case.parameters
+        wide = half_width_at(case.kind, half_width, p.as_ball.M if case.starts_apart else p.M_BH)
         half_width, inlet = wide, inlet and inlet * wide / half_width
     default = replace(default, half_width=half_width, inlet=inlet)
     if method != "radial":
-        default = suited(default, contact.geometry)
+        default = suited(default, case.geometry)
     # not default.inlet itself, which may differ in the last bit and so in the digest
     inlet = default.inlet and default.inlet * written.get("half_width", default.half_width) / default.half_width
     return replace(default, **{"inlet": inlet, **written})
+
+
+def _reverses(case: Definition) -> bool:
+    """Whether the entrainment speed changes sign during a run in time."""
+    if case.drive is None or case.drive.entrainment is None:
+        return False
+    until = scaled(case.time or Time(), case.scales, "time").until
+    end = ROLLING_UNTIL if until is None or isinstance(until, str) else plain(until)
+    least, most = case.motion.entrainment.range(end)
+    return least < 0 < most

@@ -4,42 +4,27 @@ The contact is given in one of three ways: by Moes' M and L, by the paper's lamb
 input in SI.  Each physical quantity must be given in exactly one of the allowed ways.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
+from itertools import chain
 from math import inf, isclose
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
 from ertel.case.records import checked, show, with_unit
-from ertel.physics import materials, scales
+from ertel.physics import materials, scales, units
 from ertel.physics.geometry import LARGEST_RATIO, LEAST_RATIO, Geometry, geometry
 from ertel.physics.lubricant import Oil
 from ertel.physics.scales import Parameters, Scales
-from ertel.physics.units import (
-    ABOVE_ZERO,
-    ANGLE,
-    DENSITY,
-    FINITE,
-    LENGTH,
-    LOAD,
-    MASS,
-    MODULUS,
-    NOT_NEGATIVE,
-    RADIUS,
-    SPEED,
-    VELOCITY,
-    Bounds,
-    Meaning,
-    explained,
-    marks,
-)
+from ertel.physics.units import Bounds, Meaning, explained, marks
 
 T = TypeVar("T")
 Kind = Literal["impact", "rolling"]
+Number = float | None  # None: not given
 POISSON = Bounds(gt=-1, le=0.5)
-REDUCED = LENGTH.between(1e-6, 100.0)
-BODY = LENGTH.between(1e-6, 1e5)  # one of two may be nearly flat
-FALL = LENGTH.between(1e-12, 1e5)
+REDUCED = units.LENGTH.between(1e-6, 100.0)
+BODY = units.LENGTH.between(1e-6, 1e5)  # one of two may be nearly flat
+FALL = units.LENGTH.between(1e-12, 1e5)
 MOES_M = Bounds(gt=0, least=1e-6, most=1e10)
 MOES_L = Bounds(ge=0, most=1e4)
 
@@ -81,11 +66,6 @@ FOREIGN: Mapping[Kind, Mapping[str, str]] = {  # keys of the other kind, and wha
 }
 
 
-def _in_words(alternatives: Sequence[Keys]) -> str:
-    text = " or ".join(" and ".join(keys) for keys in alternatives)
-    return f"({text})" if len(alternatives) > 1 else text
-
-
 class Speeds(NamedTuple):
     """Mean speed (m/s) of the surfaces along x and slide-to-roll ratio (u1 - u2)/u_m; None if not given."""
 
@@ -104,85 +84,80 @@ class Conditions:
     """
 
     kind: Annotated[Kind, Meaning("a ball hits an oiled surface, or rolls and slides on it")] = "impact"
-    M: Annotated[float | None, MOES_M, Meaning("Moes' load parameter, for a contact without dimensions", 1000)] = None
-    L: Annotated[float | None, MOES_L, Meaning("Moes' lubricant parameter; goes with M", 10)] = None
-    lambda_bar: Annotated[float | None, ABOVE_ZERO, Meaning("dimensionless viscosity, in place of M", 1.1e-3)] = None
+    M: Annotated[Number, MOES_M, Meaning("Moes' load parameter, for a contact without dimensions", 1000)] = None
+    L: Annotated[Number, MOES_L, Meaning("Moes' lubricant parameter; goes with M", 10)] = None
+    lambda_bar: Annotated[Number, units.ABOVE_ZERO, Meaning("dimensionless viscosity, in place of M", 1.1e-3)] = None
     alpha_bar: Annotated[
-        float | None, NOT_NEGATIVE, Meaning("dimensionless pressure-viscosity index; goes with lambda_bar", 36.4)
+        Number, units.NOT_NEGATIVE, Meaning("dimensionless pressure-viscosity index; goes with lambda_bar", 36.4)
     ] = None
     radius_ratio: Annotated[
-        float | None,
-        RATIO,
-        Meaning("R_x/R_y of an elliptical contact without dimensions; left out: a circle", 0.2),
+        Number, RATIO, Meaning("R_x/R_y of an elliptical contact without dimensions; left out: a circle", 0.2)
     ] = None
-    radius: Annotated[float | None, REDUCED, Meaning("radius of a ball on a plane, or reduced radius")] = None
+    radius: Annotated[Number, REDUCED, Meaning("radius of a ball on a plane, or reduced radius")] = None
     radius_1: Annotated[
-        float | None,
-        BODY,
-        Meaning("radius of the first of two balls, the one that moves in an impact; goes with radius_2"),
+        Number, BODY, Meaning("radius of the first of two balls, the one that moves in an impact; goes with radius_2")
     ] = None
-    radius_2: Annotated[float | None, BODY, Meaning("radius of the second ball", "15 mm")] = None
+    radius_2: Annotated[Number, BODY, Meaning("radius of the second ball", "15 mm")] = None
     radius_x: Annotated[
-        float | None, REDUCED, Meaning("reduced radius of an elliptical contact along its axis x; goes with radius_y")
+        Number, REDUCED, Meaning("reduced radius of an elliptical contact along its axis x; goes with radius_y")
     ] = None
-    radius_y: Annotated[float | None, REDUCED, Meaning("reduced radius along its axis y", "40 mm")] = None
+    radius_y: Annotated[Number, REDUCED, Meaning("reduced radius along its axis y", "40 mm")] = None
     radius_x_1: Annotated[
-        float | None, RADIUS, Meaning("radius of body 1 along x; negative: concave, left out: plane", "6 mm")
+        Number, units.RADIUS, Meaning("radius of body 1 along x; negative: concave, left out: plane", "6 mm")
     ] = None
-    radius_y_1: Annotated[float | None, RADIUS, Meaning("radius of body 1 along y, as radius_x_1", "6 mm")] = None
-    radius_x_2: Annotated[float | None, RADIUS, Meaning("radius of body 2 along x, as radius_x_1", "20 mm")] = None
-    radius_y_2: Annotated[float | None, RADIUS, Meaning("radius of body 2 along y, as radius_x_1", "-6.24 mm")] = None
+    radius_y_1: Annotated[Number, units.RADIUS, Meaning("radius of body 1 along y, as radius_x_1", "6 mm")] = None
+    radius_x_2: Annotated[Number, units.RADIUS, Meaning("radius of body 2 along x, as radius_x_1", "20 mm")] = None
+    radius_y_2: Annotated[Number, units.RADIUS, Meaning("radius of body 2 along y, as radius_x_1", "-6.24 mm")] = None
     entrainment_angle: Annotated[
-        float | None,
-        ANGLE.between(0.0, 180.0),
+        Number,
+        units.ANGLE.between(0.0, 180.0),
         Meaning("from the axis x of the ellipse to the direction of entrainment, -180 to 180 deg; left out: 0"),
     ] = None
     mass: Annotated[
-        float | None, MASS, Meaning("mass of the moving ball; rolling: for its inertia in time, left out: none")
+        Number, units.MASS, Meaning("mass of the moving ball; rolling: for its inertia in time, left out: none")
     ] = None
-    ball_density: Annotated[float | None, DENSITY, Meaning("density of the moving ball, in place of its mass")] = None
-    speed: Annotated[float | None, SPEED, Meaning("impact: speed of the ball at first touch")] = None
+    ball_density: Annotated[Number, units.DENSITY, Meaning("density of the moving ball, in place of its mass")] = None
+    speed: Annotated[Number, units.SPEED, Meaning("impact: speed of the ball at first touch")] = None
     drop_height: Annotated[
-        float | None, FALL, Meaning("impact: height from which the ball falls, in place of speed", "0.5 mm")
+        Number, FALL, Meaning("impact: height from which the ball falls, in place of speed", "0.5 mm")
     ] = None
-    load: Annotated[float | None, LOAD, Meaning("rolling: the static load")] = None
+    load: Annotated[Number, units.LOAD, Meaning("rolling: the static load")] = None
     speed_1: Annotated[
-        float | None,
-        VELOCITY,
+        Number,
+        units.VELOCITY,
         Meaning("rolling: speed of surface 1 along x; goes with speed_2, in place of mean_speed"),
     ] = None
-    speed_2: Annotated[float | None, VELOCITY, Meaning("rolling: speed of surface 2 along x")] = None
+    speed_2: Annotated[Number, units.VELOCITY, Meaning("rolling: speed of surface 2 along x")] = None
     mean_speed: Annotated[
-        float | None,
-        VELOCITY,
+        Number,
+        units.VELOCITY,
         Meaning("mean of the speeds of both surfaces along x; impact: of a track that moves, left out: at rest"),
     ] = None
     slide_to_roll: Annotated[
-        float | None,
-        FINITE,
+        Number,
+        units.FINITE,
         Meaning("difference of the speeds over their mean, (u1 - u2)/u_m; goes with mean_speed, left out: 0", 0.1),
     ] = None
     E_prime: Annotated[
-        float | None, MODULUS, Meaning("reduced modulus, 2/E' = (1 - nu1^2)/E1 + (1 - nu2^2)/E2", "226 GPa")
+        Number, units.MODULUS, Meaning("reduced modulus, 2/E' = (1 - nu1^2)/E1 + (1 - nu2^2)/E2", "226 GPa")
     ] = None
     E1: Annotated[
-        float | None, MODULUS, Meaning("Young's modulus of body 1; with nu1, E2, nu2 in place of E_prime")
+        Number, units.MODULUS, Meaning("Young's modulus of body 1; with nu1, E2, nu2 in place of E_prime")
     ] = None
-    nu1: Annotated[float | None, POISSON, Meaning("Poisson's ratio of body 1", 0.3)] = None
-    E2: Annotated[float | None, MODULUS, Meaning("Young's modulus of body 2")] = None
-    nu2: Annotated[float | None, POISSON, Meaning("Poisson's ratio of body 2", 0.3)] = None
+    nu1: Annotated[Number, POISSON, Meaning("Poisson's ratio of body 1", 0.3)] = None
+    E2: Annotated[Number, units.MODULUS, Meaning("Young's modulus of body 2")] = None
+    nu2: Annotated[Number, POISSON, Meaning("Poisson's ratio of body 2", 0.3)] = None
 
     def __post_init__(self) -> None:
         checked(self, "contact")
-        route = self._route
-        if route in (MOES, BARS):
+        if not self.is_physical:
             return
         for alternatives in NEEDED[self.kind]:
             keys = self._only_one(alternatives)
             if keys != PAIRS:
                 self._complete(keys)
-        _check_radii(self)
-        self._check_speeds()
+        for place, complaint in chain(self._wrong_radii(), self._wrong_speeds()):
+            raise ValueError(f"{place}: {complaint}")
 
     def __repr__(self) -> str:
         """Only what is given."""
@@ -213,12 +188,13 @@ class Conditions:
                 article = "an impact" if self.kind == "impact" else "a rolling contact"
                 raise ValueError(f'{self.entry(key)}: not for {article} (contact.kind = "{self.kind}"): {instead}')
         if self.radius_ratio is not None and any(key in self.given for key in PHYSICAL[self.kind]):
-            raise ValueError(
-                f"{self.entry('radius_ratio')}: belongs to dimensionless cases; give radius_x and radius_y"
-            )
+            instead = "give radius_x and radius_y"
+            raise ValueError(f"{self.entry('radius_ratio')}: belongs to dimensionless cases; {instead}")
         if "slide_to_roll" in self.given and any(key in self.given for key in (*MOES, *BARS)):
             raise ValueError(f"{self.entry('slide_to_roll')}: in a dimensionless case write motion.slide_to_roll")
-        return self._only_one((MOES, BARS, PHYSICAL[self.kind]), ", ".join(map(_in_words, NEEDED[self.kind])))
+        needed = [" or ".join(" and ".join(keys) for keys in alternatives) for alternatives in NEEDED[self.kind]]
+        physical = ", ".join(f"({text})" if " or " in text else text for text in needed)
+        return self._only_one((MOES, BARS, PHYSICAL[self.kind]), physical)
 
     def _only_one(self, alternatives: Sequence[Keys], last: str = "") -> Keys:
         """The one alternative that is given, at least in part.  last: text for the last alternative in messages."""
@@ -238,19 +214,38 @@ class Conditions:
             present = next(key for key in keys if key in self.given)
             raise ValueError(f"contact.{missing[0]}: missing; {self.entry(present)} needs " + " and ".join(keys))
 
-    def _check_speeds(self) -> None:
-        both = self.speed_1 is not None and self.speed_2 is not None
-        if both and self.slide_to_roll is not None:
-            raise ValueError(
-                f"{self.entry('slide_to_roll')}: follows from speed_1 and speed_2; allowed with mean_speed only"
+    def _wrong_radii(self) -> Iterator[tuple[str, str]]:
+        """The bodies must touch at a point, in an ellipse that is not too long."""
+        R_x, R_y = self._radii
+        for keys, R in ((ALONG_X, R_x), (ALONG_Y, R_y)) if any(key in self.given for key in PAIRS) else ():
+            given = [key for key in keys if key in self.given]
+            yield from (
+                (self.entry(key), "must not be zero; leave it out for a plane")
+                for key in given
+                if not getattr(self, key)
             )
+            if not 0 < R < inf:
+                sum_is_positive = f"the curvatures 1/{keys[0]} + 1/{keys[1]} must add up to more than zero"
+                place = " and ".join(map(self.entry, given)) or f"contact.{keys[0]}: missing"
+                yield place, f"{sum_is_positive}, otherwise the bodies do not form a point contact"
+        if not LEAST_RATIO <= R_x / R_y <= LARGEST_RATIO:
+            ratio = f"the reduced radii {R_x:g} m along x and {R_y:g} m along y have the ratio {R_x / R_y:g}"
+            yield "contact", f"{ratio}; allowed: from 1/100 to 100"
+        if not self.is_ball and self.ball_density is not None:
+            yield self.entry("ball_density"), "the moving body is not a ball; give contact.mass"
+
+    def _wrong_speeds(self) -> Iterator[tuple[str, str]]:
+        """A slide-to-roll ratio goes with a mean speed, which is not zero: it carries the oil into the contact."""
+        both, sliding = "speed_1" in self.given and "speed_2" in self.given, "slide_to_roll" in self.given
+        if both and sliding:
+            yield self.entry("slide_to_roll"), "follows from speed_1 and speed_2; allowed with mean_speed only"
         if both and self.speeds.mean == 0:
             pair = f"{self.entry('speed_1')} and {self.entry('speed_2')}"
-            raise ValueError(f"{pair}: their mean must not be zero, it carries the oil into the contact")
-        if not both and self.mean_speed is None and self.slide_to_roll is not None:
-            raise ValueError(f"{self.entry('slide_to_roll')}: needs contact.mean_speed")
+            yield pair, "their mean must not be zero, it carries the oil into the contact"
+        if sliding and not both and self.mean_speed is None:
+            yield self.entry("slide_to_roll"), "needs contact.mean_speed"
         if self.kind == "rolling" and self.mean_speed == 0:
-            raise ValueError(f"{self.entry('mean_speed')}: must not be zero, it carries the oil into the contact")
+            yield self.entry("mean_speed"), "must not be zero, it carries the oil into the contact"
 
     # -- what follows -------------------------------------------------------------------------------------------------
 
@@ -259,12 +254,23 @@ class Conditions:
         """The SI value of one unit of each dimensionless quantity; None for a dimensionless contact."""
         if not self.is_physical:
             return None
-        R, _ = _reduced_radii(self)
+        R, _ = self._radii
         E_prime = self.E_prime or _following(materials.reduced_modulus, self.E1, self.nu1, self.E2, self.nu2)
         if self.kind == "rolling":
             return _following(scales.rolling_scales, R, self.load, abs(self.speeds.mean or 0.0), E_prime, self.ratio)
         speed = self.speed or _following(materials.drop_speed, self.drop_height)
         return _following(scales.impact_scales, R, self.ball_mass, speed, E_prime, self.ratio)
+
+    @property
+    def _radii(self) -> tuple[float, float]:
+        """The reduced radii (m) of a physical contact along x and along y; what is left out of a pair is a plane."""
+        if self.is_ball:
+            R = materials.reduced_radius(self.radius or self.radius_1 or 0.0, self.radius_2 or inf)
+            return R, R
+        if self.radius_x is not None:
+            return self.radius_x, self.radius_y or 0.0
+        along_x = materials.conforming_radius(self.radius_x_1 or inf, self.radius_x_2 or inf)
+        return along_x, materials.conforming_radius(self.radius_y_1 or inf, self.radius_y_2 or inf)
 
     @property
     def is_ball(self) -> bool:
@@ -276,7 +282,7 @@ class Conditions:
         """R_x/R_y."""
         if not self.is_physical:
             return self.radius_ratio or 1.0
-        R_x, R_y = _reduced_radii(self)
+        R_x, R_y = self._radii
         return 1.0 if isclose(R_x, R_y, rel_tol=ROUND_OFF) else R_x / R_y
 
     @property
@@ -329,50 +335,3 @@ def _following(law: Callable[..., T], *values: Any) -> T:
         raise ValueError("contact: its values together are too large or too small; check their units") from error
     except ValueError as error:
         raise ValueError(f"contact: its values together give {error}; check their units") from error
-
-
-# -- the radii of curvature of the two bodies --------------------------------------------------------------------------
-
-
-def _reduced_radii(contact: Conditions) -> tuple[float, float]:
-    """The reduced radii (m) of a physical contact along x and along y."""
-    if contact.is_ball:
-        R = materials.reduced_radius(contact.radius or contact.radius_1 or 0.0, contact.radius_2 or inf)
-        return R, R
-    if contact.radius_x is not None:
-        return contact.radius_x, contact.radius_y or 0.0
-    return _of_pair(contact, ALONG_X), _of_pair(contact, ALONG_Y)
-
-
-def _of_pair(contact: Conditions, keys: Keys) -> float:
-    """The reduced radius of both bodies in one direction; a radius that is left out is that of a plane."""
-    first, second = (getattr(contact, key) or inf for key in keys)
-    return materials.conforming_radius(first, second)
-
-
-def _check_radii(contact: Conditions) -> None:
-    """Raise ValueError unless the bodies touch at a point, in an ellipse that is not too long."""
-    for keys in (ALONG_X, ALONG_Y) if any(key in contact.given for key in PAIRS) else ():
-        _check_pair(contact, keys)
-    R_x, R_y = _reduced_radii(contact)
-    if not LEAST_RATIO <= R_x / R_y <= LARGEST_RATIO:
-        raise ValueError(
-            f"contact: the reduced radii {R_x:g} m along x and {R_y:g} m along y have the ratio {R_x / R_y:g}; "
-            "allowed: from 1/100 to 100"
-        )
-    if not contact.is_ball and "ball_density" in contact.given:
-        raise ValueError(f"{contact.entry('ball_density')}: the moving body is not a ball; give contact.mass")
-
-
-def _check_pair(contact: Conditions, keys: Keys) -> None:
-    """The curvatures of both bodies must add up to more than zero."""
-    zero = next((key for key in keys if getattr(contact, key) == 0), None)
-    if zero:
-        raise ValueError(f"{contact.entry(zero)}: must not be zero; leave it out for a plane")
-    if 0 < _of_pair(contact, keys) < inf:
-        return
-    given = " and ".join(contact.entry(key) for key in keys if key in contact.given)
-    raise ValueError(
-        f"{given or f'contact.{keys[0]}: missing'}: the curvatures 1/{keys[0]} + 1/{keys[1]} must add up to more than "
-        "zero, otherwise the bodies do not form a point contact"
-    )

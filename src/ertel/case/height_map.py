@@ -13,22 +13,10 @@ import numpy as np
 from numpy.lib import format as npy
 from numpy.typing import ArrayLike, NDArray
 
+from ertel.physics import units
 from ertel.physics.registry import SHAPES
 from ertel.physics.surfaces import kept_share, smooth_step
-from ertel.physics.units import (
-    ANGLE,
-    LARGEST,
-    POSITION,
-    RMS,
-    SMALLEST,
-    WIDTH,
-    Amount,
-    Bounds,
-    Meaning,
-    Quantity,
-    explained,
-    plain,
-)
+from ertel.physics.units import Amount, Bounds, Meaning, Quantity, explained, plain
 
 Array = Any  # NumPy arrays that broadcast
 
@@ -49,8 +37,10 @@ def check_size(heights: NDArray[np.float64]) -> None:
     largest = float(max(abs(heights.min()), abs(heights.max())))
     if not largest:
         raise ValueError("heights: are all zero; leave the map out")
-    if not SMALLEST <= largest <= LARGEST:
-        raise ValueError(f"heights: reach {largest:.3g}; the largest must be between {SMALLEST:g} and {LARGEST:g}")
+    if not units.SMALLEST <= largest <= units.LARGEST:
+        raise ValueError(
+            f"heights: reach {largest:.3g}; the largest must be between {units.SMALLEST:g} and {units.LARGEST:g}"
+        )
 
 
 def array_in(content: bytes) -> NDArray[Any]:
@@ -186,25 +176,25 @@ class Measured:
 
     file: Annotated[HeightMap, Meaning("file with the heights, relative to the case file", "disc.al3d")]
     length_x: Annotated[
-        Amount | None, WIDTH, Meaning("length of the map along its x; left out: as the file says", "500 um")
+        Amount | None, units.WIDTH, Meaning("length of the map along its x; left out: as the file says", "500 um")
     ] = None
     length_y: Annotated[
-        Amount | None, WIDTH, Meaning("length of the map along its y; left out: as the file says", "500 um")
+        Amount | None, units.WIDTH, Meaning("length of the map along its y; left out: as the file says", "500 um")
     ] = None
-    rms: Annotated[Amount | None, RMS, Meaning("root mean square of its heights; left out: as measured", "50 nm")] = (
-        None
-    )
-    cutoff: Annotated[Amount | None, WIDTH, Meaning("waves shorter than this are removed; left out: none", "20 um")] = (
-        None
-    )
+    rms: Annotated[
+        Amount | None, units.RMS, Meaning("root mean square of its heights; left out: as measured", "50 nm")
+    ] = None
+    cutoff: Annotated[
+        Amount | None, units.WIDTH, Meaning("waves shorter than this are removed; left out: none", "20 um")
+    ] = None
     taper: Annotated[
         Amount | None,
-        WIDTH,
+        units.WIDTH,
         Meaning("distance from the edges of the map over which it becomes zero; left out: a tenth of the shorter side"),
     ] = None
-    x: Annotated[Amount, POSITION, Meaning("its middle along x at T = 0")] = 0.0
-    y: Annotated[Amount, POSITION, Meaning("its middle along y")] = 0.0
-    angle: Annotated[float, ANGLE, Meaning("by which the map is turned, from x to y", "0 deg")] = 0.0
+    x: Annotated[Amount, units.POSITION, Meaning("its middle along x at T = 0")] = 0.0
+    y: Annotated[Amount, units.POSITION, Meaning("its middle along y")] = 0.0
+    angle: Annotated[float, units.ANGLE, Meaning("by which the map is turned, from x to y", "0 deg")] = 0.0
     filled: Annotated[
         int | None,
         Bounds(gt=0, le=MOST**2, whole=True),

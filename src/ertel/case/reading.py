@@ -69,12 +69,12 @@ def parse_number(value: Any, bounds: Bounds) -> float:
     return value if bounds.whole else float(value)
 
 
-def check_key(name: object, value: object, allowed: Sequence[str], place: str = "") -> None:
+def check_keys(table: Mapping[str, Any], allowed: Sequence[str], place: str = "") -> None:
     """Raise ConfigError, with a hint, for a key that is not allowed.  place: the section, empty for the file itself."""
-    if name in allowed:
-        return
-    where = f"{place}.{show_key(name)}" if place else show_key(name)
-    raise ConfigError(f"{where} = {show(value)}: unknown key; {hint_for(str(name), allowed)}")
+    for name, value in table.items():
+        if name not in allowed:
+            where = f"{place}.{show_key(name)}" if place else show_key(name)
+            raise ConfigError(f"{where} = {show(value)}: unknown key; {hint_for(str(name), allowed)}")
 
 
 def hint_for(name: str, known: Sequence[str]) -> str:
@@ -126,9 +126,8 @@ class Reader:
         if not isinstance(data, Mapping):
             raise ValueError(f"{place} = {show(data)}: must be a {'table' if '.' in place else f'section, [{place}]'}")
         items = {item.name: item for item in fields(record)}  # type: ignore[arg-type]
-        for key, value in data.items():
-            if key not in items and key not in also:
-                check_key(key, value, (*self.named.get(record, ()), *items, *also), place)
+        if not data.keys() <= {*items, *also}:
+            check_keys(data, (*self.named.get(record, ()), *items, *also), place)
         values = self.values(record, data, place)
         for name, item in items.items():
             if name not in values and item.default is MISSING and item.default_factory is MISSING:

@@ -9,7 +9,6 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass, replace
 from functools import cache
-from html import escape
 from math import inf, log10
 from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
@@ -133,8 +132,9 @@ def checked(record: T, place: str) -> T:
     kinds, hints = marks(type(record)), hints_of(type(record))  # type: ignore[arg-type]
     for item in fields(record):  # type: ignore[arg-type]
         value, mark, choices = getattr(record, item.name), kinds.get(item.name), choices_of(hints[item.name])
-        if is_dataclass(value) and mark is None:
+        if isinstance(value, Polyline) or (is_dataclass(value) and mark is None):
             checked(value, f"{place}.{item.name}")
+            continue
         is_default = type(value) is type(item.default) and bool(value == item.default)  # which may be infinite
         if value is None or is_default or (isinstance(value, str) and value in choices):
             continue
@@ -292,22 +292,12 @@ LISTED = 4  # items at most, of a longer list their number
 LEFT_OUT = ("schema", "name", "reference")
 
 
-def described(title: str, data: Mapping[str, Any]) -> str:
-    """A case as text.  title: the first line.  data: the case as plain data, a line each section."""
-    return "\n".join([f"Case: {title}", *(f"  {name:<10} {content}" for name, content in _sections(data))])
-
-
-def described_in_html(title: str, data: Mapping[str, Any]) -> str:
-    """The same as an HTML table."""
-    rows = "".join(f"<tr><th>{escape(n)}</th><td>{escape(content)}</td></tr>" for n, content in _sections(data))
-    return f"<div>Case: {escape(title)}<table>{rows}</table></div>"
-
-
-def _sections(data: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+def described(data: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """The sections of a case in plain data, each with its content in one line."""
     for name, section in data.items():
         for one in section if isinstance(section, list) else [section]:
             if name not in LEFT_OUT:
-                yield name, _pairs(one) if isinstance(one, Mapping) else _short(one)
+                yield name, _pairs(one) if isinstance(one, Mapping) else one
 
 
 def _pairs(data: Mapping[str, Any]) -> str:
@@ -318,11 +308,9 @@ def _short(value: Any) -> str:
     """A value for reading: numbers, also those before a unit, with four digits."""
     if isinstance(value, Mapping):
         return f"{{ {_pairs(value)} }}"
-    if isinstance(value, float):
-        return f"{value:.4g}"
-    if isinstance(value, list) and len(value) > LISTED:
-        return f"({len(value)} points)"
-    return NUMBER.sub(lambda match: f"{float(match[0]):.4g}", value) if isinstance(value, str) else str(value)
+    if isinstance(value, list):
+        return f"({len(value)} points)" if len(value) > LISTED else f"[{', '.join(map(_short, value))}]"
+    return NUMBER.sub(lambda match: f"{float(match[0]):.4g}", str(value))
 
 
 # -- units of the case ------------------------------------------------------------------------------------------------

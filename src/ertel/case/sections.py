@@ -7,7 +7,7 @@ from typing import Annotated, Literal, NamedTuple
 
 from ertel.case.conditions import Kind
 from ertel.numerics.grid import allowed_nodes, nodes_across
-from ertel.physics import hertz
+from ertel.physics import hertz, units
 from ertel.physics.geometry import CIRCLE, Geometry
 from ertel.physics.motion import Signal
 from ertel.physics.thermal import (
@@ -19,21 +19,7 @@ from ertel.physics.thermal import (
     WarmViscosity,
     thermal_loading,
 )
-from ertel.physics.units import (
-    CONDUCTIVITY,
-    DENSITY,
-    DURATION,
-    EXPANSION,
-    FINITE,
-    HEAT_CAPACITY,
-    NOT_NEGATIVE,
-    SHARE,
-    TEMPERATURE,
-    Amount,
-    Bounds,
-    Meaning,
-    explained,
-)
+from ertel.physics.units import Amount, Bounds, Meaning, explained
 
 Method = Literal["2d", "radial", "steady", "transient"]
 Stop = Literal["max-approach", "rebound"]
@@ -75,7 +61,7 @@ class Solver:
     ] = None
     tolerance: Annotated[
         float,
-        SHARE,
+        units.SHARE,
         Meaning(
             "in time: a film thickness over the expected one; steady: the residual, where 0.03 leaves a tenth of the "
             "grid's own error for less than half the work"
@@ -175,11 +161,11 @@ class Time:
     ] = None
     until: Annotated[
         Stop | Amount | None,
-        DURATION,
+        units.DURATION,
         Meaning("the end: a time, or in an impact max-approach or rebound", "max-approach"),
     ] = None
-    tolerance: Annotated[float, SHARE, Meaning("error allowed in a time step, relative")] = 5e-5
-    step: Annotated[Amount | None, DURATION, Meaning("a fixed time step, in place of tolerance", 0.01)] = None
+    tolerance: Annotated[float, units.SHARE, Meaning("error allowed in a time step, relative")] = 5e-5
+    step: Annotated[Amount | None, units.DURATION, Meaning("a fixed time step, in place of tolerance", 0.01)] = None
 
 
 START_APPROACH = -1.0
@@ -191,7 +177,7 @@ ENDS: Mapping[Kind, Stop | float] = {"impact": "max-approach", "rolling": ROLLIN
 class Output:
     """Which film and pressure maps are kept, besides those at maximum approach and at the end."""
 
-    interval: Annotated[Amount, DURATION, Meaning("time between the film and pressure maps that are kept")] = 0.1
+    interval: Annotated[Amount, units.DURATION, Meaning("time between the film and pressure maps that are kept")] = 0.1
 
 
 @explained
@@ -210,11 +196,11 @@ class Drive:
         ),
     ] = None
     slide_to_roll: Annotated[
-        float | None, FINITE, Meaning("(u1 - u2)/u_m of a contact without dimensions; left out: 0", 0.1)
+        float | None, units.FINITE, Meaning("(u1 - u2)/u_m of a contact without dimensions; left out: 0", 0.1)
     ] = None
     inertia: Annotated[
         float | None,
-        NOT_NEGATIVE,
+        units.NOT_NEGATIVE,
         Meaning("inertia of the ball in a rolling contact without dimensions; left out: 0", 0.5),
     ] = None
 
@@ -255,31 +241,35 @@ class Thermal:
 
     temperature: Annotated[
         float,
-        TEMPERATURE,
+        units.TEMPERATURE,
         Meaning("of the oil in the inlet, for which eta0 and alpha hold; left out: that in [lubricant]"),
     ]
     conductivity: Annotated[
-        float, CONDUCTIVITY, Meaning("thermal conductivity of the oil; left out: that of the named oil")
+        float, units.CONDUCTIVITY, Meaning("thermal conductivity of the oil; left out: that of the named oil")
     ]
     beta: Annotated[
         float,
-        EXPANSION,
+        units.EXPANSION,
         Meaning("-d ln(eta)/dT of the oil at ambient pressure; left out: that of the named oil", "0.035 / K"),
     ]
-    density_1: Annotated[float, DENSITY, Meaning("density of body 1; left out, as the next two: that of material_1")]
-    heat_capacity_1: Annotated[float, HEAT_CAPACITY, Meaning("heat capacity of body 1", "460 J/(kg*K)")]
-    conductivity_1: Annotated[float, CONDUCTIVITY, Meaning("thermal conductivity of body 1", "46 W/(m*K)")]
-    density_2: Annotated[float, DENSITY, Meaning("density of body 2; left out, as the next two: that of material_2")]
-    heat_capacity_2: Annotated[float, HEAT_CAPACITY, Meaning("heat capacity of body 2", "460 J/(kg*K)")]
-    conductivity_2: Annotated[float, CONDUCTIVITY, Meaning("thermal conductivity of body 2", "46 W/(m*K)")]
+    density_1: Annotated[
+        float, units.DENSITY, Meaning("density of body 1; left out, as the next two: that of material_1")
+    ]
+    heat_capacity_1: Annotated[float, units.HEAT_CAPACITY, Meaning("heat capacity of body 1", "460 J/(kg*K)")]
+    conductivity_1: Annotated[float, units.CONDUCTIVITY, Meaning("thermal conductivity of body 1", "46 W/(m*K)")]
+    density_2: Annotated[
+        float, units.DENSITY, Meaning("density of body 2; left out, as the next two: that of material_2")
+    ]
+    heat_capacity_2: Annotated[float, units.HEAT_CAPACITY, Meaning("heat capacity of body 2", "460 J/(kg*K)")]
+    conductivity_2: Annotated[float, units.CONDUCTIVITY, Meaning("thermal conductivity of body 2", "46 W/(m*K)")]
     temperature_1: Annotated[
         float | None,
-        TEMPERATURE,
+        units.TEMPERATURE,
         Meaning("of body 1 far below its surface; left out: that of the oil", "60 degC"),
     ] = None
     temperature_2: Annotated[
         float | None,
-        TEMPERATURE,
+        units.TEMPERATURE,
         Meaning("of body 2 far below its surface; left out: that of the oil", "60 degC"),
     ] = None
     viscosity: Annotated[

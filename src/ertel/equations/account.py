@@ -59,47 +59,30 @@ In a steady contact the power loss is what the surfaces spend, sliding speed tim
 times the resistance of both, less the energy that flows out through the edge of the grid.
 """
 
-from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple, Protocol
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from ertel.case.case import Case
-from ertel.equations import discretise
+from ertel.case.status import Status
+from ertel.equations.approach import rate_of_change
 from ertel.equations.contact import Contact, Details
-from ertel.equations.flow import OilContent, wedge
-from ertel.numerics.grid import Grid
+from ertel.equations.outside import Surroundings
+from ertel.equations.state import State, Work
+from ertel.numerics.bdf import Weights
 from ertel.numerics.integrals import Plane, Space
 from ertel.numerics.programs import ANY_SIZE, Program, exportable
 from ertel.numerics.stencils import Pair, inside
-from ertel.physics.geometry import ContactMotion
 from ertel.physics.lubricant import Lubricant
 
 Number = Array | float
 MASSES = ("mass", "inflow", "outflow", "cavity_source")
 ENERGIES = ("elastic_energy", "oil_energy", "dissipation", "power_from_surfaces", "power_to_surfaces", "outside_power")
-INTEGRALS = (*MASSES, *ENERGIES, "load")
 FRICTION = ("mu_sliding", "mu_sliding_y", "mu_rolling", "power_loss")
-
-
-class SteadyFilm(Protocol):
-    """The steady film on one grid, for its account.  outside: the load that the oil outside the grid carries."""
-
-    @property
-    def grid(self) -> Grid: ...
-    @property
-    def P(self) -> Any: ...
-    @property
-    def H(self) -> Any: ...
-    @property
-    def content(self) -> OilContent: ...
-    @property
-    def approach(self) -> float: ...
-    @property
-    def outside(self) -> float: ...
+TERMS = (*MASSES, *ENERGIES, "load", *FRICTION)
 
 
 # -- friction ----------------------------------------------------------------------------------------------------------
@@ -129,20 +112,8 @@ def friction(
 ) -> Friction:
     """The friction of a film; traceable by JAX.
 
-    Parameters
-    ----------
-    plane : Plane
-        The grid.
-    contact : Contact
-        The surfaces and the oil.
-    P, H : Array
-        Pressure and film, shape (n_y, n_x).
-    sliding : number
-        U S = u1 - u2 along X, in a/t0.  It need not be the sliding at which the film was computed.
-    load : number
-        The load that the film carries, in F*.  Without a load the coefficients are zero.
-    hertz_load : number
-        F* in units of a^2 p_h (`Geometry.hertz_load`).
+    sliding: U S = u1 - u2 along X, in a/t0.  It need not be the sliding at which the film was computed.  load: what the
+    film carries, in F*; without a load the coefficients are zero.  hertz_load: F* in units of a^2 p_h.
     """
     details = contact.flow.details(contact, P, H, sliding, plane)
     return friction_of_details(plane, details, P, H, sliding, load, hertz_load)
@@ -165,14 +136,15 @@ def shear_force(plane: Plane, stress: Array) -> Array:
     return jnp.stack([plane.total(stress[0]), jnp.zeros(()) if plane.even.y else plane.total(stress[1])])
 
 
-def friction_numbers(friction: Friction) -> tuple[Array, ...]:
-    """The numbers of `FRICTION`: forces over the load in a/R, the power loss in F* a^2/(R t0)."""
-    return friction.sliding[0], friction.sliding[1], friction.rolling[0], friction.power
+def numbers_of(friction: Friction) -> dict[str, Array]:
+    """The numbers of `FRICTION` by name: forces over the load in a/R, the power loss in F* a^2/(R t0)."""
+    numbers = friction.sliding[0], friction.sliding[1], friction.rolling[0], friction.power
+    return dict(zip(FRICTION, numbers, strict=True))
 
 
 def coefficients(friction: Friction) -> dict[str, float]:
-    """The numbers of `FRICTION` by name."""
-    return dict(zip(FRICTION, map(float, friction_numbers(jax.device_get(friction))), strict=True))
+    """The same on the host."""
+    return {name: float(number) for name, number in numbers_of(jax.device_get(friction)).items()}
 
 
 def whole_maps(whole: Callable[..., Any], level: Mapping[str, Any], friction: Friction) -> dict[str, np.ndarray]:
@@ -187,21 +159,7 @@ def whole_maps(whole: Callable[..., Any], level: Mapping[str, Any], friction: Fr
     return {name: np.asarray(whole(field, odd=name == "tau_y")) for name, field in fields.items()}
 
 
-def compiled_friction(
-    plane: Plane, contact: Contact, P: Array, H: Array, sliding: Number, load: Number, hertz_load: Number
-) -> Friction:
-    """The same as `friction`, compiled."""
-    compiled: Friction = _friction_program(plane, contact, *jax.device_put((P, H)), sliding, load, hertz_load)
-    return compiled
-
-
-_friction_program = Program(jax.jit(friction), ANY_SIZE)
-
-
-def steady_friction(case: Case, s: SteadyFilm) -> Friction:
-    """The friction of a steady film; its maps have the shape of the grid.  The case may slide in another way."""
-    c, motion, scale = discretise.contact_of(case, s.grid), case.motion, case.geometry.hertz_load
-    return compiled_friction(Plane.of(s.grid), c, s.P, s.H, motion.sliding(0.0), motion.load(0.0), scale)
+friction_program = Program(jax.jit(friction), ANY_SIZE)
 
 
 # -- the balances ------------------------------------------------------------------------------------------------------
@@ -227,19 +185,6 @@ class Film(NamedTuple):
     gap_change: Number
 
 
-@exportable
-class Account(NamedTuple):
-    """The terms of the balances, and the friction."""
-
-    terms: Mapping[str, Array]
-    friction: Friction
-
-    @property
-    def numbers(self) -> tuple[Array, ...]:
-        """The terms of `INTEGRALS` and the numbers of `FRICTION`, in their order."""
-        return *(self.terms[name] for name in INTEGRALS), *friction_numbers(self.friction)
-
-
 class Moment(NamedTuple):
     """The numbers that an account needs besides the fields.
 
@@ -257,8 +202,8 @@ class Moment(NamedTuple):
 
 def account(
     space: Plane, c: Contact, P: Array, H: Array, m: Moment, oil: Array, passing: Array, change: Array
-) -> Account:
-    """The account of a film on the 2-D grid.
+) -> tuple[dict[str, Array], Friction]:
+    """The terms of the account of a film on the 2-D grid by name, and its friction.
 
     oil: what is there, as mass.  passing: what passes with the flow.  change: the rate of the oil, following the flow.
     """
@@ -266,11 +211,11 @@ def account(
     growth = change - inside(details.gain, c.even)
     film = Film(P, H, oil, passing, details.mobility, details.heat, H + m.approach - c.gap, growth, m.U, m.gap_change)
     forces = friction_of_details(space, details, P, H, m.sliding, m.load, m.hertz_load)
-    return Account(integrals(space, c.lubricant, film), forces)
+    return account_terms(space, c.lubricant, film, forces), forces
 
 
-def integrals(space: Space, oil: Lubricant, film: Film) -> dict[str, Array]:
-    """All terms of both balances on the grid by name, and "load", the double integral of P."""
+def account_terms(space: Space, oil: Lubricant, film: Film, friction: Friction) -> dict[str, Array]:
+    """The numbers of `TERMS` by name: the balances on the grid, "load", the double integral of P, and the friction."""
     P, H, eps, U = film.P, film.H, film.eps, film.U
     mass, enthalpy, compressed = film.oil, oil.enthalpy(P), oil.compression(P) * H
     squeezed_out = space.flow_out(eps, P)
@@ -288,39 +233,49 @@ def integrals(space: Space, oil: Lubricant, film: Film) -> dict[str, Array]:
         "power_to_surfaces": space.total(P * jnp.maximum(film.gap_change, 0.0)),
         "outside_power": space.around(energy_out),
         "load": space.total(P),
+        **numbers_of(friction),
     }
 
 
-class Around(NamedTuple):
-    """The oil outside the grid: its load, its uplift of the grid, and the rate of change of the load on the grid."""
+def in_units(
+    values: Mapping[str, Any], velocity: float, around: Surroundings, hertz_load: float, load_rate: float = 0.0
+) -> dict[str, float]:
+    """`MASSES`, `ENERGIES` and `FRICTION` in their units, with what the oil outside adds.
 
-    load: float
-    uplift: float
-    grid_load_rate: float = 0.0
-
-
-def terms(values: Mapping[str, Any], velocity: float, around: Around, hertz_load: float) -> dict[str, float]:
-    """`MASSES` and `ENERGIES` in their units, from `integrals`, with what the oil outside adds."""
-    plain = {name: float(value) for name, value in values.items()}
+    values: from `account_terms`.  load_rate: the rate of change of the load on the grid.
+    """
+    plain = {name: float(values[name]) for name in TERMS}
     plain["elastic_energy"] += around.uplift * plain["load"] / 2
-    plain["outside_power"] += velocity * around.load - around.uplift * around.grid_load_rate
-    return {name: plain[name] / (hertz_load if name in ENERGIES else 1.0) for name in (*MASSES, *ENERGIES)}
+    plain["outside_power"] += velocity * around.load - around.uplift * load_rate
+    energies = {name: plain[name] / hertz_load for name in ENERGIES}
+    return {name: value for name, value in (plain | energies).items() if name != "load"}
 
 
-def steady_account(case: Case, s: SteadyFilm) -> tuple[dict[str, float], Friction]:
-    """`MASSES` and `ENERGIES` of a steady contact on one of its grids, and its friction."""
-    c, m, scale = discretise.contact_of(case, s.grid), case.motion, case.geometry.hertz_load
-    U, load = m.entrainment(0.0), m.load(0.0)
-    moment = Moment(s.approach, U, m.sliding(0.0), discretise.gap_change(case, s.grid, 0.0), load, scale)
-    account: Account = _steady_program(Plane.of(s.grid), c, s.P, s.H, s.content, moment)
-    around = discretise.outside_of(case, s.grid).at(ContactMotion(s.approach, 0.0, load, U))
-    plain = jax.device_get(account.terms)
-    return terms(plain, 0.0, Around(s.outside, around.uplift), scale), account.friction
+# -- a step in time ----------------------------------------------------------------------------------------------------
+
+NUMBERS = ("approach", "converged", "newton", "krylov", "error", *TERMS)  # of a step
 
 
-def _steady(space: Plane, c: Contact, P: Array, H: Array, content: OilContent, m: Moment) -> Account:
-    change = wedge(content, m.U, c.spacing)
-    return account(space, c, P, H, m, content.oil, content.passing, change)
+def new_level(
+    T: float,
+    rates: Weights,
+    levels: Sequence[State],
+    fields: Mapping[str, Array],
+    numbers: Sequence[float],
+    around: Surroundings,
+    hertz_load: float,
+    load: float | None = None,
+) -> State:
+    """The state after a step, with its account as the record.
 
-
-_steady_program = Program(jax.jit(_steady), ANY_SIZE)
+    numbers: those of `NUMBERS`, then others.  load: the double integral of P, where it is not that of the account.
+    """
+    named = dict(zip(NUMBERS, numbers, strict=False))
+    approach, load = named["approach"], named["load"] if load is None else load
+    velocity = rate_of_change(rates, approach, [level.approach for level in levels])
+    load_rate = rate_of_change(rates, load, [level.load for level in levels])
+    beyond = around._replace(load=around.load + load - named["load"])  # half a cell around the grid counts as outside
+    record = in_units(named, velocity, beyond, hertz_load, load_rate)
+    status = Status.CONVERGED if named["converged"] else Status.NEWTON_STALLED  # stalled too if NaN
+    work = Work(int(named["newton"]), int(named["krylov"]))
+    return State(T, approach, velocity, fields, status, work, around.load, load, named["error"], record)

@@ -105,13 +105,8 @@ def with_slope(law: Fluidity, pressure: Array, size: Array) -> tuple[Array, Arra
     return phi, slope / size
 
 
-def both_sides(law: Fluidity, pressure: Array, t: Vector, g: Vector, zeta: Array) -> tuple[Array, Array]:
-    """phi and phi'/|tau| at + zeta and at - zeta, each of shape (2, NODES/2, ...)."""
-    return with_slope(law, pressure, _sizes(t, g, zeta))
-
-
 def _sizes(t: Vector, g: Vector, zeta: Array) -> Array:
-    """|tau| at + zeta and at - zeta."""
+    """|tau| at + zeta and at - zeta, shape (2, NODES/2, ...)."""
     mean, along = square(t) + zeta**2 * square(g), 2.0 * zeta * dot(t, g)
     return jnp.sqrt(jnp.maximum(jnp.stack([mean + along, mean - along]), TINY**2))
 
@@ -127,33 +122,27 @@ class Moments(NamedTuple):
 
 def sums_by_nodes(law: Fluidity, pressure: Array, t: Vector, g: Vector, nodes: Nodes) -> Sequence[Array]:
     """S_0, S_1 and S_2 over the Gauss nodes."""
-    zeta, weight = nodes
-    phi = law.fluidity(_sizes(t, g, zeta), pressure)
-    return [_paired(weight * zeta**k, phi, k) for k in range(3)]
+    return _sums(nodes, law.fluidity(_sizes(t, g, nodes[0]), pressure), range(3))
 
 
 def moments_by_nodes(law: Fluidity, pressure: Array, t: Vector, g: Vector, nodes: Nodes) -> Moments:
     """The sums over the Gauss nodes."""
-    zeta, weight = nodes
-    phi, slope = both_sides(law, pressure, t, g, zeta)
-    weights = [weight, weight * zeta, weight * zeta**2, weight * zeta**3, weight * zeta**4]
-    s = [_paired(w, phi, k) for k, w in enumerate(weights[:3])]
-    return _assembled(s, [_paired(w, slope, k) for k, w in enumerate(weights)], t, g)
+    phi, slope = with_slope(law, pressure, _sizes(t, g, nodes[0]))
+    return _assembled(_sums(nodes, phi, range(3)), _sums(nodes, slope, range(5)), t, g)
 
 
 def sliding_moments(law: Fluidity, pressure: Array, t: Vector, g: Vector, nodes: Nodes) -> tuple[Array, Array, Tensor]:
     """The moments that the sliding needs: S_0, S_1 and A."""
+    phi, slope = with_slope(law, pressure, _sizes(t, g, nodes[0]))
+    s0, s1 = _sums(nodes, phi, range(2))
+    return s0, s1, _tensor(s0, _sums(nodes, slope, range(3)), _products(t, g))
+
+
+def _sums(nodes: Nodes, values: Array, powers: Sequence[int]) -> Sequence[Array]:
+    """The integrals of zeta^k times the values on both sides."""
     zeta, weight = nodes
-    phi, slope = both_sides(law, pressure, t, g, zeta)
-    weights = [weight, weight * zeta, weight * zeta**2]
-    s0, s1 = (_paired(w, phi, k) for k, w in enumerate(weights[:2]))
-    return s0, s1, _tensor(s0, [_paired(w, slope, k) for k, w in enumerate(weights)], _products(t, g))
-
-
-def _paired(weight: Array, values: Array, power: int) -> Array:
-    """The sum over the nodes of weight * values, odd in zeta if the power is."""
-    both = values[0] - values[1] if power % 2 else values[0] + values[1]
-    return jnp.sum(weight * both, axis=0)
+    both = values[0] + values[1], values[0] - values[1]
+    return [jnp.sum(weight * zeta**k * both[k % 2], axis=0) for k in powers]
 
 
 def _assembled(s: Sequence[Array], r: Sequence[Array], t: Vector, g: Vector) -> Moments:
@@ -173,6 +162,22 @@ def _tensor(s: Array, r: Sequence[Array], products: Sequence[Tensor]) -> Tensor:
 def _products(t: Vector, g: Vector) -> Sequence[Tensor]:
     """tau tau with tau = t + zeta g, by the power of zeta."""
     return dyad(t, t), dyad(t, 2.0 * g), dyad(g, g)
+
+
+def secant_by_nodes(law: Fluidity, across: int, pressure: Array, t: Vector, g: Vector) -> Tensor:
+    """The tensor of `shear.secant_mobility`."""
+    # where the nodes lie has no influence
+    zeta, weight = nodes = jax.lax.stop_gradient(gauss_nodes(law, across, pressure, t, g))
+    phi, slope = with_slope(law, pressure, _sizes(t, g, zeta))
+    # |tau+|^2 - |tau-|^2 = 4 zeta tau_m . g; where it is too small for a quotient, the mean slope by |tau|^2 serves
+    difference = 4.0 * zeta * dot(t, g)
+    size = square(t)[None] + zeta**2 * square(g)[None]
+    apart = jnp.abs(difference) > 1e-6 * size
+    quotient = (phi[0] - phi[1]) / jnp.where(apart, difference, 1.0)
+    by_square = jnp.where(apart, quotient, 0.25 * (slope[0] + slope[1]))
+    along = jnp.sum(weight * 4.0 * zeta**2 * by_square, axis=0)
+    (S_2,) = _sums(nodes, phi, [2])
+    return _tensor(S_2, [along], [dyad(t, t)])
 
 
 # -- where the oil hardly thins ---------------------------------------------------------------------------------------
@@ -196,22 +201,8 @@ def series_of(law: Fluidity, pressure: Array, stress: Vector, gradient: Vector) 
     return Series(first / T**2, second / T**4, holds)
 
 
-def series_moments(series: Series, t: Vector, g: Vector) -> Moments:
-    """The same integrals as `moments_by_nodes`, exact."""
-    squares, fourths = _of_stress(t, g)
-    s = [OF_POWERS[k] + series.first * squares[k] + series.second * fourths[k] for k in range(3)]
-    r = [2.0 * series.first * OF_POWERS[k] + 4.0 * series.second * squares[k] for k in range(5)]
-    return _assembled(s, r, t, g)
-
-
-def series_change(change: Series, t: Vector, g: Vector) -> Sequence[Array]:
-    """The changes of S_0, S_1 and S_2 with those of the two terms."""
-    squares, fourths = _of_stress(t, g)
-    return [change.first * squares[k] + change.second * fourths[k] for k in range(3)]
-
-
-def _of_stress(t: Vector, g: Vector) -> tuple[Sequence[Array], Sequence[Array]]:
-    """The integrals of zeta^k |tau|^2, k = 0 to 4, and of zeta^k |tau|^4, k = 0 to 2."""
+def integrals_of_stress(t: Vector, g: Vector) -> Sequence[Sequence[Array | float]]:
+    """The integrals of zeta^k |tau|^j: for j = 0 and 2 with k = 0 to 4, for j = 4 with k = 0 to 2."""
     a, b, c = square(t), dot(t, g), square(g)  # |tau|^2 = a + 2 b zeta + c zeta^2
     middle = 4.0 * b**2 + 2.0 * a * c  # |tau|^4 = a^2 + 4 a b zeta + middle zeta^2 + 4 b c zeta^3 + c^2 zeta^4
     squares = a + c / 12.0, b / 6.0, a / 12.0 + c / 80.0, b / 40.0, a / 80.0 + c / 448.0
@@ -220,4 +211,26 @@ def _of_stress(t: Vector, g: Vector) -> tuple[Sequence[Array], Sequence[Array]]:
         a * b / 3.0 + b * c / 20.0,
         a**2 / 12.0 + middle / 80.0 + c**2 / 448.0,
     )
-    return squares, fourths
+    return OF_POWERS, squares, fourths
+
+
+def series_sums(series: Series, of_stress: Sequence[Sequence[Array | float]]) -> Sequence[Array]:
+    """The integrals of zeta^k (phi - 1), k = 0 to 2, from those of the stress."""
+    _, squares, fourths = of_stress
+    return [series.first * square + series.second * fourth for square, fourth in zip(squares, fourths, strict=False)]
+
+
+def series_moments(series: Series, of_stress: Sequence[Sequence[Array | float]], t: Vector, g: Vector) -> Moments:
+    """The same integrals as `moments_by_nodes`, exact, from those of the stress."""
+    ones, squares, _ = of_stress
+    s = [one + rest for one, rest in zip(ones, series_sums(series, of_stress), strict=False)]
+    r = [2.0 * series.first * one + 4.0 * series.second * square for one, square in zip(ones, squares, strict=True)]
+    return _assembled(s, r, t, g)
+
+
+def series_secant(series: Series, t: Vector, g: Vector) -> Tensor:
+    """As `secant_by_nodes`."""
+    a, c = square(t), square(g)
+    along = (series.first + 2.0 * series.second * a) / 6.0 + series.second * c / 20.0
+    S_2 = OF_POWERS[2] + series_sums(series, integrals_of_stress(t, g))[2]
+    return _tensor(S_2, [along], [dyad(t, t)])

@@ -1,15 +1,15 @@
-"""The closure for the approach Delta: Newton's law for the ball, a balanced load (its limit), or a prescribed motion.
+"""The closure for the approach Delta: Newton's law for the ball, or a balanced load, which is its limit.
 
-At a new time level every closure is one linear equation in Delta and the load (the double integral of P):
+At a new time level it is one linear equation in Delta and the load (the double integral of P):
 
     approach_weight * Delta + load_weight * load = value
 
 Impact and rolling differ only in this equation, in the scales and in the entrainment speed U(T).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 from ertel.numerics.bdf import Weights
 from ertel.physics.geometry import HERTZ_LOAD
@@ -32,19 +32,8 @@ class ClosureLine(NamedTuple):
         return (self.value - self.load_weight * load) / self.approach_weight
 
 
-class Closure(Protocol):
-    """The equation for Delta, discretised at a new time level."""
-
-    def line(self, T: float, rates: Weights, approaches: Sequence[float], velocities: Sequence[float]) -> ClosureLine:
-        """The linear equation at time T, from BDF weights (newest first) and the earlier Delta and dDelta/dT."""
-        ...
-
-    def velocity(self, T: float, rates: Weights, approach: float, approaches: Sequence[float]) -> float:
-        """dDelta/dT at time T once Delta is known."""
-        ...
-
-
-def _rate(rates: Weights, new: float, earlier: Sequence[float]) -> float:
+def rate_of_change(rates: Weights, new: float, earlier: Sequence[float]) -> float:
+    """The rate of a number by backward differences, from its new value and the earlier ones, newest first."""
     return float(rates[0] * new + sum(w * y for w, y in zip(rates[1:], earlier, strict=False)))
 
 
@@ -74,22 +63,7 @@ class NewtonsLaw:
         return cls(motion.inertia, motion.load, hertz_load)
 
     def line(self, T: float, rates: Weights, approaches: Sequence[float], velocities: Sequence[float]) -> ClosureLine:
+        """The linear equation at time T, from BDF weights (newest first) and the earlier Delta and dDelta/dT."""
         a0 = float(rates[0])
-        old = a0 * _rate(rates, 0.0, approaches) + _rate(rates, 0.0, velocities)
+        old = a0 * rate_of_change(rates, 0.0, approaches) + rate_of_change(rates, 0.0, velocities)
         return ClosureLine(self.inertia * a0**2, 1.0 / self.hertz_load, self.load(T) - self.inertia * old)
-
-    def velocity(self, T: float, rates: Weights, approach: float, approaches: Sequence[float]) -> float:
-        return _rate(rates, approach, approaches)
-
-
-@dataclass(frozen=True)
-class PrescribedApproach:
-    """A prescribed motion Delta = motion(T), T in units t0."""
-
-    motion: Callable[[float], float]
-
-    def line(self, T: float, rates: Weights, approaches: Sequence[float], velocities: Sequence[float]) -> ClosureLine:
-        return ClosureLine(1.0, 0.0, self.motion(T))
-
-    def velocity(self, T: float, rates: Weights, approach: float, approaches: Sequence[float]) -> float:
-        return _rate(rates, approach, approaches)

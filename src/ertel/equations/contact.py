@@ -14,7 +14,7 @@ All quantities are dimensionless: X = x/a, H = h R/a^2, P = p/p_h, T = t/t0.  Fi
 
 from dataclasses import dataclass, field, fields, is_dataclass
 from functools import cache, partial
-from typing import Any, NamedTuple, Protocol, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import jax
 import jax.numpy as jnp
@@ -42,22 +42,6 @@ class Mobilities(NamedTuple):
     tangent: Pair
 
 
-class PressureFlow(Protocol):
-    """The flow by the pressure gradient, by the law of the oil.  A JAX pytree of numbers."""
-
-    def gain(self, contact: "Contact", P: Array, H: Array) -> Array:
-        """- div(Poiseuille flux): what the flow brings to each node; without meaning on the edge.  Shape (n, n)."""
-        ...
-
-    def mobilities(self, contact: "Contact", P: Array, H: Array) -> "Mobilities":
-        """The mobilities at the nodes; the gradient itself is held when they are differentiated."""
-        ...
-
-    def details(self, contact: "Contact", P: Array, H: Array, sliding: Number, plane: Plane) -> "Details":
-        """The flow at every node when the surfaces slide by U S along X, which may differ from that of the film."""
-        ...
-
-
 class Details(NamedTuple):
     """The flow of the oil at the nodes, for the budgets and the friction.
 
@@ -72,22 +56,23 @@ class Details(NamedTuple):
     mobility: Pair
 
 
-class NewtonianFlow(NamedTuple):
-    """The flow of a Newtonian oil: its mobility is the same in all directions and for any pressure gradient."""
+@register_dataclass
+@dataclass(frozen=True)
+class PressureFlow:
+    """The flow by the pressure gradient: of a Newtonian oil, whose mobility is the same in all directions."""
 
     def gain(self, contact: "Contact", P: Array, H: Array) -> Array:
-        return diffusion(self.mobility(contact, P, H), P, contact.even) / contact.spacing**2
+        """- div(Poiseuille flux): what the flow brings to each node; without meaning on the edge.  Shape (n, n)."""
+        return diffusion(Pair(mobility(contact, P, H)), P, contact.even) / contact.spacing**2
 
-    def mobilities(self, contact: "Contact", P: Array, H: Array) -> "Mobilities":
-        eps = self.mobility(contact, P, H)
+    def mobilities(self, contact: "Contact", P: Array, H: Array) -> Mobilities:
+        """The mobilities at the nodes; the gradient itself is held when they are differentiated."""
+        eps = Pair(mobility(contact, P, H))
         return Mobilities(eps, eps)
 
-    def mobility(self, contact: "Contact", P: Array, H: Array) -> Pair:
-        """eps = rho H^3/(eta lambda_bar)."""
-        return Pair(contact.lubricant.mobility(P, H, contact.lambda_bar))
-
     def details(self, contact: "Contact", P: Array, H: Array, sliding: Number, plane: Plane) -> Details:
-        oil, eps = contact.lubricant, self.mobility(contact, P, H)
+        """The flow at every node when the surfaces slide by U S along X, which may differ from that of the film."""
+        oil, eps = contact.lubricant, Pair(mobility(contact, P, H))
         along_x = contact.lambda_bar * oil.viscosity(P) * sliding / (12.0 * opened(H))
         heat = plane.of_slopes(eps, P, oil.enthalpy(P))
         return Details(jnp.stack([along_x, jnp.zeros_like(along_x)]), heat, self.gain(contact, P, H), eps)
@@ -98,7 +83,7 @@ def opened(H: Array) -> Array:
     return jnp.where(H > 0.0, H, 1.0)
 
 
-NEWTONIAN_FLOW = NewtonianFlow()
+NEWTONIAN_FLOW = PressureFlow()
 
 
 @register_dataclass
@@ -144,6 +129,11 @@ def pressure_load(contact: Contact, P: Array) -> Array:
 def mass(contact: Contact, P: Array, H: Array) -> Array:
     """rho H."""
     return contact.lubricant.density(P) * H
+
+
+def mobility(contact: Contact, P: Array, H: Array) -> Array:
+    """eps = rho H^3/(eta lambda_bar), without thinning."""
+    return contact.lubricant.mobility(P, H, contact.lambda_bar)
 
 
 def residual(contact: Contact, P: Array, H: Array, rate: Rate) -> Array:

@@ -1,4 +1,7 @@
-"""The contact of a case on a grid: the surfaces at a given time, and the oil."""
+"""The contact of a case on a grid: the surfaces at a given time, and the oil.
+
+Unlike `jnp.asarray`, `jax.device_put` has nothing to compile.
+"""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -67,19 +70,19 @@ def heights(features: Sequence[Feature], case: Case, grid: Grid, T: float) -> Ar
     not mistake them for longer ones.
     """
     X, Y = grid.kept_x[None, :], grid.kept_y[:, None]
-    return _on_device(surfaces.height(features, case.motion, T, X, Y, CELLS_KEPT * grid.spacing))
+    return jax.device_put(surfaces.height(features, case.motion, T, X, Y, CELLS_KEPT * grid.spacing))
 
 
 def gap_slope(case: Case, grid: Grid) -> Array:
     """dG/dX of the smooth gap G, which is a parabola: the central difference is exact."""
     X, Y = grid.kept_x[None, :], grid.kept_y[:, None]
-    return _on_device((case.geometry.gap(X + 1.0, Y) - case.geometry.gap(X - 1.0, Y)) / 2.0)
+    return jax.device_put((case.geometry.gap(X + 1.0, Y) - case.geometry.gap(X - 1.0, Y)) / 2.0)
 
 
 def gap_change(case: Case, grid: Grid, T: float) -> Array:
     """The rate of change of the undeformed gap, roughness included, following the flow."""
     slope, change = np.asarray(gap_slope(case, grid)), np.asarray(roughness_change(case, grid, T))
-    return _on_device(case.motion.entrainment(T) * slope - change)
+    return jax.device_put(case.motion.entrainment(T) * slope - change)
 
 
 def roughness_change(case: Case, grid: Grid, T: float) -> Array | float:
@@ -91,13 +94,6 @@ def roughness_change(case: Case, grid: Grid, T: float) -> Array | float:
 
     def at(T_near: float) -> NDArray[np.float64]:
         X = grid.kept_x[None, :] + drift(T_near) - drift(T)
-        heights: NDArray[np.float64] = surfaces.height(case.features, motion, T_near, X, Y, CELLS_KEPT * grid.spacing)
-        return heights
+        return surfaces.height(case.features, motion, T_near, X, Y, CELLS_KEPT * grid.spacing)
 
-    return _on_device((at(T + INSTANT) - at(T - INSTANT)) / (2.0 * INSTANT))
-
-
-def _on_device(field: NDArray[np.float64]) -> Array:
-    """Unlike `jnp.asarray`, this has nothing to compile."""
-    array: Array = jax.device_put(field)
-    return array
+    return jax.device_put((at(T + INSTANT) - at(T - INSTANT)) / (2.0 * INSTANT))

@@ -140,7 +140,7 @@ def wedge(content: OilContent, entrainment: Number, spacing: Number) -> Array:
     onwards = upstream_slope(full, spacing) - slope(void)
     oil, full = oil[:, ::-1], full[:, ::-1]
     back = -slope(jnp.where(oil < full, oil, downstream(full)))[:, ::-1]
-    return turned(speed * jnp.where(speed >= 0, onwards, back))  # type: ignore[no-any-return]
+    return turned(speed * jnp.where(speed >= 0, onwards, back))
 
 
 def flow_aligned(rate: Rate, field: Any) -> Any:

@@ -55,8 +55,7 @@ class LinearFilm:
 
     def change(self, dP: Array, dH: Array) -> Change:
         """The change of mass and mobility by real or complex changes of P and H."""
-        change: Change = tree.map(lambda p, h: p * dP + h * dH, self.by_P, self.by_H)
-        return change
+        return tree.map(lambda p, h: p * dP + h * dH, self.by_P, self.by_H)
 
     def residual(self, dP: Array, dH: Array, rate: Callable[[Array], Array]) -> Array:
         """The change of the residual by changes of P and H, zero on the edge.  rate: that of the change of the mass."""
@@ -67,8 +66,7 @@ class LinearFilm:
 
     def in_precision(self, precision: Any) -> "LinearFilm":
         """The same in a real floating-point type."""
-        single: LinearFilm = tree.map(lambda values: jnp.asarray(values, in_precision(precision, values)), self)
-        return single
+        return tree.map(lambda values: jnp.asarray(values, in_precision(precision, values)), self)
 
 
 def linear_film(c: Contact, P: Array, H: Array) -> LinearFilm:
@@ -99,7 +97,6 @@ def flux_change(c: Contact, P: Array, H: Array) -> Callable[[Array, Array], Arra
 
     def change(dP: Array, dH: Array) -> Array:
         parts = jax.vmap(gain)(*(jnp.stack([d.real, d.imag]) for d in (dP, dH)))
-        both: Array = parts[0] + 1j * parts[1]
-        return both
+        return parts[0] + 1j * parts[1]
 
     return change

@@ -1,15 +1,14 @@
 """The oil outside the grid: the pressure at the grid's edge, and its load and deformation, from `physics.geometry`."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ertel.equations.state import State, combined
-from ertel.numerics import bdf
+from ertel.equations.state import State, interpolated
 from ertel.numerics.grid import Grid
 from ertel.physics.geometry import CIRCLE, NEAREST, ContactMotion, Geometry, far_pressure, rigid_pressure
 
@@ -113,14 +112,5 @@ def beyond_rectangle(left: float, right: float, low: float, high: float) -> Floa
 
 def predicted(levels: Sequence[State], T: float, hertz_load: float, entrainment: float) -> ContactMotion:
     """The motion at the next level, from the last levels (newest first); hertz_load: F* in a^2 p_h."""
-    newest = levels[:NEWEST]
-    weights = bdf.interpolation_weights(T, [level.T for level in newest])
-    approach, velocity, load = (
-        float(combined(weights, values))
-        for values in (
-            [level.approach for level in newest],
-            [level.velocity for level in newest],
-            [(level.load + level.outside) / hertz_load for level in newest],
-        )
-    )
-    return ContactMotion(approach, velocity, load, entrainment)
+    ahead = interpolated([replace(level, fields={}) for level in levels[:NEWEST]], T)
+    return ContactMotion(ahead.approach, ahead.velocity, (ahead.load + ahead.outside) / hertz_load, entrainment)

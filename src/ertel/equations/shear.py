@@ -41,18 +41,18 @@ from ertel.equations.across import (
     Series,
     Tensor,
     Vector,
-    both_sides,
     dot,
-    dyad,
     gauss,
     gauss_nodes,
+    integrals_of_stress,
     length,
     moments_by_nodes,
-    series_change,
+    secant_by_nodes,
     series_moments,
     series_of,
+    series_secant,
+    series_sums,
     sliding_moments,
-    square,
     sums_by_nodes,
     with_slope,
 )
@@ -63,8 +63,6 @@ NODES = 8  # across the film, even
 TOLERANCE = 1e-7  # of the last change of tau_m in units of the stress at the walls; the error is about its square
 CLOSE = 1e-3  # a change after which the next one is the last
 LIMIT = 40  # of Newton iterations
-
-Matrix = tuple[Array, Array, Array, Array]  # xx, xy, yx, yy
 
 
 class Shear(NamedTuple):
@@ -97,53 +95,18 @@ def shear(law: Fluidity, pressure: Array, sliding: Array, gradient: Array, acros
     return Shear(stress, flux, solution.by_gradient, jnp.max(solution.iterations))
 
 
-class Mobility(NamedTuple):
-    """Flow factors: the flux is Q = factor * g/12, 1 for a Newtonian oil.  Symmetric tensors, components xx, xy, yy."""
+def secant_mobility(law: Fluidity, pressure: Array, stress: Array, gradient: Array, across: int = NODES) -> Tensor:
+    """The tensor K with Q = K g and the axes of the stress: smaller across tau_m, larger along it.
 
-    xx: Array
-    xy: Array
-    yy: Array
-
-
-def secant_mobility(law: Fluidity, pressure: Array, stress: Array, gradient: Array, across: int = NODES) -> Mobility:
-    """The tensor K with Q = K g/12 and the axes of the stress: smaller across tau_m, larger along it.
-
-        K/12 = S_2 + tau_m tau_m S_1/(tau_m . g)
+        K = S_2 + tau_m tau_m S_1/(tau_m . g)                                                     Newtonian: 1/12
 
     It has a limit where tau_m . g = 0.  In a small gradient it is phi across and d(phi tau)/dtau along tau_m.  The
     off-diagonal part is small where sliding is along an axis; a preconditioner for fluxes along X and Y uses xx and yy.
     """
     t, g = Vector(*stress), Vector(*gradient)
     series = series_of(law, pressure, t, g)
-    simple, exact = _series_secant(series, t, g), partial(_secant, law, across)
-    mobility: Mobility = in_blocks(exact, ~series.holds, simple, pressure, t, g)
-    return mobility
-
-
-def _secant(law: Fluidity, across: int, pressure: Array, t: Vector, gradient: Vector) -> Mobility:
-    # where the nodes lie has no influence
-    zeta, weight = jax.lax.stop_gradient(gauss_nodes(law, across, pressure, t, gradient))
-    phi, slope = both_sides(law, pressure, t, gradient, zeta)
-    along_it = dot(t, gradient)
-    # |tau+|^2 - |tau-|^2 = 4 zeta tau_m . g; where it is too small for a quotient, the mean slope by |tau|^2 serves
-    difference = 4.0 * zeta * along_it
-    size = square(t)[None] + zeta**2 * square(gradient)[None]
-    apart = jnp.abs(difference) > 1e-6 * size
-    quotient = (phi[0] - phi[1]) / jnp.where(apart, difference, 1.0)
-    by_square = jnp.where(apart, quotient, 0.25 * (slope[0] + slope[1]))
-    along = jnp.sum(weight * 4.0 * zeta**2 * by_square, axis=0)
-    return _along_stress(jnp.sum(weight * zeta**2 * (phi[0] + phi[1]), axis=0), along, t)
-
-
-def _along_stress(even: Array, along: Array, t: Vector) -> Mobility:
-    """12 (even + along t t)."""
-    xx, xy, yy = (12.0 * along * part for part in dyad(t, t))
-    return Mobility(12.0 * even + xx, xy, 12.0 * even + yy)
-
-
-def tangent_mobility(flow: Shear) -> Mobility:
-    """The tensor dQ/dg times 12 at constant sliding, positive definite: of the flux's exact derivative."""
-    return Mobility(*(12.0 * component for component in flow.by_gradient))
+    simple, exact = series_secant(series, t, g), partial(secant_by_nodes, law, across)
+    return in_blocks(exact, ~series.holds, simple, pressure, t, g)
 
 
 # -- where the oil hardly thins ---------------------------------------------------------------------------------------
@@ -153,17 +116,11 @@ def _of_series(series: Series, change: Series, sliding: Vector, gradient: Vector
     """The solution by the series: two iterations from the stress of a Newtonian oil.  change: by the pressure."""
     t = sliding
     for _ in range(2):
-        m = series_moments(series, t, gradient)
+        m = series_moments(series, integrals_of_stress(t, gradient), t, gradient)
         t = t + divided(m.A, sliding - _flow(m.s, t, gradient)[0])
-    m, by_pressure = series_moments(series, t, gradient), series_change(change, t, gradient)
+    of_stress = integrals_of_stress(t, gradient)
+    m, by_pressure = series_moments(series, of_stress, t, gradient), series_sums(change, of_stress)
     return _solution(m, by_pressure, t, gradient, jnp.zeros(series.holds.shape, jnp.int32))
-
-
-def _series_secant(series: Series, t: Vector, gradient: Vector) -> Mobility:
-    """As `_secant`."""
-    a, c, (first, second, _) = square(t), square(gradient), series
-    along = (first + 2.0 * second * a) / 6.0 + second * c / 20.0
-    return _along_stress(series_moments(series, t, gradient).s[2], along, t)
 
 
 # -- the stress in the middle -----------------------------------------------------------------------------------------
@@ -204,8 +161,9 @@ def _solved(law: Fluidity, across: int, pressure: Array, sliding: Vector, gradie
         now, unbent = _bent(law, pressure, (s0 * t + s1 * gradient) / resting)
         residual = length(aim - now)
         better = residual < it.residual
-        change = _either(better, divided(A, resting * unbent(aim - now)), 0.5 * it.change)
-        stress = _either(better, t, it.stress)
+        either = partial(jnp.where, better)
+        change = tree.map(either, divided(A, resting * unbent(aim - now)), 0.5 * it.change)
+        stress = tree.map(either, t, it.stress)
         wall = length(stress) + length(gradient)
         tried = jnp.where(better & (it.iterations > 0), length(it.change), jnp.inf)
         left = jnp.max(jnp.minimum(length(change) / TOLERANCE, tried / CLOSE) / wall)
@@ -225,8 +183,7 @@ def _resting(law: Fluidity, across: int, pressure: Array, gradient: Vector) -> A
     z, weight = gauss(across, pressure.ndim)
     size = 0.5 * z * length(gradient)
     phi, slope = with_slope(law, pressure, size)
-    resting: Array = jnp.sum(weight * (phi + slope * size**2), axis=0)
-    return resting
+    return jnp.sum(weight * (phi + slope * size**2), axis=0)
 
 
 def _bent(law: Fluidity, pressure: Array, v: Vector) -> tuple[Vector, Any]:
@@ -242,22 +199,17 @@ def _bent(law: Fluidity, pressure: Array, v: Vector) -> tuple[Vector, Any]:
     return stress * axis, unbent
 
 
-def _either(chosen: Array, one: Vector, other: Vector) -> Vector:
-    """The one where it is chosen."""
-    return Vector(jnp.where(chosen, one.x, other.x), jnp.where(chosen, one.y, other.y))
-
-
 # -- its derivative ---------------------------------------------------------------------------------------------------
 
 
 class _Solution(NamedTuple):
-    """tau_m, Q and the iterations; A, C A^-1 and D - C A^-1 C; the derivatives of tau_m and of Q by the pressure."""
+    """tau_m, Q and the iterations; A, the rows of C A^-1, and D - C A^-1 C; the derivatives by the pressure."""
 
     stress: Vector
     flux: Vector
     iterations: Array
     A: Tensor
-    by_sliding: Matrix
+    by_sliding: tuple[Vector, Vector]
     by_gradient: Tensor
     by_pressure: tuple[Vector, Vector]
 
@@ -265,13 +217,12 @@ class _Solution(NamedTuple):
 def _solution(m: Moments, by_pressure: Sequence[Array], t: Vector, g: Vector, iterations: Array) -> _Solution:
     """by_pressure: the changes of S_0, S_1 and S_2 for the middle stress t."""
     (_, flux), (slid, extra) = _flow(m.s, t, g), _flow(by_pressure, t, g)
-    one, other = divided(m.A, Vector(*m.C[:2])), divided(m.A, Vector(*m.C[1:]))  # the columns of A^-1 C
-    by_sliding = one.x, one.y, other.x, other.y  # its transpose C A^-1, row by row
-    xx = m.D[0] - (by_sliding[0] * m.C[0] + by_sliding[1] * m.C[1])
-    xy = m.D[1] - (by_sliding[0] * m.C[1] + by_sliding[1] * m.C[2])
-    yy = m.D[2] - (by_sliding[2] * m.C[1] + by_sliding[3] * m.C[2])
+    of_x, of_y = Vector(*m.C[:2]), Vector(*m.C[1:])
+    by_sliding = divided(m.A, of_x), divided(m.A, of_y)
+    xx, yy = m.D[0] - dot(by_sliding[0], of_x), m.D[2] - dot(by_sliding[1], of_y)
+    by_gradient = xx, m.D[1] - dot(by_sliding[0], of_y), yy
     stress_and_flux = divided(m.A, -1.0 * slid), extra - product(by_sliding, slid)
-    return _Solution(t, flux, iterations, m.A, by_sliding, (xx, xy, yy), by_pressure=stress_and_flux)
+    return _Solution(t, flux, iterations, m.A, by_sliding, by_gradient, by_pressure=stress_and_flux)
 
 
 def _flow(s: Sequence[Array], t: Vector, g: Vector) -> tuple[Vector, Vector]:
@@ -298,9 +249,11 @@ def _change(primals: Any, tangents: Any) -> Any:
     stress_by_pressure, flux_by_pressure = solution.by_pressure
     slid, extra = _by_law(law, d_law, pressure, gradient, solution.stress)
     missing = ds - slid
-    xx, xy, yx, yy = solution.by_sliding
-    d_stress = divided(solution.A, missing) - product((xx, yx, xy, yy), dg) + stress_by_pressure * dp
-    d_flux = product(solution.by_sliding, missing) + times(solution.by_gradient, dg) + flux_by_pressure * dp + extra
+    of_x, of_y = solution.by_sliding
+    xx, xy, yy = solution.by_gradient
+    d_stress = divided(solution.A, missing) - (of_x * dg.x + of_y * dg.y) + stress_by_pressure * dp
+    d_flux = product((of_x, of_y), missing) + product((Vector(xx, xy), Vector(xy, yy)), dg)
+    d_flux = d_flux + flux_by_pressure * dp + extra
     return (solution.stress, solution.flux), (d_stress, d_flux)
 
 
@@ -317,8 +270,7 @@ def _by_law(law: Fluidity, change: Any, pressure: Array, gradient: Vector, t: Ve
         values = [moved.get(k, number) for k, number in enumerate(numbers)]
         return _flow(sums_by_nodes(tree.unflatten(structure, values), pressure, t, gradient, nodes), t, gradient)
 
-    _, change_of_flow = jax.jvp(flow, ({k: numbers[k] for k in moving},), (moving,))
-    return change_of_flow
+    return jax.jvp(flow, ({k: numbers[k] for k in moving},), (moving,))[1]
 
 
 def _is_zero(tangent: Any) -> bool:
@@ -332,12 +284,6 @@ def _given(tangent: Any) -> Any:
 # -- products with tensors and matrices -------------------------------------------------------------------------------
 
 
-def times(tensor: Tensor, a: Vector) -> Vector:
-    """The product of a symmetric tensor and a vector."""
-    xx, xy, yy = tensor
-    return Vector(xx * a.x + xy * a.y, xy * a.x + yy * a.y)
-
-
 def divided(tensor: Tensor, a: Vector) -> Vector:
     """The vector whose product with the symmetric tensor is a."""
     xx, xy, yy = tensor
@@ -345,7 +291,6 @@ def divided(tensor: Tensor, a: Vector) -> Vector:
     return Vector(yy * a.x - xy * a.y, xx * a.y - xy * a.x) / determinant
 
 
-def product(matrix: Matrix, a: Vector) -> Vector:
+def product(rows: tuple[Vector, Vector], a: Vector) -> Vector:
     """The product of a matrix and a vector."""
-    xx, xy, yx, yy = matrix
-    return Vector(xx * a.x + xy * a.y, yx * a.x + yy * a.y)
+    return Vector(dot(rows[0], a), dot(rows[1], a))

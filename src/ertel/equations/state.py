@@ -14,13 +14,12 @@ from numpy.typing import NDArray
 from ertel.case.status import Status
 from ertel.numerics import bdf
 from ertel.numerics.grid import Grid, Symmetry
-from ertel.numerics.programs import ANY_SIZE, Program
+from ertel.numerics.programs import ANY_SIZE, Program, exportable
 from ertel.numerics.stencils import extended, total
 
 Field = Any  # an array of NumPy or of JAX
 Outcome = TypeVar("Outcome")
 TIE = 1e-6  # relative difference of two extremes that mirror each other
-LOWEST: Mapping[str, float] = {"P": 0.0}  # bounds that hold between time levels too
 
 
 class Work(NamedTuple):
@@ -29,13 +28,6 @@ class Work(NamedTuple):
     newton: int = 0
     krylov: int = 0
     convolutions: float = 0.0
-
-    def plus(self, other: "Work") -> "Work":
-        """The sum of both."""
-        return Work(self.newton + other.newton, self.krylov + other.krylov, self.convolutions + other.convolutions)
-
-
-NO_WORK = Work()
 
 
 @dataclass(frozen=True)
@@ -53,7 +45,7 @@ class State:
     velocity: float
     fields: Mapping[str, Field]
     status: Status = Status.CONVERGED
-    work: Work = NO_WORK
+    work: Work = field(default_factory=Work)
     outside: float = 0.0
     load: float = 0.0
     error: float = 0.0
@@ -76,23 +68,18 @@ def combined(weights: bdf.Weights, values: Sequence[Field]) -> Field:
 
 
 def interpolated(levels: Sequence[State], T: float) -> State:
-    """The state at a time between or after the levels, by polynomial interpolation; bounded fields stay bounded."""
+    """The state at a time between or after the levels, by polynomial interpolation; P stays above zero."""
     weights = bdf.interpolation_weights(T, [level.T for level in levels])
     fields = {
         name: combined(weights, [np.asarray(level.fields[name]) for level in levels]) for name in levels[0].fields
     }
-    approach, velocity, load, outside = (
+    if "P" in fields:
+        fields["P"] = fields["P"].clip(0.0)
+    approach, velocity, outside, load = (
         float(combined(weights, [getattr(level, name) for level in levels]))
-        for name in ("approach", "velocity", "load", "outside")
+        for name in ("approach", "velocity", "outside", "load")
     )
-    return State(
-        T,
-        approach,
-        velocity,
-        {name: field.clip(LOWEST[name]) if name in LOWEST else field for name, field in fields.items()},
-        outside=outside,
-        load=load,
-    )
+    return State(T, approach, velocity, fields, outside=outside, load=load)
 
 
 def padded(levels: Sequence[State]) -> list[State]:
@@ -173,6 +160,15 @@ _numbers = Program(jax.jit(extreme_numbers), ANY_SIZE)
 
 # -- the interface of a solution method -------------------------------------------------------------------------------
 
+
+@exportable
+class StepSolution(NamedTuple):
+    """The new fields, and all numbers of the step in one array, those of `account.NUMBERS` first."""
+
+    fields: Mapping[str, Array]
+    numbers: Array
+
+
 Stepping = Generator[Any, Any, State]  # yields the problems of a step, is sent their solutions, returns the new state
 
 
@@ -183,8 +179,7 @@ def solved(course: Generator[Any, Any, Outcome], solve: Callable[[Any], Any]) ->
         while True:
             problem = course.send(solve(problem))
     except StopIteration as end:
-        outcome: Outcome = end.value
-        return outcome
+        return end.value
 
 
 class Method(Protocol):
@@ -203,7 +198,7 @@ class Method(Protocol):
         """One step on from one to three levels, newest first; the new state has its error and its record."""
         ...
 
-    def solve(self, problem: Any) -> Any:
+    def solve(self, problem: Any) -> StepSolution:
         """The solution of a problem that `attempt` yields."""
         ...
 

@@ -19,8 +19,9 @@ import jax.numpy as jnp
 from jax import Array
 from jax.tree_util import register_dataclass
 
-from ertel.equations.contact import NEWTONIAN_FLOW, Contact, Details, Mobilities, opened
-from ertel.equations.shear import NODES, Mobility, Shear, secant_mobility, shear, tangent_mobility
+from ertel.equations.across import Tensor
+from ertel.equations.contact import Contact, Details, Mobilities, PressureFlow, mobility, opened
+from ertel.equations.shear import NODES, Shear, secant_mobility, shear
 from ertel.numerics.integrals import Plane
 from ertel.numerics.stencils import Pair, central_slopes, divergence, extended, node_slopes, to_x_faces, to_y_faces
 from ertel.physics.fluidity import Fluidity, limited_stress
@@ -32,8 +33,8 @@ LARGEST_FACTOR = 1e9  # of a mobility by thinning, in the preconditioner, which 
 
 @register_dataclass
 @dataclass(frozen=True)
-class ThinningFlow:
-    """The Poiseuille flow of a law of shear thinning: a `contact.PressureFlow`.
+class ThinningFlow(PressureFlow):
+    """The flow by the pressure gradient of an oil with a law of shear thinning.
 
     law: registered as a pytree (`contact.traceable`).  p_h, unit: one unit of pressure and one of shear stress,
     p_h a/R, in Pa.  sliding: U S, the difference of the surfaces' speeds along X in a/t0; its sign has no influence.
@@ -71,16 +72,15 @@ class ThinningFlow:
         """The mobilities at the nodes for the preconditioner: what couples X and Y is left out."""
         slope = jax.lax.stop_gradient(node_slopes(P, contact.spacing, contact.even))
         flow, gradient = self._shear(contact, P, H, contact.lubricant.viscosity(P), slope, across)
-        eps = NEWTONIAN_FLOW.mobility(contact, P, H).x
-        tangent = tangent_mobility(flow)
-        return Mobilities(self._secant(contact, P, H, flow.stress, gradient, across), _thinned(eps, tangent))
+        secant = self._secant(contact, P, H, flow.stress, gradient, across)
+        return Mobilities(secant, _thinned(mobility(contact, P, H), flow.by_gradient))
 
     def _secant(
         self, contact: Contact, P: Array, H: Array, stress: Array, gradient: Array, across: int = NODES
     ) -> Pair:
         """The mobilities at the nodes from the flow across the film there."""
         factor = secant_mobility(self.law, self.p_h * P, stress, gradient, across)
-        return _thinned(NEWTONIAN_FLOW.mobility(contact, P, H).x, factor)
+        return _thinned(mobility(contact, P, H), factor)
 
     def _force(self, flow: Shear, film: Array) -> Array:
         """G, shape (2, ...), from the flow across a film of the thickness given."""
@@ -117,7 +117,7 @@ class _Faces(NamedTuple):
 
 def _faces(contact: Contact, P: Array, H: Array) -> _Faces:
     p = extended(P, contact.even)
-    eps = extended(NEWTONIAN_FLOW.mobility(contact, P, H).x, contact.even, "edge")
+    eps = extended(mobility(contact, P, H), contact.even, "edge")
     film = extended(jnp.maximum(H, 0.0), contact.even, "edge")
     slope_x, slope_y = central_slopes(p, contact.spacing)
     across_x = (p[1:-1, 1:] - p[1:-1, :-1]) / contact.spacing
@@ -132,9 +132,10 @@ def _faces(contact: Contact, P: Array, H: Array) -> _Faces:
     return _Faces(mean_P, mean_film, viscosity, slope, (to_x_faces(eps), to_y_faces(eps)))
 
 
-def _thinned(eps: Array, factor: Mobility) -> Pair:
-    """The mobilities along X and along Y of an oil whose mobility without thinning is eps."""
-    return Pair(*(eps * jnp.minimum(part, LARGEST_FACTOR) for part in (factor.xx, factor.yy)))
+def _thinned(eps: Array, by_gradient: Tensor) -> Pair:
+    """The mobilities along X and along Y from the tensor of `shear`; eps: that without thinning."""
+    along_x, _, along_y = by_gradient
+    return Pair(*(eps * jnp.minimum(12.0 * part, LARGEST_FACTOR) for part in (along_x, along_y)))
 
 
 def _line(on_x_faces: Array, on_y_faces: Array) -> Array:

@@ -11,7 +11,7 @@ from ertel.case.case import Case
 from ertel.case.conditions import Conditions
 from ertel.case.records import ConfigError, shortened, show
 from ertel.case.rules import plain_name
-from ertel.inputs.height_maps import with_maps
+from ertel.inputs.height_maps import regular_content, with_maps
 from ertel.inputs.layout import READER, Materials, field_names
 from ertel.inputs.names import require_rheology, without_names
 from ertel.inputs.quantities import parse_quantity, plain_data
@@ -151,27 +151,13 @@ def parse_toml(text: str, name: str) -> dict[str, Any]:
 
 def read_text(path: Path, name: str) -> str:
     """The text of a regular file of at most 1 MB, in UTF-8.  Raises ConfigError with its name if it cannot be read."""
-    content = _read_bytes(path, name)
-    if len(content) > LARGEST_FILE:
-        raise ConfigError(f"{name} is too large; must have at most {LARGEST_FILE / 1e6:g} MB")
     try:
-        return content.decode("utf-8-sig")
+        return regular_content(path, LARGEST_FILE).decode("utf-8-sig")
     except UnicodeDecodeError as error:
         wrong = f"byte {error.start + 1} is not"
         raise ConfigError(f"{name} is not valid TOML: must be text in UTF-8, but {wrong}") from error
-
-
-def _read_bytes(path: Path, name: str) -> bytes:
-    """The content of a file, or as much of it as shows that it is too large."""
-    if path.exists() and not (path.is_file() or path.is_dir()):
-        raise ConfigError(f"{name} is a pipe or a device; must be a regular file")
-    try:
-        with path.open("rb") as file:
-            return file.read(LARGEST_FILE + 1)
-    except OSError as error:
-        raise ConfigError(f"cannot read {name}: {(error.strerror or str(error)).lower()}") from error
     except ValueError as error:
-        raise ConfigError(f"cannot read {name}: its name contains a null character") from error
+        raise ConfigError(f"{name} {error}") from error
 
 
 def to_toml(case: Case) -> str:

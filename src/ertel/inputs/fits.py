@@ -29,7 +29,7 @@ from pathlib import Path
 from typing import Any
 
 from ertel.case.case import Case
-from ertel.case.reading import check_key
+from ertel.case.reading import check_keys
 from ertel.case.records import ConfigError, show
 from ertel.inputs.case_files import load_case, path_of, read_toml, written
 from ertel.inputs.layout import READER
@@ -68,8 +68,7 @@ def load_fit(path: str | Path, overrides: Sequence[str] = ()) -> tuple[Case, lis
     """
     path = path_of("fit", path, "the file of a fit")
     data = read_toml(path)
-    for key, value in data.items():
-        check_key(key, value, tuple(KEYS))
+    check_keys(data, tuple(KEYS))
     for key, (kind, example) in KEYS.items():
         if not isinstance(data.get(key), kind):
             raise ConfigError(f"{key} = {show(data.get(key, ''))}: must be given, as {example}")
@@ -107,8 +106,8 @@ def parse_unknowns(given: Any, case: Case) -> tuple[Unknown, ...]:
 
 def _unknown(field: str, given: Any, case: Case) -> Unknown:
     table = {"bounds": given} if isinstance(given, list) else given
-    for key, value in table.items() if isinstance(table, Mapping) else ():
-        check_key(key, value, ("bounds", "prior"), f"unknowns.{field}")
+    if isinstance(table, Mapping):
+        check_keys(table, ("bounds", "prior"), f"unknowns.{field}")
     pair = table.get("bounds") if isinstance(table, Mapping) else None
     name, allowed = f"unknowns.{field}", 'bounds must be two positive values with units, ["LEAST", "MOST"]'
     if not isinstance(pair, list) or len(pair) != 2:

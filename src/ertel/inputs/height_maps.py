@@ -26,7 +26,7 @@ from numpy.lib.format import MAGIC_PREFIX
 from numpy.typing import NDArray
 
 from ertel.case.height_map import MOST, HeightMap, Measured, array_in, check_shape, check_size
-from ertel.case.reading import check_key
+from ertel.case.reading import check_keys
 from ertel.case.records import named, shortened, show
 from ertel.inputs.layout import READER, MeasuredFile, field_names
 from ertel.inputs.quantities import parse_quantity
@@ -38,6 +38,7 @@ MOST_GAPS = 0.5  # of the points
 LARGEST_FILE = 600_000_000  # bytes, also unpacked: four maps of the most points, or one as text
 LARGEST_XML = 10_000_000  # bytes: what stands beside the heights
 MOST_NUMBERS = MOST**2
+ALLOWED = f"a map has at most {MOST} points a side"
 MOST_WORDS = 1_000_000  # of a line that is not all numbers
 PART = 1 << 20  # characters of a line that are looked at in one go
 NUMERIC = "0123456789+-.eE,;nNaAiIfFtTbBdD \t\r\n\0"  # also nan, inf, infinite and bad; NUL of UTF-16
@@ -84,13 +85,12 @@ def with_maps(read: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any], di
 
 def _with_map(written: Mapping[str, Any], folder: Path, place: str) -> tuple[dict[str, Any], HeightMap]:
     """A table with lengths and heights as its file says, and the heights."""
-    for key, value in written.items():
-        check_key(key, value, (*field_names(MeasuredFile), *field_names(Measured), "shape", "surface"), place)
+    check_keys(written, (*field_names(MeasuredFile), *field_names(Measured), "shape", "surface"), place)
     table = {key: value for key, value in written.items() if value is not None}
     table |= READER.values(MeasuredFile, table, place)
     table |= READER.values(Measured, {key: table[key] for key in SIZES if key in table}, place)
     path = folder / table["file"]
-    content = _content(path, table["file"])
+    content = _named(table["file"], regular_content, path, LARGEST_FILE)
     placed = {key: value for key, value in table.items() if key not in READING}
     if OWN_NAME.fullmatch(path.name):
         for key in READING & table.keys():
@@ -110,28 +110,26 @@ def _with_map(written: Mapping[str, Any], folder: Path, place: str) -> tuple[dic
     return {**placed, **_sizes(table, raw, heights), **filled, "file": heights.name}, heights
 
 
-def _content(path: Path, written: str) -> bytes:
+def regular_content(path: Path, most: int) -> bytes:
+    """The content of a regular file (a pipe may never end).  Raises ValueError, without the name of the file."""
+    if path.exists() and not path.is_file():
+        raise ValueError("is not a regular file")
     try:
-        if path.exists() and not path.is_file():
-            raise ValueError(f"file = {show(written)}: is not a regular file")
         with path.open("rb") as file:
             size = fstat(file.fileno()).st_size
-            content = file.read(size) if size <= LARGEST_FILE else b""
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        where = "" if path.is_absolute() else f" in {shortened(str(path.parent.absolute()))}"
-        raise ValueError(f"file = {show(written)}: cannot be read{where}, {reason}") from error
-    if size > LARGEST_FILE:
-        raise ValueError(
-            f"file = {show(written)}: has {size / 1e9:.3g} GB; must have at most {LARGEST_FILE / 1e9:g} GB"
-        )
+            content = file.read(size) if size <= most else b""
+    except (OSError, ValueError) as error:  # ValueError: a null character in the name
+        reason = (getattr(error, "strerror", None) or str(error)).lower()
+        raise ValueError(f"cannot be read in {shortened(str(path.parent.absolute()))}, {reason}") from error
+    if size > most:
+        raise ValueError(f"is too large; must have at most {most / 1e6:g} MB")
     return content
 
 
-def _named(written: str, make: Callable[[Any], T], content: Any) -> T:
+def _named(written: str, make: Callable[..., T], *content: Any) -> T:
     """The result for a content; a ValueError that names the file where that fails."""
     try:
-        return make(content)
+        return make(*content)
     except (ValueError, EOFError) as error:
         raise ValueError(f"file = {show(written)}: {shortened(str(error))}") from error
 
@@ -294,14 +292,10 @@ def _check_numbers(stream: IO[bytes]) -> None:
             words, numbers = words + count, numbers + count * numeric
             if words > (MOST if numeric else MOST_WORDS):
                 what = "numbers" if numeric else "words"
-                raise ValueError(f"has more than {MOST if numeric else MOST_WORDS} {what} in a line; {_allowed()}")
+                raise ValueError(f"has more than {MOST if numeric else MOST_WORDS} {what} in a line; {ALLOWED}")
             if numbers > MOST_NUMBERS:
-                raise ValueError(f"has more than {MOST_NUMBERS} numbers; {_allowed()}")
+                raise ValueError(f"has more than {MOST_NUMBERS} numbers; {ALLOWED}")
             words = 0 if part.endswith("\n") else words
-
-
-def _allowed() -> str:
-    return f"a map has at most {MOST} points a side"
 
 
 def _check_archive(archive: ZipFile) -> None:
@@ -315,15 +309,11 @@ def _check_archive(archive: ZipFile) -> None:
     for member in members:
         head = _head(archive, member)
         if member.filename.endswith(".xml") or head.startswith(b"<"):
-            _check_xml(member)
+            if member.file_size > LARGEST_XML:
+                size = f"{member.file_size / 1e6:.3g} MB of XML"
+                raise ValueError(f"{member.filename} in it is {size}; must be at most {LARGEST_XML / 1e6:g} MB")
         elif head:
             _check_numbers(archive.open(member))
-
-
-def _check_xml(member: ZipInfo) -> None:
-    if member.file_size > LARGEST_XML:
-        size = f"{member.file_size / 1e6:.3g} MB of XML"
-        raise ValueError(f"{member.filename} in it is {size}; must be at most {LARGEST_XML / 1e6:g} MB")
 
 
 def _head(archive: ZipFile, member: ZipInfo) -> bytes:

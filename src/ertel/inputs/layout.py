@@ -10,26 +10,17 @@ from math import isfinite
 from typing import Annotated, Any, Literal, NamedTuple, get_args
 
 from ertel.case.conditions import Conditions
+from ertel.case.definition import SECTIONS
 from ertel.case.height_map import HeightMap, Measured
 from ertel.case.reading import LAWS, Reader
 from ertel.case.records import OIL_LAWS, choices_of, hints_of, show
-from ertel.case.sections import ENDS, METHODS, SOLVERS, START_APPROACH, Drive, Output, Solver, Thermal, Time
+from ertel.case.sections import ENDS, METHODS, SOLVERS, START_APPROACH, Solver, Thermal, Time
 from ertel.inputs.quantities import parse_quantity
+from ertel.physics import units
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import Oscillation, Signal, Track
 from ertel.physics.registry import SHAPES, Registry
-from ertel.physics.units import (
-    COMPLIANCE,
-    DENSITY,
-    EXPANSION,
-    KINEMATIC_VISCOSITY,
-    TEMPERATURE,
-    Mark,
-    Meaning,
-    Unit,
-    marks,
-    meanings,
-)
+from ertel.physics.units import Mark, Meaning, Unit, marks, meanings
 
 # -- keys that name an oil, a material or a file; `names` and `height_maps` replace them by numbers -------------------
 
@@ -48,11 +39,13 @@ class Materials:
 class DataSheet:
     """An oil by its data sheet, in [lubricant]."""
 
-    nu40: Annotated[float, KINEMATIC_VISCOSITY, Meaning("kinematic viscosity at 40 degC")]
-    nu100: Annotated[float, KINEMATIC_VISCOSITY, Meaning("kinematic viscosity at 100 degC", "8.7 mm^2/s")]
-    density: Annotated[float, DENSITY, Meaning("density at 15 degC", "880 kg/m^3")]
-    expansion: Annotated[float | None, EXPANSION, Meaning("thermal expansion coefficient")] = None
-    alpha: Annotated[float | None, COMPLIANCE, Meaning("pressure-viscosity coefficient, at all temperatures")] = None
+    nu40: Annotated[float, units.KINEMATIC_VISCOSITY, Meaning("kinematic viscosity at 40 degC")]
+    nu100: Annotated[float, units.KINEMATIC_VISCOSITY, Meaning("kinematic viscosity at 100 degC", "8.7 mm^2/s")]
+    density: Annotated[float, units.DENSITY, Meaning("density at 15 degC", "880 kg/m^3")]
+    expansion: Annotated[float | None, units.EXPANSION, Meaning("thermal expansion coefficient")] = None
+    alpha: Annotated[float | None, units.COMPLIANCE, Meaning("pressure-viscosity coefficient, at all temperatures")] = (
+        None
+    )
     reference: Annotated[str, Meaning("source of the data", "data sheet of the oil")] = ""
 
 
@@ -64,7 +57,7 @@ class NamedLubricant:
         str | DataSheet | None,
         Meaning("name of an oil, ertel oils lists them, or a table with its data sheet", "squalane"),
     ] = None
-    temperature: Annotated[float | None, TEMPERATURE, Meaning("temperature of the inlet; goes with oil")] = None
+    temperature: Annotated[float | None, units.TEMPERATURE, Meaning("temperature of the inlet; goes with oil")] = None
 
 
 @dataclass(frozen=True)
@@ -81,24 +74,7 @@ class MeasuredFile:
     ] = None
 
 
-class Part(NamedTuple):
-    """A section: its record, what it is about, and a record of further keys that name something in the library."""
-
-    record: Any
-    text: str
-    named: Any = None
-
-
-SECTIONS: Mapping[str, Part] = {
-    "contact": Part(Conditions, "the two bodies and their operating conditions", Materials),
-    "lubricant": Part(Oil, "the oil: its name, or its data", NamedLubricant),
-    "solver": Part(Solver, "grid and tolerance"),
-    "motion": Part(Drive, "load and speed as functions of time"),
-    "time": Part(Time, "start, end and steps of a run in time"),
-    "output": Part(Output, "which maps are kept, besides those at maximum approach and at the end"),
-    "thermal": Part(Thermal, "rolling: temperatures of a steady contact in SI, may be empty where all is named"),
-}
-FILES = {"measured": MeasuredFile}  # records of further keys of shapes, that say how their file is read
+NAMING = {Conditions: Materials, Oil: NamedLubricant, Measured: MeasuredFile}  # further keys of sections and shapes
 TOP: Mapping[str, Meaning] = {  # keys of the file itself
     "name": Meaning("of the run's directory and titles; left out: that of the file", "steel_ball"),
     "schema": Meaning("version of this layout"),
@@ -113,10 +89,7 @@ def field_names(record: Any) -> tuple[str, ...]:
     return tuple(item.name for item in fields(record))
 
 
-READER = Reader(
-    parse_quantity,
-    named={Conditions: field_names(Materials), Oil: field_names(NamedLubricant), Measured: field_names(MeasuredFile)},
-)
+READER = Reader(parse_quantity, named={record: field_names(further) for record, further in NAMING.items()})
 
 
 # -- the walk over all keys -------------------------------------------------------------------------------------------
@@ -222,8 +195,8 @@ def places() -> Iterator[Place]:
 
 def section(name: str) -> Place:
     """A section."""
-    part = SECTIONS[name]
-    return Place(f"[{name}]", part.text, (*(keys_of(part.named) if part.named else ()), *keys_of(part.record)))
+    _, record, text = SECTIONS[name]
+    return Place(f"[{name}]", text, (*(keys_of(NAMING[record]) if record in NAMING else ()), *keys_of(record)))
 
 
 def shape_keys() -> tuple[Key, ...]:
@@ -234,8 +207,8 @@ def shape_keys() -> tuple[Key, ...]:
 
 def shape_place(name: str) -> Place:
     """The table of a shape, with the keys that say how its file is read."""
-    place = _table(f'shape = "{name}"', SHAPES[name])
-    return place._replace(keys=(*place.keys, *keys_of(FILES[name]))) if name in FILES else place
+    place, shape = _table(f'shape = "{name}"', SHAPES[name]), SHAPES[name]
+    return place._replace(keys=(*place.keys, *keys_of(NAMING[shape]))) if shape in NAMING else place
 
 
 def _table(title: str, record: Any) -> Place:

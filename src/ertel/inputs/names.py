@@ -22,11 +22,11 @@ The section [thermal] takes from the oil and from the materials what it does not
 
 from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, fields
-from typing import Any, NamedTuple
+from typing import Any
 
 from ertel.case.case import Case
-from ertel.case.derived import LARGEST_NEWTONIAN_STRESS, newtonian_stress
-from ertel.case.records import ConfigError, data_of, law_fields, named, oil_data, show
+from ertel.case.definition import LARGEST_NEWTONIAN_STRESS, newtonian_stress
+from ertel.case.records import ConfigError, data_of, law_fields, named, oil_data, show, with_unit
 from ertel.case.sections import Thermal
 from ertel.inputs import oils
 from ertel.inputs.layout import READER, DataSheet, Materials, NamedLubricant, field_names
@@ -50,10 +50,7 @@ def without_names(data: Mapping[str, Any]) -> dict[str, Any]:
     for section, keys, resolve in (("lubricant", OIL_KEYS, _lubricant), ("contact", MATERIAL_KEYS, _contact)):
         written = data.get(section)
         if isinstance(written, Mapping) and any(key in written for key in keys):
-            try:
-                resolved[section] = resolve(written, data)
-            except ValueError as error:
-                raise ConfigError(f"{section}.{error}") from error
+            resolved[section] = named(section, resolve, written, data)
     return resolved
 
 
@@ -89,13 +86,13 @@ def _lubricant(written: Mapping[str, Any], data: Mapping[str, Any]) -> dict[str,
     numbers = oil_data(oils.oil_at(oil, temperature, "newtonian" if reason or "rheology" in given else None))
     if reason and "rheology" not in given:
         numbers["reference"] += f"{RHEOLOGY}Newtonian, {reason}."
-    law = completed(given.get("rheology", numbers["rheology"]), oil, parse_temperature(temperature))
+    rheology, sources = completed(given.get("rheology", numbers["rheology"]), oil, parse_temperature(temperature))
     if any(key in given for key in OF_PRESSURE) and not isinstance(numbers["viscosity"], str):
         numbers["viscosity"] = "roelands"
     if given and "reference" not in given:
         numbers["reference"] += f" Given: {', '.join(given)}."
-        numbers["reference"] += "".join(f"{RHEOLOGY}{source}." for source in law.sources)
-    return {**numbers, **given, "rheology": law.law}
+        numbers["reference"] += "".join(f"{RHEOLOGY}{source}." for source in sources)
+    return {**numbers, **given, "rheology": rheology}
 
 
 def oil_of(written: Any) -> NamedOil:
@@ -132,30 +129,26 @@ OF_OILS: Mapping[str, tuple[Any, str]] = {  # name of a law: its record, and the
 }
 
 
-class Completed(NamedTuple):
-    """The plain data of a law, and the sources of what the oil's data filled in; none if nothing was missing."""
-
-    law: Any
-    sources: tuple[str, ...] = ()
-
-
-def completed(law: Any, oil: NamedOil, T: float, place: str = "rheology") -> Completed:
+def completed(law: Any, oil: NamedOil, T: float, place: str = "rheology") -> tuple[Any, tuple[str, ...]]:
     """The plain data of a law of shear thinning, with what they leave out taken from the oil's data at T (K).
 
-    Raises ConfigError if the oil lacks these data, or has them at other temperatures only.
+    Returns also the sources of what was taken.  Raises ConfigError if the oil lacks these data, or has them at other
+    temperatures only.
     """
     table = {"law": law} if isinstance(law, str) else law
     name = table.get("law") if isinstance(table, Mapping) else None
     if not isinstance(name, str) or name not in OF_OILS:
-        return Completed(law)
+        return law, ()
     record, field = OF_OILS[name]
-    inside = {key: completed(table[key], oil, T, f"{place}.{key}") for key in law_fields(record) if key in table}
-    sources = tuple(source for law_inside in inside.values() for source in law_inside.sources)
-    table = {**table, **{key: law_inside.law for key, law_inside in inside.items()}}
+    table, sources = dict(table), tuple[str, ...]()
+    for key in law_fields(record):
+        if key in table:
+            table[key], inside = completed(table[key], oil, T, f"{place}.{key}")
+            sources += inside
     needed = (item.name for item in fields(record) if item.default is MISSING)
     missing = [key for key in needed if key not in table and key not in law_fields(record)]
     if not missing:
-        return Completed(table, sources)
+        return table, sources
     part: Sourced[Any] | None = getattr(oil, field)
     names = " and ".join(missing)
     complaint = part.missing_at(T, names, oil.name) if part else f"the library has no {names} of {oil.name}"
@@ -163,7 +156,7 @@ def completed(law: Any, oil: NamedOil, T: float, place: str = "rheology") -> Com
         advice = f'give {{ law = "{name}", {", ".join(f"{key} = ..." for key in missing)} }}'
         raise ConfigError(f"{place} = {show(law)}: {complaint}; {advice}")
     data = data_of(part.data)
-    return Completed({**table, **{key: data[key] for key in missing}}, (*sources, part.source.rstrip(".")))
+    return {**table, **{key: data[key] for key in missing}}, (*sources, part.source.rstrip("."))
 
 
 # -- temperatures: [thermal] completed from the oil and the materials that the case names -----------------------------
@@ -181,9 +174,9 @@ def _with_thermal_data(data: Mapping[str, Any]) -> dict[str, Any]:
     if "temperature" in lubricant:
         given.setdefault("temperature", lubricant["temperature"])
     T = _inlet_temperature(given, lubricant)
-    in_si = {**_of_oil(lubricant, T), **_of_body(1, contact), **_of_body(2, contact)}
     units = {key: mark for key, mark in marks(Thermal).items() if isinstance(mark, Unit)}
-    completed = {**{key: f"{value!r} {units[key].unit}" for key, value in in_si.items()}, **given}
+    library = _of_the_library(lubricant, contact, T)
+    completed = {**{key: with_unit(value, units[key]) for key, value in library.items()}, **given}
     for key, unit in units.items():
         if key not in completed and key not in ("temperature_1", "temperature_2"):
             raise ValueError(f"thermal.{key}: missing; {_advice(key, unit, lubricant, contact)}")
@@ -196,7 +189,7 @@ def _inlet_temperature(given: Mapping[str, Any], lubricant: Mapping[str, Any]) -
         READER.values(Thermal, {"temperature": section.get("temperature")}, name).get("temperature")
         for name, section in (("thermal", given), ("lubricant", lubricant))
     )
-    if "temperature" in lubricant and T != of_oil:
+    if of_oil is not None and T != of_oil:
         raise ValueError(
             f"thermal.temperature = {show(given['temperature'])}: differs from lubricant.temperature = "
             f"{show(lubricant['temperature'])}, for which eta0 and alpha hold; leave thermal.temperature out"
@@ -204,24 +197,20 @@ def _inlet_temperature(given: Mapping[str, Any], lubricant: Mapping[str, Any]) -
     return T
 
 
-def _of_oil(lubricant: Mapping[str, Any], T: float | None) -> dict[str, float]:
-    """Data of the oil that is named or has a data sheet, at T (K)."""
-    if T is None or "oil" not in lubricant:
-        return {}
-    oil = named("lubricant", oil_of, lubricant["oil"])
-    thermal = {} if oil.thermal is None else {"conductivity": oil.thermal.data.conductivity}
-    return {"beta": oil.thinning_at(T), **thermal}
-
-
-def _of_body(number: int, contact: Mapping[str, Any]) -> dict[str, float]:
-    """Data of a body whose material is named."""
-    name = contact.get(f"material_{number}")
-    if name not in oils.material_names():
-        return {}
-    material = oils.material(name)
-    thermal = {} if material.thermal is None else vars(material.thermal.data)
-    data = {"density": material.elasticity.data.density, **thermal}
-    return {f"{key}_{number}": value for key, value in data.items()}
+def _of_the_library(lubricant: Mapping[str, Any], contact: Mapping[str, Any], T: float | None) -> dict[str, float]:
+    """Data in SI of the named oil (or of a data sheet) at T (K), and of the named bodies."""
+    data: dict[str, float] = {}
+    if T is not None and "oil" in lubricant:
+        oil = named("lubricant", oil_of, lubricant["oil"])
+        data["beta"] = oil.thinning_at(T)
+        if oil.thermal:
+            data["conductivity"] = oil.thermal.data.conductivity
+    for number, key in enumerate(MATERIAL_KEYS, 1):
+        if contact.get(key) in oils.material_names():
+            body = oils.material(contact[key])
+            solid = {"density": body.elasticity.data.density, **(vars(body.thermal.data) if body.thermal else {})}
+            data |= {f"{name}_{number}": value for name, value in solid.items()}
+    return data
 
 
 def _advice(key: str, unit: Unit, lubricant: Mapping[str, Any], contact: Mapping[str, Any]) -> str:

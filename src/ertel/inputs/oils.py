@@ -52,22 +52,15 @@ LAWS: Mapping[str, Callable[..., Any]] = {
     "modulus": ModulusOfTemperature,
     "doolittle": DoolittleOfTemperature,
 }
-OIL_TABLES: Mapping[str, tuple[str, Any]] = {  # table of an oil's file: field of NamedOil, record or None for a law
-    "viscosity": ("viscosity", None),
-    "density": ("density", Expansion),
-    "pressure": ("pressure", None),
-    "carreau": ("shear", Carreau),
-    "limiting_stress": ("limiting_stress", LimitingStress),
-    "thermal": ("thermal", ThermalData),
+DATA: Mapping[str, Any] = {  # by table of a data file, which otherwise names a law
+    "density": Expansion,
+    "shear": Carreau,
+    "limiting_stress": LimitingStress,
+    "thermal": ThermalData,
+    "elasticity": Elasticity,
+    "strength": Strength,
 }
-MATERIAL_TABLES: Mapping[str, tuple[str, Any]] = {
-    "elasticity": ("elasticity", Elasticity),
-    "thermal": ("thermal", ThermalData),
-    "strength": ("strength", Strength),
-}
-
-
-RECORDS = {"oils": (NamedOil, OIL_TABLES), "materials": (Material, MATERIAL_TABLES)}  # by folder of the library
+RECORDS = {"oils": NamedOil, "materials": Material}  # by folder of the library; their fields are the tables
 
 
 def names() -> tuple[str, ...]:
@@ -82,13 +75,13 @@ def material_names() -> tuple[str, ...]:
 
 def get(name: str) -> NamedOil:
     """An oil of the library.  Raises ConfigError for a name that is not there."""
-    oil: NamedOil = _read("oils", _known("oil", name, names()))
+    oil: NamedOil = _entry("oil", name)
     return oil
 
 
 def material(name: str) -> Material:
     """A material of the library.  Raises ConfigError for a name that is not there."""
-    body: Material = _read("materials", _known("material", name, material_names()))
+    body: Material = _entry("material", name)
     return body
 
 
@@ -198,25 +191,24 @@ def _names(folder: str) -> tuple[str, ...]:
     return tuple(sorted(name.removesuffix(".toml") for name in entries if name.endswith(".toml")))
 
 
-def _known(noun: str, name: object, names: tuple[str, ...]) -> str:
-    if not isinstance(name, str) or name not in names:
-        raise ConfigError(f"{noun} = {show(name)}: allowed: {', '.join(names)}")
-    return name
+def _entry(noun: str, name: object) -> Any:
+    allowed = _names(f"{noun}s")
+    if not isinstance(name, str) or name not in allowed:
+        raise ConfigError(f"{noun} = {show(name)}: allowed: {', '.join(allowed)}")
+    return _read(f"{noun}s", name)
 
 
 @cache
 def _read(folder: str, name: str) -> Any:
     """The oil or the material in a data file."""
-    record, tables = RECORDS[folder]
     data = tomllib.loads((FOLDER / folder / f"{name}.toml").read_text(encoding="utf-8"))
     text = data.pop("text")
-    parts = {tables[key][0]: _sourced(table, tables[key][1], f"{name}.{key}") for key, table in data.items()}
-    return record(name, text, **parts)
+    return RECORDS[folder](name, text, **{key: _sourced(table, key, f"{name}.{key}") for key, table in data.items()})
 
 
-def _sourced(table: dict[str, Any], record: Any, place: str) -> Sourced[Any]:
-    """A table with its source and range; its keys are the fields of the record, or of the law that it names."""
+def _sourced(table: dict[str, Any], key: str, place: str) -> Sourced[Any]:
+    """A table with its source and range; its other keys are the fields of its record, or of the law that it names."""
     source, note = table.pop("source"), table.pop("note", "").strip()
-    coldest, hottest = (parse_temperature(table.pop(key)) for key in ("coldest", "hottest"))
-    law = record or LAWS[table.pop("law")]
-    return Sourced(READER.record(law, table, place), source, coldest, hottest, note)
+    coldest, hottest = (parse_temperature(table.pop(end)) for end in ("coldest", "hottest"))
+    record = LAWS[table.pop("law")] if "law" in table else DATA[key]
+    return Sourced(READER.record(record, table, place), source, coldest, hottest, note)

@@ -159,7 +159,6 @@ def _registry() -> Any:
 
 LOG = "log"
 MOST_VALUES = 1000
-NUMBER = Bounds(gt=1, le=MOST_VALUES, whole=True)
 
 Given = str | float | Sequence[Any]
 
@@ -211,24 +210,22 @@ def _ranged(text: str, mark: Mark) -> tuple[float, ...]:
         raise ValueError(f"must be FIRST:LAST:NUMBER, or FIRST:LAST:NUMBER:{LOG} for equal ratios")
     unit = split(rest[0])[1] or split(left)[1]
     start, end = (_value(text, mark, unit) for text in (left, rest[0]))
-    return spaced(start, end, _number(rest[1]), logarithmic=bool(rest[2:]))
+    return spaced(start, end, int(rest[1]) if rest[1].isdecimal() else rest[1], logarithmic=bool(rest[2:]))
 
 
-def spaced(start: float, end: float, number: int, logarithmic: bool) -> tuple[float, ...]:
-    """Values from start to end, with equal steps or equal ratios.  Raises ValueError where there are no such ratios."""
+def spaced(start: float, end: float, number: Any, logarithmic: bool) -> tuple[float, ...]:
+    """A number of values from start to end, with equal steps or equal ratios.
+
+    Raises ValueError for a number that is none, and where there are no such ratios.
+    """
+    if type(number) is not int or not 2 <= number <= MOST_VALUES:
+        raise ValueError(f"the number of values must be a whole number from 2 to {MOST_VALUES}")
     if logarithmic and not start * end > 0:
         raise ValueError("the ends of a range with equal ratios (log) must both be above zero, or both below")
     if logarithmic:
         return (start, *(float(value) for value in np.geomspace(start, end, number)[1:-1]), end)
     first, last = Fraction(repr(start)), Fraction(repr(end))  # exact, so that a range through zero contains zero
     return tuple(float(first + (last - first) * i / (number - 1)) for i in range(number))
-
-
-def _number(text: str) -> int:
-    try:
-        return int(parse_number(int(text), NUMBER))
-    except ValueError as error:
-        raise ValueError(f"the number of values must be a whole number from 2 to {MOST_VALUES}") from error
 
 
 def _value(given: Any, mark: Mark, unit: str = "") -> float:

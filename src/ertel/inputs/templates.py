@@ -8,11 +8,11 @@ from textwrap import wrap
 from typing import Any
 
 from ertel.case.conditions import FOREIGN, Kind
+from ertel.case.definition import SECTIONS
 from ertel.case.records import inner_laws, show
 from ertel.case.sections import ENDS, SOLVERS
 from ertel.inputs.layout import (
     NEEDED,
-    SECTIONS,
     TOP,
     DataSheet,
     Key,
@@ -35,13 +35,7 @@ STEEL = {"E1": "210 GPa", "nu1": 0.3, "E2": "210 GPa", "nu2": 0.3}
 OIL = {"eta0": "20 mPa*s", "alpha": "20 / GPa"}
 GIVEN: Mapping[Kind, Mapping[str, Mapping[str, Any]]] = {  # what a new case file gives
     "impact": {
-        "[contact]": {
-            "kind": "impact",
-            "radius": "10 mm",
-            "ball_density": "7850 kg/m^3",
-            "speed": "0.1 m/s",
-            **STEEL,
-        },
+        "[contact]": {"kind": "impact", "radius": "10 mm", "ball_density": "7850 kg/m^3", "speed": "0.1 m/s", **STEEL},
         "[lubricant]": OIL,
         "[solver]": {"method": "radial", "nodes": 401},
         "[time]": {"until": "max-approach"},

@@ -6,6 +6,7 @@ Everything follows from a polynomial through the last time levels.  Times are gi
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import prod
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,14 +14,15 @@ from numpy.typing import NDArray
 Weights = NDArray[np.float64]
 
 
+def lagrange(t: Any, nodes: Sequence[float]) -> list[Any]:
+    """Lagrange's weights of the nodes for the value at t (extrapolated outside them); exactly 1 and 0 at a node."""
+    others = [[m for m in nodes if m != node] for node in nodes]
+    return [prod((t - m) / (node - m) for m in others[k]) for k, node in enumerate(nodes)]
+
+
 def interpolation_weights(t: float, times: Sequence[float]) -> Weights:
-    """Weights w with y(t) = sum_k w[k] y(times[k]): Lagrange interpolation (extrapolation outside the times)."""
-    w = np.ones(len(times))
-    for k, tk in enumerate(times):
-        for m, tm in enumerate(times):
-            if m != k:
-                w[k] *= (t - tm) / (tk - tm)
-    return w
+    """Weights w with y(t) = sum_k w[k] y(times[k])."""
+    return np.array(lagrange(t, times), dtype=float)
 
 
 def derivative_weights(times: Sequence[float]) -> Weights:

@@ -127,7 +127,9 @@ def allowed_nodes(at_least: float) -> int:
 def check_nodes(nodes: int) -> None:
     """Raise ValueError unless multigrid can coarsen a grid with this number of nodes in one direction."""
     if not is_allowed(nodes):
-        below, above = _neighbours(nodes)
+        allowed = sorted({c * 2**k + 1 for c in range(SMALLEST_COARSEST - 1, LARGEST_COARSEST) for k in range(12)})
+        below = max((n for n in allowed if n <= nodes), default=allowed[0])
+        above = min((n for n in allowed if n > nodes), default=allowed[-1])
         raise ValueError(
             f"nodes = {nodes}: must be 2^k c + 1 with a coarsest grid of {SMALLEST_COARSEST} to {LARGEST_COARSEST} "
             f"nodes a side, so that multigrid can coarsen it; the nearest are {below} and {above}"
@@ -158,14 +160,6 @@ def check_coarsening(grid: Grid) -> None:
             f"{coarsest.nodes_x} x {coarsest.nodes_y} nodes; must be {LARGEST_RECTANGLE} at most, so take 2^k + 1 "
             "nodes or sides less different"
         )
-
-
-def _neighbours(nodes: int) -> tuple[int, int]:
-    """The nearest allowed numbers of nodes: one not above `nodes` and one above."""
-    allowed = sorted({c * 2**k + 1 for c in range(SMALLEST_COARSEST - 1, LARGEST_COARSEST) for k in range(12)})
-    below = [n for n in allowed if n <= nodes] or allowed[:1]
-    above = [n for n in allowed if n > nodes] or allowed[-1:]
-    return below[-1], above[0]
 
 
 # -- Richardson extrapolation: the error estimate from two grids, for a second-order method ---------------------------

@@ -13,7 +13,6 @@ spread change.
 Source: Venner CH, Lubrecht AA. Multilevel methods in lubrication. Elsevier; 2000, ch. 6 and 7, written here for arrays.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -52,20 +51,14 @@ class Rows(NamedTuple):
     upper: Array
 
 
-class Halving(NamedTuple):
-    """The rows of the odd and the even nodes, and the scale factors of the even rows after the odd are eliminated."""
-
-    odd: Rows
-    even: Rows
-    scale: Array
-
-
 class Factors(NamedTuple):
-    """The scale factors of the rows, the halvings (longest lines first), and the remaining rows."""
+    """The scale factors of the rows and the scaled rows; of lines that are halved the even ones, also the odd ones, and
+    the factors of what is left of the even rows when the odd nodes are eliminated."""
 
     scale: Array
-    halvings: tuple[Halving, ...]
-    rest: Rows
+    rows: Rows
+    odd: Rows | None = None
+    rest: "Factors | None" = None
 
 
 def factorise(lower: Array, diagonal: Array, upper: Array) -> Factors:
@@ -73,34 +66,24 @@ def factorise(lower: Array, diagonal: Array, upper: Array) -> Factors:
 
     Lines are halved while their number of nodes is odd and above SHORT.
     """
-    rows, halvings = Rows(lower / diagonal, upper / diagonal), []
-    while (n := rows.lower.shape[1]) > SHORT and n % 2:
-        halving, rows = _halve(rows)
-        halvings.append(halving)
-    return Factors(1.0 / diagonal, tuple(halvings), rows)
+    scale, rows, n = 1.0 / diagonal, Rows(lower / diagonal, upper / diagonal), diagonal.shape[1]
+    if n <= SHORT or n % 2 == 0:
+        return Factors(scale, rows)
+    odd, even = (Rows(*(part[:, first::2] for part in rows)) for first in (1, 0))
+    diagonal = 1.0 - even.lower * _before(odd.upper) - even.upper * _after(odd.lower)
+    rest = factorise(-even.lower * _before(odd.lower), diagonal, -even.upper * _after(odd.upper))
+    return Factors(scale, even, odd, rest)
 
 
 def solve_lines(factors: Factors, b: Array) -> Array:
     """The solutions for right-hand sides b of shape (lines, n)."""
-    return _solve(factors.halvings, factors.rest, factors.scale * b)
-
-
-def _solve(halvings: Sequence[Halving], rest: Rows, b: Array) -> Array:
-    if not halvings:
-        return jax.lax.linalg.tridiagonal_solve(rest.lower, jnp.ones_like(b), rest.upper, b[..., None])[..., 0]
-    (odd, even, scale), *shorter = halvings
+    (lower, upper), odd, rest, b = factors.rows, factors.odd, factors.rest, factors.scale * b
+    if odd is None or rest is None:
+        return jax.lax.linalg.tridiagonal_solve(lower, jnp.ones_like(b), upper, b[..., None])[..., 0]
     left_out = b[:, 1::2]
-    x = _solve(shorter, rest, scale * (b[:, ::2] - even.lower * _before(left_out) - even.upper * _after(left_out)))
+    x = solve_lines(rest, b[:, ::2] - lower * _before(left_out) - upper * _after(left_out))
     between = left_out - odd.lower * x[:, :-1] - odd.upper * x[:, 1:]
     return interleave(x.T, between.T).T
-
-
-def _halve(rows: Rows) -> tuple[Halving, Rows]:
-    """The halving, and the rows of the even nodes after elimination of the odd nodes."""
-    odd, even = (Rows(*(part[:, first::2] for part in rows)) for first in (1, 0))
-    diagonal = 1.0 - even.lower * _before(odd.upper) - even.upper * _after(odd.lower)
-    lower, upper = -even.lower * _before(odd.lower), -even.upper * _after(odd.upper)
-    return Halving(odd, even, 1.0 / diagonal), Rows(lower / diagonal, upper / diagonal)
 
 
 def _before(odd: Array) -> Array:
@@ -188,12 +171,15 @@ def _bands(elastic: DeformationOperator, c: Coefficients, by_spread: Array, flow
     """The operator's three bands on each line; each node has its own kind of change."""
     p = extended(by_spread, elastic.even)
     pattern = _Pattern(*(-0.25 * by_spread * near for near in (p[1:-1, :-2], p[1:-1, 2:], p[:-2, 1:-1] + p[2:, 1:-1])))
-    centre, upstream = _diffusion(elastic, c)
+    # of - div(eps grad e): the diagonal coefficient, and those of the faces upstream and downstream
+    centre = face_sum(c.eps, elastic.even) / elastic.spacing**2
+    upstream = 0.5 * (c.eps.x + _upstream(c.eps.x)) / elastic.spacing**2
+    downstream = _upstream(upstream, -1)
 
     def diffused(k: int) -> Array:
         """By a change k nodes upstream."""
-        change, before, after = (_shifted(pattern.at(j) * c.free, k) for j in (k, k - 1, k + 1))
-        return centre * change - upstream * before - _downstream(upstream) * after
+        change, before, after = (_upstream(pattern.at(j) * c.free, k) for j in (k, k - 1, k + 1))
+        return centre * change - upstream * before - downstream * after
 
     def coupling(k: int) -> Array:
         """The entry in row i, column i - k: the change is k nodes upstream."""
@@ -201,22 +187,16 @@ def _bands(elastic: DeformationOperator, c: Coefficients, by_spread: Array, flow
         beyond = diffused(2 * k) if k else 0.0
         return diffused(k) + beyond + _carried(elastic, c, pattern, k, flow)
 
-    across = 0.5 * (centre - upstream - _downstream(upstream)) * pattern.beside  # from the neighbours on other lines
+    across = 0.5 * (centre - upstream - downstream) * pattern.beside  # from the neighbours on other lines
     diagonal = jnp.where(c.free > 0.0, coupling(0) - across, 1.0)
     return coupling(1) * c.free, diagonal, coupling(-1) * c.free
-
-
-def _diffusion(elastic: DeformationOperator, c: Coefficients) -> tuple[Array, Array]:
-    """The diagonal coefficient of - div(eps grad e), and the coefficient of the upstream face."""
-    centre, upstream = face_sum(c.eps, elastic.even), 0.5 * (c.eps.x + _upstream(c.eps.x))
-    return centre / elastic.spacing**2, upstream / elastic.spacing**2
 
 
 def _carried(elastic: DeformationOperator, c: Coefficients, pattern: _Pattern, k: int, flow: _Flow) -> Array:
     """(rate + drift d/dX)(stretch K + local), k nodes downstream of a change."""
 
     def mass(k: int) -> Array:
-        change, deformation = (_shifted(f, k) for f in (pattern.at(k) * c.free, pattern.deformation(elastic.near, k)))
+        change, deformation = (_upstream(f, k) for f in (pattern.at(k) * c.free, pattern.deformation(elastic.near, k)))
         return c.stretch * deformation + c.local * change
 
     def slope(k: int) -> Array:
@@ -227,15 +207,6 @@ def _carried(elastic: DeformationOperator, c: Coefficients, pattern: _Pattern, k
     return flow.rate * mass(k) + slope(k) + (slope(2) * jnp.conj(flow.phase) if k == 1 else 0.0)
 
 
-def _upstream(f: Array) -> Array:
-    """At each node, the value at the previous node of its line."""
-    return _shifted(f, 1)
-
-
-def _downstream(f: Array) -> Array:
-    return _shifted(f, -1)
-
-
-def _shifted(f: Array, k: int) -> Array:
-    """The field shifted by k nodes along the lines; zeros enter at the ends."""
+def _upstream(f: Array, k: int = 1) -> Array:
+    """At each node, the value k nodes upstream on its line; zero beyond the ends."""
     return jax.lax.pad(f, jnp.zeros((), f.dtype), ((0, 0, 0), (k, -k, 0)))

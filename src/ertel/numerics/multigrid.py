@@ -69,20 +69,17 @@ class Coefficients(NamedTuple):
 
 
 class Smoother(Protocol):
-    """The relaxation of one grid, and the term that the mass stretch * (K e) + local * e adds to the operator."""
+    """The relaxation of one grid, and the term that the mass stretch * (K e) + local * e adds to the operator.
+
+    sweeps: their number before, and also after, the correction from the coarser grid.  balance: the mass term of the
+    operator, the mass itself or also its derivative along X (`line_smoother`).  change: of e by one sweep, given the
+    residual r.
+    """
 
     @property
-    def sweeps(self) -> int:
-        """Number of sweeps before, and also after, the correction from the coarser grid."""
-        ...
-
-    def balance(self, mass: Array) -> Array:
-        """The mass term of the operator: the mass itself, or also its derivative along X (`line_smoother`)."""
-        ...
-
-    def change(self, r: Array) -> Array:
-        """The change of e by one sweep, given the residual r."""
-        ...
+    def sweeps(self) -> int: ...
+    def balance(self, mass: Array) -> Array: ...
+    def change(self, r: Array) -> Array: ...
 
 
 @register_dataclass

@@ -60,10 +60,11 @@ NO_BORDER = Border(0.0, 0.0, lambda P, s: s, 1.0, 1.0)
 
 @exportable
 class Solution(NamedTuple):
-    """P and H, both (n, n); the maximum residual in units of the tolerance; whether it converged; the work.
+    """An iterate: P and H, both (n, n); the maximum residual in units of the tolerance; the work.
 
     left: the residual, >= 0 where P is held at zero, elsewhere nearly zero, shape (n, n).  history: the maximum
-    residual before the first and after each Newton iteration, shape (newton_limit + 1,), padded with NaN.
+    residual before the first and after each Newton iteration, shape (newton_limit + 1,), padded with NaN.  forcing: the
+    reduction of the next linear residual.
     """
 
     P: Array
@@ -71,42 +72,24 @@ class Solution(NamedTuple):
     s: Array
     left: Array
     residual: Array
-    converged: Array
     newton: Array
     krylov: Array
     history: Array
+    forcing: Array
+
+    @property
+    def converged(self) -> Array:
+        """Whether every residual is within the tolerance."""
+        return self.residual <= 1.0
 
 
 _Pair = tuple[Array, Array]  # a field and a number
 _Change = Callable[[Array, Array], Array]  # of r, from those of P and H
 
 
-class _Iterate(NamedTuple):
-    """r: the residual at P and H; size: its largest in units of the tolerance."""
-
-    P: Array
-    H: Array
-    s: Array
-    r: Array
-    size: Array
-    newton: Array
-    krylov: Array
-    history: Array
-    forcing: Array
-
-
-def newton_krylov(
-    residual: Callable[[Array, Array], Array],
-    partner_change: Map,
-    preconditioner: Callable[[Array, Array, Array], Map],
-    P: Array,
-    H: Array,
-    tolerance: Array | float,
-    options: Options = Options(),
-    border: Border = NO_BORDER,
-    filled: Map = lambda r: r,
-) -> Solution:
-    """Solve from the first guess P and the matching H = H(P), both of shape (n, n).
+@dataclass(frozen=True)
+class NewtonKrylov:
+    """The equations with the ways to solve them; a change is one of P and one of s.
 
     partner_change maps a change of P to the change of H.  preconditioner(P, H, free) returns an approximate inverse of
     the Jacobian on the free nodes.  tolerance bounds |r| at every free node.
@@ -114,39 +97,36 @@ def newton_krylov(
     filled: from r where P = 0 (0 elsewhere) to a field that is negative at the nodes which the next iteration frees;
     it may free more nodes than those with r < 0, since the iteration holds them again if P < 0 follows.
     """
-    system = _System(residual, partner_change, preconditioner, tolerance, options, border, filled)
-    zero = jnp.zeros((), jnp.int32)
-    s = jnp.asarray(border.s, P.dtype)
-    history = jnp.full(options.newton_limit + 1, jnp.nan)
-    infinite, forcing = (jnp.asarray(value, P.dtype) for value in (jnp.inf, options.first_reduction))
-    # no residual is needed yet: the first iteration is always done, and begins with it
-    first = _Iterate(P, H, s, jnp.zeros_like(P), infinite, zero, zero, history, forcing)
-    last = jax.lax.while_loop(system.is_unsolved, system.improve, first)
-    return Solution(last.P, last.H, last.s, last.r, last.size, last.size <= 1.0, last.newton, last.krylov, last.history)
-
-
-@dataclass(frozen=True)
-class _System:
-    """The equations with the ways to solve them, see `solve`; a change is one of P and one of s."""
 
     residual: Callable[[Array, Array], Array]
     partner_change: Map
     preconditioner: Callable[[Array, Array, Array], Map]
     tolerance: Array | float
-    options: Options
-    border: Border
-    filled: Map
+    options: Options = Options()
+    border: Border = NO_BORDER
+    filled: Map = lambda r: r
+
+    def solve(self, P: Array, H: Array) -> Solution:
+        """The solution from the first guess P and the matching H = H(P), both of shape (n, n)."""
+        zero = jnp.zeros((), jnp.int32)
+        s = jnp.asarray(self.border.s, P.dtype)
+        history = jnp.full(self.options.newton_limit + 1, jnp.nan)
+        infinite, forcing = (jnp.asarray(value, P.dtype) for value in (jnp.inf, self.options.first_reduction))
+        # no residual is needed yet: the first iteration is always done, and begins with it
+        first = Solution(P, H, s, jnp.zeros_like(P), infinite, zero, zero, history, forcing)
+        last: Solution = jax.lax.while_loop(self.is_unsolved, self.improve, first)
+        return last
 
     def size(self, P: Array, s: Array, r: Array) -> Array:
         """The largest residual in units of the tolerance."""
         misfit = jnp.abs(self.border.misfit(P, s)) / self.border.tolerance
         return jnp.maximum(jnp.max(jnp.abs(_free(P, r) * r) / self.tolerance), misfit)
 
-    def is_unsolved(self, it: _Iterate) -> Array:
+    def is_unsolved(self, it: Solution) -> Array:
         options = self.options
-        return ((it.size > 1.0) & (it.newton < options.newton_limit)) | (it.newton < options.newton_least)
+        return ((it.residual > 1.0) & (it.newton < options.newton_limit)) | (it.newton < options.newton_least)
 
-    def improve(self, it: _Iterate) -> _Iterate:
+    def improve(self, it: Solution) -> Solution:
         """One Newton iteration."""
         r, change_of_r = jax.linearize(self.residual, it.P, it.H)
         (dP, ds), krylov = self.newton_change(it, r, change_of_r)
@@ -159,12 +139,12 @@ class _System:
         size, reached = self.size(it.P, it.s, r), self.size(P, s, left)
         history = it.history.at[it.newton].set(size).at[count].set(reached)
         forcing = _forcing(self.options, reached / size, reached)
-        return _Iterate(P, H, s, left, reached, count, it.krylov + krylov, history, forcing)
+        return Solution(P, H, s, left, reached, count, it.krylov + krylov, history, forcing)
 
     def change_of_H(self, d: _Pair) -> Array:
         return self.partner_change(d[0]) + self.border.dH_ds * d[1]
 
-    def newton_change(self, it: _Iterate, r: Array, change_of_r: _Change) -> tuple[_Pair, Array]:
+    def newton_change(self, it: Solution, r: Array, change_of_r: _Change) -> tuple[_Pair, Array]:
         """The change that solves the linear equations nearly, and the Krylov iterations that it took."""
         weight = jnp.asarray(self.border.weight, it.P.dtype)
         early = it.newton < self.options.filling_limit

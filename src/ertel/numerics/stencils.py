@@ -7,13 +7,13 @@ rolling needs a half.  At the end: matrices of three diagonals, for the nodes al
 
 from collections.abc import Callable
 from functools import partial
-from math import prod
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jax import Array, tree
 
+from ertel.numerics.bdf import lagrange
 from ertel.numerics.grid import NO_SYMMETRY, Symmetry
 
 POINTS = 8  # of the interpolation between nodes
@@ -80,16 +80,13 @@ def diffusion(eps: Pair, f: Array, even: Symmetry = NO_SYMMETRY) -> Array:
 def face_fluxes(eps: Pair, f: Array, even: Symmetry = NO_SYMMETRY) -> tuple[Array, Array]:
     """eps_x df/dX on the faces across X, shape (n, n + 1), and eps_y df/dY on those across Y, shape (n + 1, n)."""
     c, p = _beyond(eps, even), extended(f, even)
-    in_X = 0.5 * (c.x[1:-1, 1:] + c.x[1:-1, :-1]) * (p[1:-1, 1:] - p[1:-1, :-1])
-    in_Y = 0.5 * (c.y[1:, 1:-1] + c.y[:-1, 1:-1]) * (p[1:, 1:-1] - p[:-1, 1:-1])
-    return in_X, in_Y
+    return to_x_faces(c.x) * (p[1:-1, 1:] - p[1:-1, :-1]), to_y_faces(c.y) * (p[1:, 1:-1] - p[:-1, 1:-1])
 
 
 def divergence(in_X: Array, in_Y: Array) -> Array:
     """The divergence at the nodes, on unit spacing, of what is on the faces around them (`face_fluxes`)."""
     # summed in pairs, here and elsewhere, so that swapping X and Y gives the same result to the last bit
-    total: Array = (in_X[:, 1:] - in_X[:, :-1]) + (in_Y[1:, :] - in_Y[:-1, :])
-    return total
+    return (in_X[:, 1:] - in_X[:, :-1]) + (in_Y[1:, :] - in_Y[:-1, :])
 
 
 def to_x_faces(f: Array) -> Array:
@@ -118,16 +115,14 @@ def face_sum(eps: Pair, even: Symmetry = NO_SYMMETRY) -> Array:
     """Sum of the coefficient over the four faces of each cell: the diagonal of - `diffusion`."""
     c = _beyond(eps, even)
     along_y, along_x = c.y[:-2, 1:-1] + c.y[2:, 1:-1], c.x[1:-1, :-2] + c.x[1:-1, 2:]
-    total: Array = (eps.x + eps.y) + 0.5 * (along_y + along_x)
-    return total
+    return (eps.x + eps.y) + 0.5 * (along_y + along_x)
 
 
 def curvature(c: Pair, f: Array, even: Symmetry = NO_SYMMETRY) -> Array:
     """c_x d2f/dX2 + c_y d2f/dY2 on unit spacing; f is zero beyond the edge."""
     p = extended(f, even)
     along_x, along_y = p[1:-1, :-2] + p[1:-1, 2:], p[:-2, 1:-1] + p[2:, 1:-1]
-    total: Array = c.x * (along_x - 2.0 * f) + c.y * (along_y - 2.0 * f)
-    return total
+    return c.x * (along_x - 2.0 * f) + c.y * (along_y - 2.0 * f)
 
 
 def largest_around(f: Array, even: Symmetry = NO_SYMMETRY) -> Array:
@@ -139,8 +134,7 @@ def largest_around(f: Array, even: Symmetry = NO_SYMMETRY) -> Array:
 
 def _beyond(eps: Pair, even: Symmetry) -> Pair:
     """The coefficient with one more node on every side."""
-    pair: Pair = tree.map(partial(extended, even=even, beyond="edge"), eps)
-    return pair
+    return tree.map(partial(extended, even=even, beyond="edge"), eps)
 
 
 def upstream_slope(f: Array, spacing: Array | float) -> Array:
@@ -178,16 +172,10 @@ def shifted_along_x(field: Array, nodes: Array | float) -> Array:
         line = below * (field[..., 1:2] - field[..., :1]) + above * (field[..., last:] - field[..., last - 1 : last])
         return jnp.take(field, columns, axis=-1, mode="clip") + line
 
-    weights = enumerate(_weights(POINTS // 2 - (nodes - whole)))
+    weights = enumerate(lagrange(POINTS // 2 - (nodes - whole), range(POINTS)))
     moved = sum((weight * at(columns + first + k) for k, weight in weights), start=jnp.zeros_like(field))
     inside = jnp.where(columns < nodes, field[..., :1], moved)
     return jnp.where(columns - nodes > last, field[..., last:], inside)
-
-
-def _weights(place: Array) -> list[Array]:
-    """Lagrange's weights of the nodes 0, 1, ... for the value at a place between them; exactly 1 and 0 at a node."""
-    others = [[m for m in range(POINTS) if m != k] for k in range(POINTS)]
-    return [prod((place - m) / (k - m) for m in others[k]) for k in range(POINTS)]  # type: ignore[misc]
 
 
 # -- three nodes on a line, as a matrix ------------------------------------------------------------------------------
@@ -200,12 +188,10 @@ def diagonals(change: Callable[[Array], Array], n: int) -> Array:
     """
     i, shift = jnp.arange(n), jnp.arange(-1, 2)[:, None]
     answers = jax.vmap(change)(jnp.where(i % 3 == jnp.arange(3)[:, None], 1.0, 0.0))
-    three: Array = answers[(i + shift) % 3, i]
-    return three
+    return answers[(i + shift) % 3, i]
 
 
 def banded_product(diagonals: Array, matrix: Array) -> Array:
     """The matrix of three diagonals times another one."""
     lower, middle, upper = diagonals[:, :, None]
-    product: Array = lower * jnp.roll(matrix, 1, axis=0) + middle * matrix + upper * jnp.roll(matrix, -1, axis=0)
-    return product
+    return lower * jnp.roll(matrix, 1, axis=0) + middle * matrix + upper * jnp.roll(matrix, -1, axis=0)

@@ -148,8 +148,7 @@ class Paths:
     odds: Array
 
     def __getitem__(self, which: Integers | Flags) -> Self:
-        state, covariance, cost = self.state[which], self.covariance[which], self.cost[which]
-        return type(self)(state, covariance, cost, self.branch[which], self.odds[which])
+        return type(self)(*(part[which] for part in vars(self).values()))
 
     def likely(self) -> Self:
         """The likeliest, best first."""

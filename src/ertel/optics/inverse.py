@@ -140,9 +140,7 @@ def _calibrated(intensity: Array, rig: Rig, wavelength: float, limits: tuple[flo
     """The reflectance that belongs to an intensity between those of a dark and a bright fringe."""
     dark, bright = limits
     if not dark < bright:
-        raise ValueError(
-            f"limits = ({dark:g}, {bright:g}): the dark fringe must be darker than the bright one; swap them"
-        )
+        raise ValueError(f"limits = ({dark:g}, {bright:g}): the dark fringe must be darker than the bright one")
     path = np.linspace(0.0, wavelength / 2.0, 2001)
     reflectance = rig.fringes(wavelength, rig.oil_index).reflectance(path)
     low, high = float(reflectance.min()), float(reflectance.max())

@@ -6,11 +6,11 @@ reflected, with one channel or three.  Fringes fade with the path difference, be
 Spectra are summed with the CIE 1931 functions of the 2 degree observer every 5 nm.  sRGB is that of IEC 61966-2-1.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import log, pi, sqrt
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -100,20 +100,13 @@ def into_gamut(linear: ArrayLike) -> Array:
     excess = colours - grey
     with np.errstate(divide="ignore", invalid="ignore"):
         room = np.where(excess > 0.0, (1.0 - grey) / excess, np.where(excess < 0.0, -grey / excess, np.inf))
-    inside: Array = np.clip(grey + np.minimum(room.min(axis=-1, keepdims=True), 1.0) * excess, 0.0, 1.0)
-    return inside
+    return np.clip(grey + np.minimum(room.min(axis=-1, keepdims=True), 1.0) * excess, 0.0, 1.0)
 
 
 def encode(linear: ArrayLike) -> Array:
     """The values that a screen is sent for linear light of 0 to 1, by the curve of sRGB; of the same shape."""
     light = np.asarray(linear, dtype=float)
     return np.where(light <= 0.0031308, 12.92 * light, 1.055 * np.maximum(light, 0.0031308) ** (1 / 2.4) - 0.055)
-
-
-def luminance(linear: ArrayLike) -> Any:
-    """The luminance of linear light (..., channels): of sRGB with three channels, of grey with one."""
-    light = np.asarray(linear, dtype=float)
-    return light @ LUMINANCE if light.shape[-1] == 3 else light[..., 0]
 
 
 # -- lights -----------------------------------------------------------------------------------------------------------
@@ -146,18 +139,14 @@ class Light(Protocol):
         Components of sRGB may be negative: colours that no screen shows, see `into_gamut`.
         """
         path = np.asarray(film) * np.asarray(index)
-        light: Array = np.zeros(())
-        for line in self.lines:
-            bright = rig.fringes(line.wavelength, index).reflectance(path, line.visibility)
-            light = light + bright[..., None] * line.weight
-        return light
+        return self._sum(lambda line: rig.fringes(line.wavelength, index).reflectance(path, line.visibility))
 
     def mean(self, rig: Rig, index: ArrayLike) -> Array:
         """The mean where fringes have faded, of the shape of the index with a last axis of the channels."""
-        light: Array = np.zeros(())
-        for line in self.lines:
-            light = light + rig.fringes(line.wavelength, index).mean[..., None] * line.weight
-        return light
+        return self._sum(lambda line: rig.fringes(line.wavelength, index).mean)
+
+    def _sum(self, bright: Callable[[Line], Array]) -> Array:
+        return sum((bright(line)[..., None] * line.weight for line in self.lines), np.zeros(()))
 
 
 @dataclass(frozen=True)
@@ -233,8 +222,7 @@ def _triangular(wavelength: float) -> Visibility:
     """The contrast of fringes in a line that falls to zero at the next wavelengths of the table."""
 
     def visibility(difference: Array) -> Array:
-        contrast: Array = np.sinc(difference * STEP / wavelength**2) ** 2
-        return contrast
+        return np.sinc(difference * STEP / wavelength**2) ** 2
 
     return visibility
 
@@ -280,8 +268,8 @@ class Chart:
     @cached_property
     def exposure(self) -> float:
         """The factor of linear light with which the brightest film between 0 and 1 um is as bright as white."""
-        film = np.arange(0.0, 1e-6, SPACING)
-        return 1.0 / float(np.max(luminance(self.light.colours(self.rig, film, np.full(film.shape, self._indices[0])))))
+        light = self.light.colours(self.rig, np.arange(0.0, 1e-6, SPACING), self._indices[0])
+        return 1.0 / float(np.max(light @ LUMINANCE if light.shape[-1] == 3 else light))
 
     @cached_property
     def _beside_air(self) -> list[tuple[int, int, Array]]:

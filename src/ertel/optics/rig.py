@@ -25,7 +25,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from math import ceil, log
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -122,23 +122,12 @@ SILICA = Sellmeier((0.6961663, 0.4079426, 0.8974794), (0.0684043**2, 0.1162414**
 # -- layers -----------------------------------------------------------------------------------------------------------
 
 
-class Moebius(NamedTuple):
-    """The map w -> (a w + b)/(c w + d)."""
-
-    a: Complex
-    b: Complex
-    c: Complex
-    d: Complex
-
-    def after(self, inner: "Moebius") -> "Moebius":
-        """This map of the inner map."""
-        a, b, c, d = self
-        p, q, r, s = inner
-        return Moebius(a * p + b * r, a * q + b * s, c * p + d * r, c * q + d * s)
+Moebius = tuple[Complex, Complex, Complex, Complex]  # a, b, c, d of the map w -> (a w + b)/(c w + d)
+Beams = tuple[Complex, Complex, Complex]  # amplitudes: top, then second ratio^j after j + 1 passages through the film
 
 
 def seen_through(indices: Sequence[Complex], thicknesses: Sequence[Complex], wavelength: ArrayLike) -> Moebius:
-    """The view from the first medium of a reflection just below the last interface.
+    """The view from the first medium of a reflection just below the last interface: the product of all maps.
 
     Parameters
     ----------
@@ -149,12 +138,12 @@ def seen_through(indices: Sequence[Complex], thicknesses: Sequence[Complex], wav
     wavelength : array
         In m.
     """
-    stack = Moebius(1.0, 0.0, 0.0, 1.0)
+    a, b, c, d = 1.0, 0.0, 0.0, 1.0
     for upper, lower, thickness in zip(indices[:-1], indices[1:], [*thicknesses, 0.0], strict=True):
         r = (upper - lower) / (upper + lower)
         turned = np.exp(4j * np.pi * lower * thickness / np.asarray(wavelength))
-        stack = stack.after(Moebius(turned, r, r * turned, 1.0))
-    return stack
+        a, b, c, d = (a + b * r) * turned, a * r + b, (c + d * r) * turned, c * r + d
+    return a, b, c, d
 
 
 def reflection(indices: Sequence[Complex], thicknesses: Sequence[Complex], wavelength: ArrayLike) -> Complex:
@@ -165,8 +154,8 @@ def reflection(indices: Sequence[Complex], thicknesses: Sequence[Complex], wavel
     complex array of the broadcast shape
         Its absolute square is the reflectance, at most 1 where the first medium is transparent.
     """
-    stack = seen_through(indices, thicknesses, wavelength)
-    return stack.b / stack.d
+    _, b, _, d = seen_through(indices, thicknesses, wavelength)
+    return b / d
 
 
 def lorentz_lorenz(density: ArrayLike, n0: float = OIL_INDEX) -> Array:
@@ -175,16 +164,7 @@ def lorentz_lorenz(density: ArrayLike, n0: float = OIL_INDEX) -> Array:
     density: rho/rho0, of any shape.  n0: index at ambient pressure.  Source: Born and Wolf, section 2.3.3.
     """
     share = np.asarray(density, dtype=float) * (n0**2 - 1.0) / (n0**2 + 2.0)
-    index: Array = np.sqrt((1.0 + 2.0 * share) / (1.0 - share))
-    return index
-
-
-class Beams(NamedTuple):
-    """Amplitudes of the beams that come back: top, then second ratio^j after j + 1 passages through the film."""
-
-    top: Complex
-    second: Complex
-    ratio: Complex
+    return np.sqrt((1.0 + 2.0 * share) / (1.0 - share))
 
 
 @dataclass(frozen=True)
@@ -219,8 +199,7 @@ class Fringes:
         """
         z = np.exp(4j * np.pi * np.asarray(path) / self.wavelength)
         if visibility is None:
-            coherent: Array = self.mean + 2.0 * np.real(self.first * z / (1.0 - self.ratio * z))
-            return coherent
+            return self.mean + 2.0 * np.real(self.first * z / (1.0 - self.ratio * z))
         difference = 2.0 * np.asarray(path) + self.coatings
         wave, total = self.first * z, np.zeros(np.broadcast_shapes(np.shape(z), np.shape(self.mean)))
         for harmonic in range(1, self.harmonics + 1):
@@ -292,7 +271,7 @@ class Rig:
         if below is None:
             steel = self.surface.index(wavelength)
             below = (n - steel) / (n + steel)
-        return Beams(b / d, below * (a * d - b * c) / d**2, -below * c / d)
+        return b / d, below * (a * d - b * c) / d**2, -below * c / d
 
     def fringes(self, wavelength: ArrayLike, index: ArrayLike) -> Fringes:
         """The fringes of light of a wavelength (m) in oil of an index; they broadcast."""
@@ -320,8 +299,7 @@ class Rig:
         top, second, ratio = self.beams(wavelength, self.oil_index, below)
         z = np.exp(2j * np.pi * share)[:, None]
         waves = np.exp(-2j * np.pi * ORDERS[:, None] * share) / PHASES
-        orders: NDArray[np.complex128] = waves @ np.abs(top + second * z / (1.0 - ratio * z)) ** 2 @ waves.T
-        return orders
+        return waves @ np.abs(top + second * z / (1.0 - ratio * z)) ** 2 @ waves.T
 
 
 @dataclass(frozen=True)
@@ -334,4 +312,5 @@ class TwoBeams(Rig):
 
     def beams(self, wavelength: ArrayLike, index: ArrayLike, below: Complex | None = None) -> Beams:
         """The beam of the coatings and the first one through the film."""
-        return super().beams(wavelength, index, below)._replace(ratio=0.0)
+        top, second, _ = super().beams(wavelength, index, below)
+        return top, second, 0.0

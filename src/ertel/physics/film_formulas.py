@@ -22,7 +22,7 @@ with the radius R under the load F.  `films` gives all in the scales of the cont
 from math import cbrt, cos, exp, log, pi, radians, sin, sqrt
 from typing import NamedTuple
 
-from ertel.physics.geometry import hertz_ellipse
+from ertel.physics.geometry import HertzEllipse, hertz_ellipse
 from ertel.physics.scales import HamrockDowson, Parameters
 from ertel.physics.units import require_not_negative, require_positive
 
@@ -32,8 +32,9 @@ CLOSE = 0.1  # an asymptote holds if it is within this relative distance of the 
 ROLLING_EXPONENT = 2.7  # g of `starved_share`, within 0.02 of ertel's films at M = 200, L = 10; published: 2 to 5
 IMPACT_EXPONENT = 2.2  # within 2 % at maximum approach, M = 200 and 1000, L = 10
 
+NVM = "Nijenbanning-Venner-Moes"
 SOURCES = {
-    "Nijenbanning-Venner-Moes": "Nijenbanning G, Venner CH, Moes H. Wear 1994;176:217-229",
+    NVM: "Nijenbanning G, Venner CH, Moes H. Wear 1994;176:217-229",
     "Hamrock-Dowson": "Hamrock BJ, Dowson D. J Lubr Technol 1977;99:264-276",
     "Chittenden et al.": "Chittenden RJ, Dowson D, Dunn JF, Taylor CM. Proc R Soc Lond A 1985;397:245-294",
     "Dowson-Higginson": "Dowson D. Proc Inst Mech Eng 1967-68;182(3A):151-167",
@@ -44,7 +45,7 @@ SOURCES = {
 
 def moes_unit(M: float) -> float:
     """Moes' unit of film thickness (2U)^{1/2} R in units a^2/R: H/H_Moes = (3M/2)^{-2/3}."""
-    require_positive("M", M)
+    require_positive(M=M)
     return 1.0 / cbrt(1.5 * M) ** 2
 
 
@@ -59,7 +60,7 @@ def isoviscous_rigid(M: float, radius_ratio: float = 1.0) -> float:
 
 def piezoviscous_rigid(M: float, L: float, radius_ratio: float = 1.0) -> float:
     """Central film thickness of the piezoviscous-rigid regime: M small, L large."""
-    require_not_negative("L", L)
+    require_not_negative(L=L)
     D = _checked_ratio(radius_ratio)
     return moes_unit(M) * 1.29 * (1.0 + 0.691 * D) ** (-2 / 3) * L ** (2 / 3)
 
@@ -72,7 +73,7 @@ def isoviscous_elastic(M: float, radius_ratio: float = 1.0) -> float:
 
 def piezoviscous_elastic(M: float, L: float, radius_ratio: float = 1.0) -> float:
     """Central film thickness of the piezoviscous-elastic regime: M and L large; for a ball 0.952 (L/M)^{3/4}."""
-    require_not_negative("L", L)
+    require_not_negative(L=L)
     D = _checked_ratio(radius_ratio)
     return moes_unit(M) * 1.48 * _elliptic(D) ** (-7 / 20) * D ** (-1 / 24) * M ** (-1 / 12) * L**0.75
 
@@ -90,7 +91,7 @@ def nijenbanning_venner_moes(M: float, L: float, radius_ratio: float = 1.0) -> f
     >>> round(nijenbanning_venner_moes(M=200, L=10), 4)  # fine grids give 0.1005
     0.0902
     """
-    require_not_negative("L", L)
+    require_not_negative(L=L)
     unit, D = moes_unit(M), _checked_ratio(radius_ratio)
     RI, EI = isoviscous_rigid(M, D) / unit, isoviscous_elastic(M, D) / unit
     RP, EP = piezoviscous_rigid(M, L, D) / unit, piezoviscous_elastic(M, L, D) / unit
@@ -109,8 +110,7 @@ def hamrock_dowson_central(parameters: HamrockDowson, ellipticity: float = BALL)
     1977;99:264-276.  The formula is fitted to 34 computed contacts: k = 1 to 8, U = 8e-13 to 5e-11, G = 2300 to 6800,
     W over one decade.  ellipticity: k, the contact's half width across the flow over its half width along the flow.
     """
-    U, G, W = _checked(parameters)
-    require_positive("ellipticity", ellipticity)
+    U, G, W = _checked(parameters, ellipticity=ellipticity)
     return 2.69 * U**0.67 * G**0.53 * W**-0.067 * (1.0 - 0.61 * exp(-0.73 * ellipticity))
 
 
@@ -119,8 +119,7 @@ def hamrock_dowson_minimum(parameters: HamrockDowson, ellipticity: float = BALL)
 
     Source and range: see `hamrock_dowson_central`.
     """
-    U, G, W = _checked(parameters)
-    require_positive("ellipticity", ellipticity)
+    U, G, W = _checked(parameters, ellipticity=ellipticity)
     return 3.63 * U**0.68 * G**0.49 * W**-0.073 * (1.0 - exp(-0.68 * ellipticity))
 
 
@@ -133,9 +132,8 @@ def chittenden_central(parameters: HamrockDowson, radius_ratio: float = 1.0) -> 
     along the major axis.  For flow at an angle to the axes R is R_e (`FlowDirection`).  Other sources print 4.30
     and 1.30 for the first and the last constant.
     """
-    U, G, W = _checked(parameters)
-    require_positive("radius_ratio", radius_ratio)
-    return 4.31 * U**0.68 * G**0.49 * W**-0.073 * (1.0 - exp(-1.23 * radius_ratio ** (-2 / 3)))
+    U, G, W = _checked(parameters, radius_ratio=radius_ratio)
+    return 4.31 * U**0.68 * G**0.49 * W**-0.073 * _kept(radius_ratio)
 
 
 def chittenden_minimum(parameters: HamrockDowson, radius_ratio: float = 1.0) -> float:
@@ -143,8 +141,7 @@ def chittenden_minimum(parameters: HamrockDowson, radius_ratio: float = 1.0) -> 
 
     Source and radius_ratio: see `chittenden_central`.
     """
-    U, G, W = _checked(parameters)
-    require_positive("radius_ratio", radius_ratio)
+    U, G, W = _checked(parameters, radius_ratio=radius_ratio)
     return 3.68 * U**0.68 * G**0.49 * W**-0.073 * (1.0 - exp(-0.67 * radius_ratio ** (-2 / 3)))
 
 
@@ -238,7 +235,7 @@ def starved_share(r: float, exponent: float = ROLLING_EXPONENT) -> float:
     r: the oil that enters over what the flooded film takes, layer/(rho_c H_c), rho_c: the density in the contact over
     that at ambient pressure; above zero.
     """
-    require_positive("r", r)
+    require_positive(r=r)
     return (1.0 + r**-exponent) ** (-1.0 / exponent)
 
 
@@ -272,28 +269,11 @@ def films(parameters: Parameters, ugw: HamrockDowson | None = None, angle: float
     angle to the axes, is left out or marked as outside its range.
     """
     flow = FlowDirection.at(parameters.radius_ratio, angle)
-    along_an_axis = parameters.radius_ratio == 1.0 or angle % 90.0 == 0.0
-    results = [] if flow.radius_ratio > 1.0 else [_joined(parameters, flow, along_an_axis)]
-    if ugw is not None and ugw.G > 0:
-        results += _films_of_ugw(ugw, parameters.radius_ratio, flow, along_an_axis)
-    if flow.radius_ratio <= 1.0:
-        results += _asymptotes(parameters, flow, along_an_axis)
-    return results
-
-
-NVM = "Nijenbanning-Venner-Moes"
-
-
-def _joined(parameters: Parameters, flow: FlowDirection, along_an_axis: bool) -> FormulaFilm:
-    M, L = flow.moes(parameters)
-    film = nijenbanning_venner_moes(M, L, flow.radius_ratio) / moes_unit(M) * _own_unit(parameters, flow)
-    valid = "all M and L; Barus' law; flow along the shorter axis"
-    return FormulaFilm(NVM, film, None, SOURCES[NVM], valid, along_an_axis)
-
-
-def _asymptotes(parameters: Parameters, flow: FlowDirection, along_an_axis: bool) -> list[FormulaFilm]:
-    """The four regimes of Nijenbanning, Venner and Moes."""
     (M, L), D = flow.moes(parameters), flow.radius_ratio
+    along_an_axis = parameters.radius_ratio == 1.0 or angle % 90.0 == 0.0
+    of_ugw = _films_of_ugw(ugw, parameters.ellipse, flow, along_an_axis) if ugw is not None and ugw.G > 0 else []
+    if D > 1.0:
+        return of_ugw
     unit, joined = _own_unit(parameters, flow) / moes_unit(M), nijenbanning_venner_moes(M, L, D)
     asymptotes = {
         "isoviscous, rigid": (isoviscous_rigid(M, D), "M small, L = 0"),
@@ -304,17 +284,17 @@ def _asymptotes(parameters: Parameters, flow: FlowDirection, along_an_axis: bool
             "piezoviscous, rigid": (piezoviscous_rigid(M, L, D), "M small, L large"),
             "piezoviscous, elastic": (piezoviscous_elastic(M, L, D), "M and L large"),
         }
-    return [
-        FormulaFilm(regime, film * unit, None, SOURCES[NVM], valid, along_an_axis and abs(film / joined - 1.0) < CLOSE)
-        for regime, (film, valid) in asymptotes.items()
-    ]
+
+    def of_moes(name: str, film: float, valid: str, inside: bool) -> FormulaFilm:
+        return FormulaFilm(name, film * unit, None, SOURCES[NVM], valid, inside and along_an_axis)
+
+    regimes = [of_moes(name, film, at, abs(film / joined - 1.0) < CLOSE) for name, (film, at) in asymptotes.items()]
+    return [of_moes(NVM, joined, "all M and L; Barus' law; flow along the shorter axis", True), *of_ugw, *regimes]
 
 
-def _films_of_ugw(
-    ugw: HamrockDowson, radius_ratio: float, flow: FlowDirection, along_an_axis: bool
-) -> list[FormulaFilm]:
+def _films_of_ugw(ugw: HamrockDowson, e: HertzEllipse, flow: FlowDirection, along_an_axis: bool) -> list[FormulaFilm]:
     """The formulas of Hamrock and Dowson, of Chittenden, and of the line contact with the same Hertz pressure."""
-    e, at = hertz_ellipse(radius_ratio), flow.ugw(ugw)
+    at = flow.ugw(ugw)
     unit = flow.curvature * cbrt(1.5 * e.kappa * e.beta * ugw.W) ** 2  # the contact's own a^2/R over R_e
     k = BALL * flow.radius_ratio**-0.64
 
@@ -347,15 +327,12 @@ def _elliptic(D: float) -> float:
     return 1.0 + 0.006 * log(D) + 0.63 * D ** (4 / 7)
 
 
-def _checked(parameters: HamrockDowson) -> HamrockDowson:
-    for name, value in parameters._asdict().items():
-        require_positive(name, value)
+def _checked(parameters: HamrockDowson, **others: float) -> HamrockDowson:
+    require_positive(**parameters._asdict(), **others)
     return parameters
 
 
 def _checked_ratio(radius_ratio: float) -> float:
     if not 0.0 < radius_ratio <= 1.0:
-        raise ValueError(
-            f"radius_ratio = {radius_ratio}: must be above zero and not above one (slender along the flow)"
-        )
+        raise ValueError(f"radius_ratio = {radius_ratio}: must be above 0 and at most 1 (slender along the flow)")
     return radius_ratio

@@ -29,7 +29,7 @@ HALF_BASE = 1.35  # half the base of the parabola (22) that fits the impact best
 
 def pressure(r: ArrayLike, A: float = 1.0) -> Values:
     """Hertzian pressure P = sqrt(A^2 - r^2), zero outside the contact of radius A."""
-    require_positive("A", A)
+    require_positive(A=A)
     return _root(A**2 - np.square(np.asarray(r, dtype=float)))
 
 
@@ -39,7 +39,7 @@ def displacement(r: ArrayLike, A: float = 1.0) -> Values:
     It is A^2 - r^2/2 inside the contact and (A^2/pi) [(2 - s^2) asin(1/s) + sqrt(s^2 - 1)] outside, with s = r/A
     (Johnson, Contact Mechanics, 1985, section 3.4).
     """
-    require_positive("A", A)
+    require_positive(A=A)
     s = np.abs(np.asarray(r, dtype=float)) / A
     outer = np.maximum(s, 1.0)
     outside = ((2 - outer**2) * np.arcsin(1 / outer) + np.sqrt(outer**2 - 1)) / pi
@@ -48,7 +48,7 @@ def displacement(r: ArrayLike, A: float = 1.0) -> Values:
 
 def gap(r: ArrayLike, A: float = 1.0) -> Values:
     """Dry gap H = -A^2 + r^2/2 + displacement: zero inside the contact, positive outside."""
-    require_positive("A", A)
+    require_positive(A=A)
     s = np.maximum(np.abs(np.asarray(r, dtype=float)) / A, 1.0)
     return np.asarray(A**2 / pi * ((s**2 - 2) * np.arccos(1 / s) + np.sqrt(s**2 - 1)))
 
@@ -144,7 +144,7 @@ def parabola_front_speed(T: ArrayLike, t_star: float = HALF_BASE) -> Values:
 
 def parabola_front_speed_at(A: ArrayLike, t_star: float = HALF_BASE) -> Values:
     """Speed dA/dT = sqrt(1 - A^2)/(A t_star) of the advancing edge at A, by eq. (23); compare `front_speed`."""
-    require_positive("t_star", t_star)
+    require_positive(t_star=t_star)
     A = np.asarray(A, dtype=float)
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(A >= 0, np.sqrt(1 - A**2) / (A * t_star), np.nan)
@@ -160,5 +160,5 @@ def _root(value: ArrayLike) -> Values:
 
 
 def _share(T: ArrayLike, t_star: float) -> Values:
-    require_positive("t_star", t_star)
+    require_positive(t_star=t_star)
     return np.asarray(T, dtype=float) / t_star

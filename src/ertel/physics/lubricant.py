@@ -21,24 +21,11 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol
 
 import numpy as np
 
+from ertel.physics import units
 from ertel.physics.fluidity import Fluidity, NewtonianOil
 from ertel.physics.motion import Track
 from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, VISCOSITY_LAWS, OfAnyOil, Registry, arrays_of
-from ertel.physics.units import (
-    ABOVE_ZERO,
-    COMPLIANCE,
-    FINITE,
-    LAYER,
-    SHARE,
-    STRESS,
-    VISCOSITY,
-    Amount,
-    Meaning,
-    explained,
-    in_si,
-    marks,
-    plain,
-)
+from ertel.physics.units import Amount, Meaning, explained, in_si, marks, plain
 
 Array = Any  # a NumPy or JAX array of any shape, or a float
 
@@ -77,10 +64,8 @@ class Isoviscous(OfAnyOil):
 class Barus:
     """eta/eta0 = exp(alpha p)."""
 
-    alpha: Annotated[float, COMPLIANCE, Meaning("pressure-viscosity coefficient")]
-    reference: ClassVar[str] = (
-        "Barus C. Isothermals, isopiestics and isometrics relative to viscosity. Am J Sci 1893;45:87-96"
-    )
+    alpha: Annotated[float, units.COMPLIANCE, Meaning("pressure-viscosity coefficient")]
+    reference: ClassVar[str] = "Barus C. Am J Sci 1893;45:87-96"
 
     def viscosity(self, p: Array) -> Array:
         return arrays_of(p).exp(self.alpha * p)
@@ -95,13 +80,10 @@ class Barus:
 class Roelands:
     """eta/eta0 = exp{(alpha p0/z)[(1 + p/p0)^z - 1]} with Roelands' exponent z; d ln(eta)/dp = alpha at p = 0."""
 
-    alpha: Annotated[float, COMPLIANCE, Meaning("pressure-viscosity coefficient at ambient pressure")]
-    z: Annotated[float, ABOVE_ZERO, Meaning("Roelands' exponent", 0.6)]
-    p0: Annotated[float, STRESS, Meaning("Roelands' pressure", "0.196 GPa")] = P0_ROELANDS
-    reference: ClassVar[str] = (
-        "Roelands CWA. Correlational aspects of the viscosity-temperature-pressure relationship of lubricating oils. "
-        "PhD thesis, TH Delft; 1966"
-    )
+    alpha: Annotated[float, units.COMPLIANCE, Meaning("pressure-viscosity coefficient at ambient pressure")]
+    z: Annotated[float, units.ABOVE_ZERO, Meaning("Roelands' exponent", 0.6)]
+    p0: Annotated[float, units.STRESS, Meaning("Roelands' pressure", "0.196 GPa")] = P0_ROELANDS
+    reference: ClassVar[str] = "Roelands CWA. PhD thesis, TH Delft; 1966"
 
     def viscosity(self, p: Array) -> Array:
         xp = arrays_of(p)
@@ -131,7 +113,7 @@ class Incompressible(OfAnyOil):
 class DowsonHigginson(OfAnyOil):
     """rho/rho0 = (p1 + 1.34 p)/(p1 + p), p1 = 5.9e8 Pa."""
 
-    p1: Annotated[float, STRESS, Meaning("pressure of the law", "0.59 GPa")] = DENSITY_PRESSURE
+    p1: Annotated[float, units.STRESS, Meaning("pressure of the law", "0.59 GPa")] = DENSITY_PRESSURE
     reference: ClassVar[str] = "Dowson D, Higginson GR. Elasto-hydrodynamic lubrication. Pergamon Press; 1966"
 
     def density(self, p: Array) -> Array:
@@ -151,9 +133,9 @@ class Modulus:
     up to which the constants have a source.
     """
 
-    a: Annotated[float, STRESS, Meaning("1/alpha", "50 MPa")]
-    b: Annotated[float, FINITE, Meaning("1/ln(eta/eta0) at high pressure", 0.05)]
-    highest: Annotated[float | None, STRESS, Meaning("pressure up to which a and b have a source", "1 GPa")] = None
+    a: Annotated[float, units.STRESS, Meaning("1/alpha", "50 MPa")]
+    b: Annotated[float, units.FINITE, Meaning("1/ln(eta/eta0) at high pressure", 0.05)]
+    highest: Annotated[float | None, units.STRESS, Meaning("pressure up to which a, b have a source", "1 GPa")] = None
     reference: ClassVar[str] = "Arana A et al. Proc Inst Mech Eng J 2019;233:303, at one temperature"
 
     def viscosity(self, p: Array) -> Array:
@@ -166,9 +148,9 @@ class Modulus:
 class Tait:
     """V/V0 = 1 - ln{1 + (p/K0)(1 + K0')}/(1 + K0'), with the bulk modulus K0 at ambient pressure; rho/rho0 = V0/V."""
 
-    K0: Annotated[float, STRESS, Meaning("bulk modulus at ambient pressure", "1.2 GPa")]
-    K0_prime: Annotated[float, ABOVE_ZERO, Meaning("its derivative with pressure", 11)]
-    reference: ClassVar[str] = "Dymond JH, Malhotra R. The Tait equation: 100 years on. Int J Thermophys 1988;9:941-951"
+    K0: Annotated[float, units.STRESS, Meaning("bulk modulus at ambient pressure", "1.2 GPa")]
+    K0_prime: Annotated[float, units.ABOVE_ZERO, Meaning("its derivative with pressure", 11)]
+    reference: ClassVar[str] = "Dymond JH, Malhotra R. Int J Thermophys 1988;9:941-951"
 
     def volume(self, p: Array) -> Array:
         """V/V0 at p (Pa); same shape as p."""
@@ -189,15 +171,12 @@ class Doolittle:
     constants have a source.
     """
 
-    B: Annotated[float, ABOVE_ZERO, Meaning("Doolittle's constant", 4)]
-    R: Annotated[float, SHARE, Meaning("volume of the molecules over that of the oil at ambient pressure", 0.67)]
-    K0: Annotated[float, STRESS, Meaning("bulk modulus at ambient pressure", "1.2 GPa")]
-    K0_prime: Annotated[float, ABOVE_ZERO, Meaning("its derivative with pressure", 11)]
-    highest: Annotated[float | None, STRESS, Meaning("pressure up to which these have a source", "0.2 GPa")] = None
-    reference: ClassVar[str] = (
-        "Doolittle AK. Studies in Newtonian flow II. The dependence of the viscosity of liquids on free-space. "
-        "J Appl Phys 1951;22:1471-1475"
-    )
+    B: Annotated[float, units.ABOVE_ZERO, Meaning("Doolittle's constant", 4)]
+    R: Annotated[float, units.SHARE, Meaning("volume of the molecules over that of the oil at ambient pressure", 0.67)]
+    K0: Annotated[float, units.STRESS, Meaning("bulk modulus at ambient pressure", "1.2 GPa")]
+    K0_prime: Annotated[float, units.ABOVE_ZERO, Meaning("its derivative with pressure", 11)]
+    highest: Annotated[float | None, units.STRESS, Meaning("pressure up to which they have a source", "0.2 GPa")] = None
+    reference: ClassVar[str] = "Doolittle AK. J Appl Phys 1951;22:1471-1475"
 
     @property
     def alpha(self) -> float:
@@ -276,18 +255,18 @@ class Oil:
 
     eta0: Annotated[
         float | None,
-        VISCOSITY,
+        units.VISCOSITY,
         Meaning("viscosity at ambient pressure, at the inlet; needed in SI, otherwise 40 mPa*s if left out"),
     ] = None
     alpha: Annotated[
         float | None,
-        COMPLIANCE,
+        units.COMPLIANCE,
         Meaning("pressure-viscosity coefficient at ambient pressure; needed in SI, otherwise 22 / GPa if left out"),
     ] = None
     viscosity: Annotated[str | Viscosity, Meaning("how the viscosity follows from the pressure: a law")] = "roelands"
     density: Annotated[str | Density, Meaning("how the density follows from the pressure: a law")] = "dowson-higginson"
-    p0: Annotated[float, STRESS, Meaning("Roelands' pressure", "0.196 GPa")] = P0_ROELANDS
-    z: Annotated[float | None, ABOVE_ZERO, Meaning("Roelands' exponent; left out: from eta0 and alpha", 0.6)] = None
+    p0: Annotated[float, units.STRESS, Meaning("Roelands' pressure", "0.196 GPa")] = P0_ROELANDS
+    z: Annotated[float | None, units.ABOVE_ZERO, Meaning("Roelands' exponent; left out: by eta0 and alpha", 0.6)] = None
     reference: Annotated[str, Meaning("source of the data, one line of text", "data sheet of the oil")] = field(
         default="", compare=False
     )
@@ -300,14 +279,14 @@ class Oil:
     ] = "newtonian"
     layer: Annotated[
         Amount | Track | None,
-        LAYER,
+        units.LAYER,
         Meaning(
             "thickness of the oil on both surfaces together, or across the track, [[y, thickness], ...]; left out: the "
             "gap is full (flooded)"
         ),
     ] = None
-    layer_1: Annotated[Amount | None, LAYER, Meaning("of the oil on surface 1, in place of layer", "1 um")] = None
-    layer_2: Annotated[Amount | None, LAYER, Meaning("of the oil on surface 2, in place of layer", "1 um")] = None
+    layer_1: Annotated[Amount | None, units.LAYER, Meaning("of the oil on surface 1, in place of layer", "1 um")] = None
+    layer_2: Annotated[Amount | None, units.LAYER, Meaning("of the oil on surface 2, in place of layer", "1 um")] = None
 
     def __post_init__(self) -> None:
         for name, laws in {"viscosity": VISCOSITY_LAWS, "density": DENSITY_LAWS, "rheology": FLUIDITY_LAWS}.items():

@@ -4,29 +4,21 @@ Every part of the data has its source and the temperatures at which it is valid.
 None.  The materials themselves are data files, see `inputs.oils`.  All functions take and return SI units.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, log, pi, sqrt
 from typing import Annotated, ClassVar, Generic, TypeVar
 
+from ertel.physics import units
 from ertel.physics.fluidity import Carreau, Fluidity
 from ertel.physics.lubricant import Oil
 from ertel.physics.temperature_laws import (
     ZERO_CELSIUS,
     Ambient,
     Expansion,
-    PressureLaws,
     PressureRule,
     ViscosityOfTemperature,
 )
-from ertel.physics.units import (
-    ABOVE_ZERO,
-    CONDUCTIVITY,
-    DENSITY,
-    HEAT_CAPACITY,
-    STRESS,
-    Bounds,
-    require_positive,
-)
+from ertel.physics.units import Bounds, require_positive
 
 Data = TypeVar("Data", covariant=True)
 SMALL_STEP = 0.01  # K, for the derivative of the viscosity
@@ -43,12 +35,6 @@ class Sourced(Generic[Data]):
     hottest: float
     note: str = ""
 
-    def __post_init__(self) -> None:
-        if not self.source:
-            raise ValueError("source: missing")
-        if not 0 < self.coldest <= self.hottest:
-            raise ValueError(f"coldest = {self.coldest} K: must be above zero and not above hottest = {self.hottest} K")
-
     def missing_at(self, T: float, quantity: str, name: str) -> str:
         """A sentence that these data of an oil are not known at T (K); empty if they are."""
         if self.coldest <= T <= self.hottest:
@@ -62,8 +48,8 @@ class ThermalData:
     """Thermal conductivity (W/(m K)) and heat capacity (J/(kg K)) at ambient pressure."""
 
     title: ClassVar[str] = "at ambient pressure"
-    conductivity: Annotated[float, CONDUCTIVITY]
-    heat_capacity: Annotated[float, HEAT_CAPACITY]
+    conductivity: Annotated[float, units.CONDUCTIVITY]
+    heat_capacity: Annotated[float, units.HEAT_CAPACITY]
 
 
 def celsius(T: float) -> str:
@@ -79,7 +65,7 @@ class LimitingStress:
     """Limiting shear stress Lambda p: what a source gives of `fluidity.Limited`, whose base is another law."""
 
     title: ClassVar[str] = "Lambda p"
-    Lambda: Annotated[float, ABOVE_ZERO]
+    Lambda: Annotated[float, units.ABOVE_ZERO]
 
 
 @dataclass(frozen=True)
@@ -113,22 +99,14 @@ class NamedOil:
         parts = (self.viscosity, self.density, self.pressure)
         return max(part.coldest for part in parts), min(part.hottest for part in parts)
 
-    def density_at(self, T: float) -> float:
-        """Density (kg/m^3) at ambient pressure at T (K)."""
-        return self.density.data.at(T)
-
     def viscosity_at(self, T: float) -> float:
         """Viscosity eta0 (Pa s) at ambient pressure at T (K)."""
-        return self.viscosity.data.dynamic(T, self.density_at(T))
+        return self.viscosity.data.dynamic(T, self.density.data.at(T))
 
     def thinning_at(self, T: float) -> float:
         """Temperature coefficient of the viscosity, beta = -d ln(eta0)/dT (1/K), at T (K)."""
         colder, warmer = self.viscosity_at(T - SMALL_STEP), self.viscosity_at(T + SMALL_STEP)
         return log(colder / warmer) / (2 * SMALL_STEP)
-
-    def pressure_laws_at(self, T: float) -> PressureLaws:
-        """alpha (1/Pa), viscosity law and density law at T (K)."""
-        return self.pressure.data.at(Ambient(T, self.viscosity_at(T), self.density_at(T), self.viscosity.data))
 
     def at(self, T: float, rheology: str | Fluidity | None = None) -> Oil:
         """The oil of a contact at T (K).  Raises ValueError if T is outside the data.
@@ -142,11 +120,10 @@ class NamedOil:
                 f"temperature = {T:g} K: must be between {celsius(coldest)} and {celsius(hottest)}, the range of the "
                 f"data ({self.name})"
             )
-        laws = self.pressure_laws_at(T)
+        ambient = Ambient(T, self.viscosity_at(T), self.density.data.at(T), self.viscosity.data)
         law, rheology_source = self._own_rheology(T) if rheology is None else (rheology, "")
         source = f"{self.name} at {celsius(T)}. Viscosity: {self.viscosity.source} Pressure: {self.pressure.source}"
-        reference = f"{source}{rheology_source}"
-        return Oil(self.viscosity_at(T), laws.alpha, laws.viscosity, laws.density, reference=reference, rheology=law)
+        return replace(self.pressure.data.at(ambient), reference=f"{source}{rheology_source}", rheology=law)
 
     def _own_rheology(self, T: float) -> tuple[str | Fluidity, str]:
         """The oil's own law of shear thinning at T (K), and what the reference says of it."""
@@ -162,8 +139,7 @@ class NamedOil:
 
 def reduced_modulus(E1: float, nu1: float, E2: float, nu2: float) -> float:
     """Reduced modulus E' (Pa), 2/E' = (1 - nu1^2)/E1 + (1 - nu2^2)/E2, from Young's moduli (Pa), Poisson's ratios."""
-    for name, E in {"E1": E1, "E2": E2}.items():
-        require_positive(name, E)
+    require_positive(E1=E1, E2=E2)
     for name, nu in {"nu1": nu1, "nu2": nu2}.items():
         if not -1 < nu <= 0.5:
             raise ValueError(f"{name} = {nu}: Poisson's ratio must be above -1 and not above 0.5")
@@ -172,7 +148,7 @@ def reduced_modulus(E1: float, nu1: float, E2: float, nu2: float) -> float:
 
 def reduced_radius(R1: float, R2: float = inf) -> float:
     """Reduced radius R (m), 1/R = 1/R1 + 1/R2, of two balls, or of a ball on a plane (R2 infinite)."""
-    require_positive("R1", R1)
+    require_positive(R1=R1)
     if not R2 > 0:
         raise ValueError(f"R2 = {R2}: must be above zero (infinite for a plane)")
     return 1 / (1 / R1 + 1 / R2)
@@ -189,15 +165,13 @@ def conforming_radius(R1: float, R2: float) -> float:
 
 def sphere_mass(radius: float, density: float) -> float:
     """Mass (kg) of a solid ball of the given radius (m) and density (kg/m^3)."""
-    require_positive("radius", radius)
-    require_positive("density", density)
+    require_positive(radius=radius, density=density)
     return 4 * pi / 3 * density * radius**3
 
 
 def drop_speed(height: float, g: float = 9.80665) -> float:
     """Speed v0 = sqrt(2 g h) (m/s) of a ball dropped from a height (m), without air drag."""
-    require_positive("height", height)
-    require_positive("g", g)
+    require_positive(height=height, g=g)
     return sqrt(2 * g * height)
 
 
@@ -206,9 +180,9 @@ class Elasticity:
     """Young's modulus E (Pa), Poisson's ratio nu and density (kg/m^3)."""
 
     title: ClassVar[str] = "isotropic"
-    E: Annotated[float, STRESS]
+    E: Annotated[float, units.STRESS]
     nu: Annotated[float, Bounds(gt=-1, le=0.5)]
-    density: Annotated[float, DENSITY]
+    density: Annotated[float, units.DENSITY]
 
 
 @dataclass(frozen=True)
@@ -221,7 +195,7 @@ class Strength:
     """
 
     title: ClassVar[str] = "yields at a maximum Hertz pressure of 1.6/3 of the hardness"
-    hardness: Annotated[float, STRESS]
+    hardness: Annotated[float, units.STRESS]
 
     @property
     def first_yield(self) -> float:

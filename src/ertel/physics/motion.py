@@ -17,66 +17,48 @@ from typing import Annotated, ClassVar, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ertel.physics import units
 from ertel.physics.geometry import FREE_BALL_INERTIA
-from ertel.physics.units import (
-    DURATION,
-    FINITE,
-    LAYER,
-    POSITION,
-    TIME,
-    Amount,
-    Mark,
-    Meaning,
-    Quantity,
-    plain,
-)
+from ertel.physics.units import Amount, Mark, Meaning, Quantity, plain
 
 Surface = Literal[1, 2]
 
 
 class Signal(Protocol):
-    """A quantity that may vary with time T (in t0)."""
+    """A quantity that may vary with time T (in t0): its value, its integral from 0 to T, its bounds from 0 to `until`.
 
-    def __call__(self, T: float) -> float:
-        """The value at T."""
-        ...
+    knots: the times at which the slope jumps, rising.  shortest_period: infinite if the signal does not repeat.
+    """
 
-    def integral(self, T: float) -> float:
-        """The integral from 0 to T."""
-        ...
-
-    def range(self, until: float) -> tuple[float, float]:
-        """Bounds of the values from 0 to `until`."""
-        ...
+    def __call__(self, T: float) -> float: ...
+    def integral(self, T: float) -> float: ...
+    def range(self, until: float) -> tuple[float, float]: ...
 
     def knots(self) -> tuple[float, ...]:
-        """The times at which the slope jumps, rising."""
-        ...
+        return ()
 
     def shortest_period(self) -> float:
-        """The period; infinite if the signal does not repeat."""
-        ...
+        return inf
 
 
 @dataclass(frozen=True)
-class Polyline:
+class Polyline(Signal):
     """Linear interpolation between points (T, value), T increasing; constant before the first and after the last."""
 
     points: tuple[tuple[Amount, Amount], ...]
 
     NAMES: ClassVar[tuple[str, str]] = ("T", "value")
-    MARKS: ClassVar[tuple[Mark, Mark]] = (TIME, FINITE)
+    MARKS: ClassVar[tuple[Mark, Mark]] = (units.TIME, units.FINITE)
 
     def __post_init__(self) -> None:
         x, value = self.NAMES
+        needed = f"must be [{x}, {value}] with rising {x}"
         places = [place for place, _ in self.points if not isinstance(place, Quantity)]  # SI is checked when scaled
         if not self.points:
-            raise ValueError(f"points: are none; must be [{x}, {value}] with rising {x}")
+            raise ValueError(f"points: are none; {needed}")
         for first, second in pairwise(places):
             if not second > first:
-                raise ValueError(
-                    f"points: {x} = {second} comes after {x} = {first}; must be [{x}, {value}] with rising {x}"
-                )
+                raise ValueError(f"points: {x} = {second} comes after {x} = {first}; {needed}")
 
     @property
     def _plain(self) -> tuple[tuple[float, float], ...]:
@@ -98,16 +80,13 @@ class Polyline:
     def knots(self) -> tuple[float, ...]:
         return tuple(T for T, _ in self._plain) if len(self.points) > 1 else ()
 
-    def shortest_period(self) -> float:
-        return inf
-
 
 @dataclass(frozen=True)
 class Track(Polyline):
     """The oil on a track: linear between points (y, thickness), y increasing; constant beyond them."""
 
     NAMES: ClassVar[tuple[str, str]] = ("y", "thickness")
-    MARKS: ClassVar[tuple[Mark, Mark]] = (POSITION, LAYER)
+    MARKS: ClassVar[tuple[Mark, Mark]] = (units.POSITION, units.LAYER)
 
     def across(self, Y: NDArray[np.float64]) -> NDArray[np.float64]:
         """The thickness at all Y at once."""
@@ -128,13 +107,13 @@ class Track(Polyline):
 
 
 @dataclass(frozen=True)
-class Oscillation:
+class Oscillation(Signal):
     """mean + amplitude sin(2 pi T/period + phase); period in t0, phase in radians."""
 
-    mean: Annotated[float, FINITE, Meaning("mean value", 1)]
-    amplitude: Annotated[float, FINITE, Meaning("largest deviation from the mean", 0.2)]
-    period: Annotated[Amount, DURATION, Meaning("period", 4)]
-    phase: Annotated[float, FINITE, Meaning("phase at T = 0, in radians")] = 0.0
+    mean: Annotated[float, units.FINITE, Meaning("mean value", 1)]
+    amplitude: Annotated[float, units.FINITE, Meaning("largest deviation from the mean", 0.2)]
+    period: Annotated[Amount, units.DURATION, Meaning("period", 4)]
+    phase: Annotated[float, units.FINITE, Meaning("phase at T = 0, in radians")] = 0.0
 
     def __post_init__(self) -> None:
         if not isinstance(self.period, Quantity) and not self.period > 0:
@@ -149,9 +128,6 @@ class Oscillation:
 
     def range(self, until: float) -> tuple[float, float]:
         return self.mean - abs(self.amplitude), self.mean + abs(self.amplitude)
-
-    def knots(self) -> tuple[float, ...]:
-        return ()
 
     def shortest_period(self) -> float:
         return plain(self.period)
@@ -203,9 +179,7 @@ class Motion:
 
     def next_knot(self, T: float) -> float:
         """The first time after T at which the slope of the load or of the entrainment jumps; infinite if none."""
-        return min(
-            (knot for signal in (self.load, self.entrainment) for knot in signal.knots() if knot > T), default=inf
-        )
+        return min((knot for knot in (*self.load.knots(), *self.entrainment.knots()) if knot > T), default=inf)
 
     @property
     def shortest_period(self) -> float:

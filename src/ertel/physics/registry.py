@@ -36,11 +36,9 @@ class Registry(Mapping[str, type]):
             made = vars(record).get("__dataclass_params__") if isinstance(record, type) else None
             if made is None or not made.frozen:
                 raise TypeError(f"{record!r}: a {self.noun} must be a frozen dataclass")
-            registered = self._records.get(name)
-            if registered is not None and _home(registered) != _home(record):  # a cell of a notebook may run again
-                raise ValueError(
-                    f'name = "{name}": is the {self.noun} {registered.__qualname__} already; choose another'
-                )
+            other = self._records.get(name)
+            if other is not None and _home(other) != _home(record):  # a cell of a notebook may run again
+                raise ValueError(f'name = "{name}": is the {self.noun} {other.__qualname__} already; choose another')
             self._records[name] = record
             return record
 

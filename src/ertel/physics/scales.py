@@ -22,7 +22,7 @@ M_BH, L_BH              those of Biboulet and Houpert (2010), M beta^{1/4} kappa
 All functions take and return SI units.
 """
 
-from dataclasses import astuple, dataclass, fields
+from dataclasses import dataclass
 from math import cbrt, inf, pi, sqrt
 from typing import NamedTuple
 
@@ -61,15 +61,15 @@ class Parameters:
     radius_ratio: float = 1.0
 
     def __post_init__(self) -> None:
-        require_positive("lambda_bar", self.lambda_bar)
-        require_not_negative("alpha_bar", self.alpha_bar)
+        require_positive(lambda_bar=self.lambda_bar)
+        require_not_negative(alpha_bar=self.alpha_bar)
         hertz_ellipse(self.radius_ratio)  # raises where it is out of range
 
     @classmethod
     def from_moes(cls, M: float, L: float, radius_ratio: float = 1.0) -> "Parameters":
         """Parameters from Moes' load parameter M > 0 and lubricant parameter L >= 0."""
-        require_positive("M", M)
-        require_not_negative("L", L)
+        require_positive(M=M)
+        require_not_negative(L=L)
         e = hertz_ellipse(radius_ratio)
         M_BH, L_BH = M * _fourth_root(e.beta) * e.kappa, L / _fourth_root(e.beta) ** 3
         return cls(cbrt(128 * pi**3 / (3 * M_BH)) / M_BH, L_BH / pi * cbrt(1.5 * M_BH), radius_ratio)
@@ -139,7 +139,7 @@ class Parameters:
 
         It is infinite for alpha_bar = 0; the theory does not cover that case.  It was made for circular contacts.
         """
-        require_positive("wavelength", wavelength)
+        require_positive(wavelength=wavelength)
         return wavelength * 2 / sqrt(self.alpha_bar * self.lambda_bar) if self.alpha_bar > 0 else inf
 
 
@@ -167,8 +167,7 @@ class Scales:
     radius_ratio: float = 1.0
 
     def __post_init__(self) -> None:
-        for name, value in zip([f.name for f in fields(self)], astuple(self), strict=True):
-            require_positive(name, value)
+        require_positive(**vars(self))
         hertz_ellipse(self.radius_ratio)  # raises where it is out of range
 
     @property
@@ -257,9 +256,8 @@ class Scales:
         return FREE_BALL_INERTIA * self.ellipse.approach * self.load * self.t0**2 / self.film
 
 
-def _hertz_scales(R: float, E_prime: float, a: float, t0: float, radius_ratio: float) -> Scales:
-    p_h = E_prime * a / (pi * hertz_ellipse(radius_ratio).beta * R)
-    return Scales(R=R, E_prime=E_prime, a=a, p_h=p_h, t0=t0, radius_ratio=radius_ratio)
+def _hertz_scales(R: float, E_prime: float, a: float, t0: float, e: HertzEllipse) -> Scales:
+    return Scales(R, E_prime, a, E_prime * a / (pi * e.beta * R), t0, e.radius_ratio)
 
 
 def impact_scales(R: float, mass: float, speed: float, E_prime: float, radius_ratio: float = 1.0) -> Scales:
@@ -285,11 +283,10 @@ def impact_scales(R: float, mass: float, speed: float, E_prime: float, radius_ra
     >>> f"{scales.a:.4g} m, {scales.p_h:.4g} Pa, {scales.film:.4g} m, {scales.t0:.4g} s"
     '0.0001934 m, 1.394e+09 Pa, 3.741e-06 m, 3.741e-05 s'
     """
-    for name, value in {"R": R, "mass": mass, "speed": speed, "E_prime": E_prime}.items():
-        require_positive(name, value)
+    require_positive(R=R, mass=mass, speed=speed, E_prime=E_prime)
     e = hertz_ellipse(radius_ratio)
     film = (15 * mass * speed**2 * e.kappa * e.beta / (8 * E_prime * sqrt(R) * e.approach)) ** 0.4
-    return _hertz_scales(R, E_prime, a=sqrt(R * film), t0=film / speed, radius_ratio=radius_ratio)
+    return _hertz_scales(R, E_prime, sqrt(R * film), film / speed, e)
 
 
 def rolling_scales(R: float, load: float, mean_speed: float, E_prime: float, radius_ratio: float = 1.0) -> Scales:
@@ -310,26 +307,10 @@ def rolling_scales(R: float, load: float, mean_speed: float, E_prime: float, rad
     radius_ratio : float
         D = R_x/R_y.
     """
-    for name, value in {"R": R, "load": load, "mean_speed": mean_speed, "E_prime": E_prime}.items():
-        require_positive(name, value)
+    require_positive(R=R, load=load, mean_speed=mean_speed, E_prime=E_prime)
     e = hertz_ellipse(radius_ratio)
     a = cbrt(1.5 * load * R / E_prime * e.kappa * e.beta)
-    return _hertz_scales(R, E_prime, a=a, t0=a / mean_speed, radius_ratio=radius_ratio)
-
-
-def scales_of(parameters: Parameters, R: float, E_prime: float, eta0: float, alpha: float) -> Scales:
-    """Scales of a contact with given dimensionless parameters: the inverse of `parameters`; needs alpha_bar > 0.
-
-    R in m, E_prime in Pa, eta0 in Pa s, alpha in 1/Pa.  The corresponding impact has v0 = scales.speed and
-    m = scales.ball_mass; the corresponding rolling contact has u_m = scales.front_speed and F = scales.load.
-    """
-    for name, value in {"R": R, "E_prime": E_prime, "eta0": eta0, "alpha": alpha}.items():
-        require_positive(name, value)
-    require_positive("alpha_bar", parameters.alpha_bar)
-    p_h = parameters.alpha_bar / alpha
-    a = pi * parameters.ellipse.beta * R * p_h / E_prime
-    t0 = 12 * eta0 * R**2 / (parameters.lambda_bar * a**2 * p_h)
-    return _hertz_scales(R, E_prime, a=a, t0=t0, radius_ratio=parameters.radius_ratio)
+    return _hertz_scales(R, E_prime, a, a / mean_speed, e)
 
 
 def parameters(scales: Scales, eta0: float, alpha: float) -> Parameters:
@@ -337,8 +318,8 @@ def parameters(scales: Scales, eta0: float, alpha: float) -> Parameters:
 
     eta0 is the viscosity at ambient pressure (Pa s), alpha the pressure-viscosity coefficient (1/Pa; 0: isoviscous).
     """
-    require_positive("eta0", eta0)
-    require_not_negative("alpha", alpha)
+    require_positive(eta0=eta0)
+    require_not_negative(alpha=alpha)
     lambda_bar = 12 * eta0 * scales.R**2 / (scales.t0 * scales.a**2 * scales.p_h)
     return Parameters(lambda_bar, alpha * scales.p_h, scales.radius_ratio)
 
@@ -356,8 +337,8 @@ def hamrock_dowson(scales: Scales, eta0: float, alpha: float) -> HamrockDowson:
 
     For an ellipse R is R_x.
     """
-    require_positive("eta0", eta0)
-    require_not_negative("alpha", alpha)
+    require_positive(eta0=eta0)
+    require_not_negative(alpha=alpha)
     return HamrockDowson(
         U=eta0 * scales.front_speed / (scales.E_prime * scales.R),
         G=alpha * scales.E_prime,

@@ -16,21 +16,10 @@ from typing import Annotated, Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ertel.physics import units
 from ertel.physics.motion import Motion, Surface
 from ertel.physics.registry import SHAPES
-from ertel.physics.units import (
-    FINITE,
-    HEIGHT,
-    POSITION,
-    RMS,
-    WIDTH,
-    Amount,
-    Bounds,
-    Meaning,
-    Quantity,
-    explained,
-    plain,
-)
+from ertel.physics.units import Amount, Bounds, Meaning, Quantity, explained, plain
 
 CELLS_KEPT = 4.0  # in the shortest wave of a rough surface of which a grid loses nothing; of two cells nothing is left
 PERIOD = 8.0  # longest waves, where no period is given
@@ -65,16 +54,16 @@ class Waviness:
     `ramp` behind the front, so that it can enter a smooth contact.  With an infinite front it covers the whole surface.
     """
 
-    amplitude: Annotated[Amount, HEIGHT, Meaning("half the height from valley to peak")]
-    wavelength_x: Annotated[Amount, WIDTH, Meaning("wavelength along x; left out: ridges along x", 0.5)] = inf
-    wavelength_y: Annotated[Amount, WIDTH, Meaning("wavelength along y; left out: ridges along y", 0.5)] = inf
-    phase_x: Annotated[float, FINITE, Meaning("phase along x, in radians")] = 0.0
-    phase_y: Annotated[float, FINITE, Meaning("phase along y, in radians")] = 0.0
+    amplitude: Annotated[Amount, units.HEIGHT, Meaning("half the height from valley to peak")]
+    wavelength_x: Annotated[Amount, units.WIDTH, Meaning("wavelength along x; left out: ridges along x", 0.5)] = inf
+    wavelength_y: Annotated[Amount, units.WIDTH, Meaning("wavelength along y; left out: ridges along y", 0.5)] = inf
+    phase_x: Annotated[float, units.FINITE, Meaning("phase along x, in radians")] = 0.0
+    phase_y: Annotated[float, units.FINITE, Meaning("phase along y, in radians")] = 0.0
     front: Annotated[
-        Amount, POSITION, Meaning("x up to which the waves reach at T = 0; left out: they are everywhere", -1.5)
+        Amount, units.POSITION, Meaning("x up to which the waves reach at T = 0; left out: they are everywhere", -1.5)
     ] = inf
     ramp: Annotated[
-        Amount | None, WIDTH, Meaning("length behind the front over which they grow; left out: at once", 0.5)
+        Amount | None, units.WIDTH, Meaning("length behind the front over which they grow; left out: at once", 0.5)
     ] = None
 
     def __post_init__(self) -> None:
@@ -134,11 +123,11 @@ class _AroundAPoint:
 class RingWaviness(_AroundAPoint):
     """amplitude cos(2 pi r/wavelength + phase), where r is the distance from (x, y)."""
 
-    amplitude: Annotated[Amount, HEIGHT, Meaning("half the height from valley to peak")]
-    wavelength: Annotated[Amount, WIDTH, Meaning("distance from ring to ring")]
-    phase: Annotated[float, FINITE, Meaning("phase in the middle, in radians")] = 0.0
-    x: Annotated[Amount, POSITION, Meaning("their middle along x at T = 0")] = 0.0
-    y: Annotated[Amount, POSITION, Meaning("their middle along y")] = 0.0
+    amplitude: Annotated[Amount, units.HEIGHT, Meaning("half the height from valley to peak")]
+    wavelength: Annotated[Amount, units.WIDTH, Meaning("distance from ring to ring")]
+    phase: Annotated[float, units.FINITE, Meaning("phase in the middle, in radians")] = 0.0
+    x: Annotated[Amount, units.POSITION, Meaning("their middle along x at T = 0")] = 0.0
+    y: Annotated[Amount, units.POSITION, Meaning("their middle along y")] = 0.0
 
     @property
     def size(self) -> float:
@@ -160,11 +149,11 @@ class Spot(_AroundAPoint):
     Transient increase of film thickness in micro-textured EHL contacts. Tribol Int 2006;39:1745-1756.
     """
 
-    radius: Annotated[Amount, WIDTH, Meaning("its radius")]
-    height: Annotated[Amount | None, HEIGHT, Meaning("height of a bump, in place of depth")] = None
-    depth: Annotated[Amount | None, HEIGHT, Meaning("depth of a cavity", "200 nm")] = None
-    x: Annotated[Amount, POSITION, Meaning("its middle along x at T = 0")] = 0.0
-    y: Annotated[Amount, POSITION, Meaning("its middle along y")] = 0.0
+    radius: Annotated[Amount, units.WIDTH, Meaning("its radius")]
+    height: Annotated[Amount | None, units.HEIGHT, Meaning("height of a bump, in place of depth")] = None
+    depth: Annotated[Amount | None, units.HEIGHT, Meaning("depth of a cavity", "200 nm")] = None
+    x: Annotated[Amount, units.POSITION, Meaning("its middle along x at T = 0")] = 0.0
+    y: Annotated[Amount, units.POSITION, Meaning("its middle along y")] = 0.0
 
     def __post_init__(self) -> None:
         if (self.height is None) == (self.depth is None):
@@ -221,17 +210,15 @@ def height(features: Sequence[Feature], motion: Motion, T: float, X: Array, Y: A
     """
     total = np.zeros(np.broadcast_shapes(np.shape(X), np.shape(Y)))
     for feature in features:
-        total = total + _heights(feature.shape, shortest, X - motion.travel(feature.surface, T), Y)
+        shape: Any = feature.shape
+        along = X - motion.travel(feature.surface, T)
+        total = total + (shape.heights_above(shortest, along, Y) if has_waves(shape) else shape.heights(along, Y))
     return total
 
 
 def has_waves(shape: Shape) -> bool:
     """Whether a shape is a rough surface, of whose waves a grid leaves out the shortest."""
     return hasattr(shape, "heights_above")
-
-
-def _heights(shape: Any, shortest: float, X: Array, Y: Array) -> Array:
-    return shape.heights_above(shortest, X, Y) if has_waves(shape) else shape.heights(X, Y)
 
 
 # -- rough surfaces ---------------------------------------------------------------------------------------------------
@@ -266,24 +253,24 @@ class SelfAffine:
     which the surface repeats itself along x and y.
     """
 
-    rms: Annotated[Amount, RMS, Meaning("root mean square of its heights")]
+    rms: Annotated[Amount, units.RMS, Meaning("root mean square of its heights")]
     hurst: Annotated[float, Bounds(gt=0, le=1), Meaning("Hurst exponent; 1: smooth hills, near 0: jagged ones", 0.8)]
-    shortest: Annotated[Amount, WIDTH, Meaning("shortest wavelength", "20 um")]
-    longest: Annotated[Amount, WIDTH, Meaning("longest wavelength", "200 um")]
+    shortest: Annotated[Amount, units.WIDTH, Meaning("shortest wavelength", "20 um")]
+    longest: Annotated[Amount, units.WIDTH, Meaning("longest wavelength", "200 um")]
     rolloff: Annotated[
         Amount | None,
-        WIDTH,
+        units.WIDTH,
         Meaning("wavelength above which the spectrum is flat; left out: as the longest", "100 um"),
     ] = None
     seed: Annotated[int, SEED, Meaning("number from which the surface is made; another one gives another surface")] = 0
     period: Annotated[
-        Amount | None, WIDTH, Meaning("length after which it repeats itself; left out: 8 times the longest", "2 mm")
+        Amount | None, units.WIDTH, Meaning("length after which it repeats; left out: 8 times the longest", "2 mm")
     ] = None
     front: Annotated[
-        Amount, POSITION, Meaning("x up to which it reaches at T = 0; left out: it is everywhere", -1.5)
+        Amount, units.POSITION, Meaning("x up to which it reaches at T = 0; left out: it is everywhere", -1.5)
     ] = inf
     ramp: Annotated[
-        Amount | None, WIDTH, Meaning("length behind the front over which it grows; goes with front", 0.5)
+        Amount | None, units.WIDTH, Meaning("length behind the front over which it grows; goes with front", 0.5)
     ] = None
 
     def __post_init__(self) -> None:

@@ -1,8 +1,8 @@
 """How an oil depends on temperature: viscosity and density at ambient pressure, and the laws of pressure.
 
-A rule takes the oil at ambient pressure and gives its pressure-viscosity coefficient alpha, viscosity law and density
-law.  A law is the name of one that follows from eta0 and alpha (Roelands' law, with Dowson and Higginson's density), or
-a record with constants of its own.
+A rule takes the oil at ambient pressure and gives the oil of a contact: its alpha, viscosity law and density law.  A
+law is the name of one that follows from eta0 and alpha (Roelands' law, with Dowson and Higginson's density), or a
+record with constants of its own.
 
 All temperatures are absolute (K) and all quantities in SI; kinematic viscosities are in m^2/s.
 """
@@ -11,20 +11,9 @@ from dataclasses import dataclass
 from math import exp, log, log10
 from typing import Annotated, ClassVar, NamedTuple
 
-from ertel.physics.lubricant import Density, Doolittle, Modulus, Tait, Viscosity
-from ertel.physics.units import (
-    ABOVE_ZERO,
-    COMPLIANCE,
-    DENSITY,
-    EXPANSION,
-    FINITE,
-    KINEMATIC_VISCOSITY,
-    SHARE,
-    STRESS,
-    TEMPERATURE,
-    VISCOSITY,
-    Unit,
-)
+from ertel.physics import units
+from ertel.physics.lubricant import Doolittle, Modulus, Oil, Tait
+from ertel.physics.units import Unit
 
 ZERO_CELSIUS = 273.15  # K
 THIN = 2e-6  # m^2/s: below it, D341 needs terms that are left out here
@@ -50,8 +39,8 @@ class Walther:
     """
 
     title: ClassVar[str] = "ASTM D341"
-    nu40: Annotated[float, KINEMATIC_VISCOSITY]
-    nu100: Annotated[float, KINEMATIC_VISCOSITY]
+    nu40: Annotated[float, units.KINEMATIC_VISCOSITY]
+    nu100: Annotated[float, units.KINEMATIC_VISCOSITY]
 
     def __post_init__(self) -> None:
         if not THIN <= self.nu100 < self.nu40 < 1.0:
@@ -101,12 +90,12 @@ class Vogel:
     """
 
     title: ClassVar[str] = "Vogel's law"
-    T1: Annotated[float, TEMPERATURE]
-    T2: Annotated[float, TEMPERATURE]
-    T3: Annotated[float, TEMPERATURE]
-    eta1: Annotated[float, VISCOSITY]
-    eta2: Annotated[float, VISCOSITY]
-    eta3: Annotated[float, VISCOSITY]
+    T1: Annotated[float, units.TEMPERATURE]
+    T2: Annotated[float, units.TEMPERATURE]
+    T3: Annotated[float, units.TEMPERATURE]
+    eta1: Annotated[float, units.VISCOSITY]
+    eta2: Annotated[float, units.VISCOSITY]
+    eta3: Annotated[float, units.VISCOSITY]
 
     def __post_init__(self) -> None:
         if not (0 < self.T1 < self.T2 < self.T3 and self.eta1 > self.eta2 > self.eta3 > 0):
@@ -152,8 +141,8 @@ class Expansion:
     """
 
     title: ClassVar[str] = "expansion by API MPMS 11.1"
-    density: Annotated[float, DENSITY]
-    expansion: Annotated[float | None, EXPANSION] = None
+    density: Annotated[float, units.DENSITY]
+    expansion: Annotated[float | None, units.EXPANSION] = None
 
     def at(self, T: float) -> float:
         """Density (kg/m^3) at T (K)."""
@@ -171,14 +160,6 @@ class Ambient(NamedTuple):
     eta0: float
     density: float
     law: ViscosityOfTemperature
-
-
-class PressureLaws(NamedTuple):
-    """alpha (1/Pa) and the laws of a contact."""
-
-    alpha: float
-    viscosity: str | Viscosity = "roelands"
-    density: str | Density = "dowson-higginson"
 
 
 @dataclass(frozen=True)
@@ -199,8 +180,8 @@ class SoKlaus:
 
     title: ClassVar[str] = "alpha by So and Klaus' correlation, Roelands' law"
 
-    def at(self, oil: Ambient) -> PressureLaws:
-        """The laws at the temperature of the oil.
+    def at(self, oil: Ambient) -> Oil:
+        """The oil at its temperature.
 
         Raises ValueError if its viscosity is not given by ASTM D341, or if its slope is not that of a mineral oil:
         the correlation has its fifth power.
@@ -212,7 +193,7 @@ class SoKlaus:
                 f"{oil.law}: their slope by ASTM D341 is {oil.law.slope:.2f}; So and Klaus' correlation for alpha is "
                 f"for {FLATTEST} to {STEEPEST}, mineral oils; give alpha"
             )
-        return PressureLaws(so_klaus(oil.law.kinematic(oil.T), oil.law.slope, oil.density))
+        return Oil(oil.eta0, so_klaus(oil.law.kinematic(oil.T), oil.law.slope, oil.density))
 
 
 def so_klaus(nu: float, slope: float, density: float) -> float:
@@ -231,13 +212,13 @@ class PowerOfViscosity:
     """
 
     title: ClassVar[str] = "alpha as a power of the viscosity, Roelands' law"
-    alpha_1: Annotated[float, COMPLIANCE]
-    eta_1: Annotated[float, VISCOSITY]
-    exponent: Annotated[float, FINITE]
+    alpha_1: Annotated[float, units.COMPLIANCE]
+    eta_1: Annotated[float, units.VISCOSITY]
+    exponent: Annotated[float, units.FINITE]
 
-    def at(self, oil: Ambient) -> PressureLaws:
-        """The laws at the temperature of the oil."""
-        return PressureLaws(self.alpha_1 * (oil.eta0 / self.eta_1) ** self.exponent)
+    def at(self, oil: Ambient) -> Oil:
+        """The oil at its temperature."""
+        return Oil(oil.eta0, self.alpha_1 * (oil.eta0 / self.eta_1) ** self.exponent)
 
 
 @dataclass(frozen=True)
@@ -250,16 +231,16 @@ class ModulusOfTemperature:
     title: ClassVar[str] = "modulus law"
     a1: Annotated[float, SIGNED_STRESS]
     a2: Annotated[float, STRESS_PER_KELVIN]
-    b1: Annotated[float, FINITE]
+    b1: Annotated[float, units.FINITE]
     b2: Annotated[float, PER_KELVIN]
-    highest: Annotated[float | None, STRESS] = None
+    highest: Annotated[float | None, units.STRESS] = None
 
-    def at(self, oil: Ambient) -> PressureLaws:
-        """The laws at the temperature of the oil.  Raises ValueError where a1 + a2 T is not above zero."""
+    def at(self, oil: Ambient) -> Oil:
+        """The oil at its temperature.  Raises ValueError where a1 + a2 T is not above zero."""
         a = self.a1 + self.a2 * oil.T
         if not a > 0:
             raise ValueError(f"temperature = {oil.T:g} K: too cold for this modulus law, a1 + a2 T must be above zero")
-        return PressureLaws(1.0 / a, Modulus(a, self.b1 + self.b2 * oil.T, self.highest))
+        return Oil(oil.eta0, 1.0 / a, Modulus(a, self.b1 + self.b2 * oil.T, self.highest))
 
 
 @dataclass(frozen=True)
@@ -271,21 +252,21 @@ class DoolittleOfTemperature:
     """
 
     title: ClassVar[str] = "Doolittle's law, density by Tait's"
-    B: Annotated[float, ABOVE_ZERO]
-    R_ref: Annotated[float, SHARE]
+    B: Annotated[float, units.ABOVE_ZERO]
+    R_ref: Annotated[float, units.SHARE]
     R_slope: Annotated[float, PER_KELVIN]
-    K0_ref: Annotated[float, STRESS]
+    K0_ref: Annotated[float, units.STRESS]
     K0_rate: Annotated[float, PER_KELVIN]
-    K0_prime: Annotated[float, ABOVE_ZERO]
-    T_ref: Annotated[float, TEMPERATURE]
-    highest: Annotated[float | None, STRESS] = None
+    K0_prime: Annotated[float, units.ABOVE_ZERO]
+    T_ref: Annotated[float, units.TEMPERATURE]
+    highest: Annotated[float | None, units.STRESS] = None
 
-    def at(self, oil: Ambient) -> PressureLaws:
-        """The laws at the temperature of the oil."""
+    def at(self, oil: Ambient) -> Oil:
+        """The oil at its temperature."""
         warmer = oil.T - self.T_ref
         K0, R = self.K0_ref * exp(-self.K0_rate * warmer), self.R_ref + self.R_slope * warmer
         viscosity = Doolittle(self.B, R, K0, self.K0_prime, self.highest if warmer else None)
-        return PressureLaws(viscosity.alpha, viscosity, Tait(K0, self.K0_prime))
+        return Oil(oil.eta0, viscosity.alpha, viscosity, Tait(K0, self.K0_prime))
 
 
 PressureRule = SoKlaus | PowerOfViscosity | ModulusOfTemperature | DoolittleOfTemperature

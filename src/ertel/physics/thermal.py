@@ -34,7 +34,7 @@ class Solid:
 
 def thermal_loading(eta0: float, beta: float, u_m: float, conductivity: float) -> float:
     """L_t = eta0 beta u_m^2/k, the thermal loading of the inlet (not Moes' L).  u_m: mean speed, m/s."""
-    require_positive("conductivity", conductivity)
+    require_positive(conductivity=conductivity)
     return eta0 * beta * u_m**2 / conductivity
 
 
@@ -54,8 +54,7 @@ def gupta_factor(L_t: float, slide_to_roll: float, p_h_over_E: float) -> float:
     >>> round(gupta_factor(1.0, 0.2, 0.5 / 226), 4)
     0.7256
     """
-    _check_inlet(L_t, slide_to_roll)
-    require_not_negative("p_h_over_E", p_h_over_E)
+    require_not_negative(L_t=L_t, slide_to_roll=slide_to_roll, p_h_over_E=p_h_over_E)
     return (1.0 - 13.2 * p_h_over_E * L_t**0.42) / (1.0 + 0.213 * (1.0 + 2.23 * slide_to_roll**0.83) * L_t**0.64)
 
 
@@ -65,7 +64,7 @@ def wilson_sheu_factor(L_t: float, slide_to_roll: float) -> float:
     Wilson WRD, Sheu S. Effect of inlet shear heating due to sliding on elastohydrodynamic film thickness. J Lubr
     Technol 1983;105:187-188.  S as in `gupta_factor`.
     """
-    _check_inlet(L_t, slide_to_roll)
+    require_not_negative(L_t=L_t, slide_to_roll=slide_to_roll)
     return 1.0 / (1.0 + 0.1 * (1.0 + 14.8 * slide_to_roll**0.83) * L_t**0.64)
 
 
@@ -86,11 +85,6 @@ INLET_FACTORS: dict[InletName, InletFactor] = {
     ),
     "none": InletFactor(lambda *_: 1.0, "a film without inlet shear heating", "any L_t", inf),
 }
-
-
-def _check_inlet(L_t: float, slide_to_roll: float) -> None:
-    require_not_negative("L_t", L_t)
-    require_not_negative("slide_to_roll", slide_to_roll)
 
 
 # -- flash temperature: how much hotter the surfaces of a sliding contact are than their bodies ------------------------
@@ -148,7 +142,8 @@ def response(solid: Solid, speed: float, nodes: int, spacing: float) -> Real:
     speed: of the surface along X, m/s, with its sign.  spacing in m.  Raises ValueError for speed = 0: from a surface
     at rest heat flows away to all sides, and the formula does not hold.
     """
-    require_positive("|speed|", abs(speed))
+    if not 0 < abs(speed) < inf:
+        raise ValueError(f"speed = {speed}: must be finite and not zero")
     weights = moving_source_weights(nodes, spacing) / (sqrt(pi * abs(speed)) * solid.effusivity)
     lag = np.arange(nodes)[:, None] - np.arange(nodes)[None, :]
     matrix = np.where(lag >= 0, weights[np.abs(lag)], 0.0)

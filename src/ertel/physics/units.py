@@ -7,14 +7,13 @@ Reading and writing of case files, checks of values and conversion to the units 
 Every text that explains a key to a user is made from its meaning.
 """
 
-import operator
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, fields, replace
 from functools import cache
 from math import isfinite
 from numbers import Real
 from textwrap import wrap
-from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
+from typing import Any, TypeVar, get_type_hints
 
 SMALLEST, LARGEST = 1e-30, 1e30  # sizes of the numbers of a case: far beyond any contact, and no product overflows
 
@@ -96,14 +95,6 @@ HEIGHT = Unit("m", "20 nm", signed=True, scale="film", own="a^2/R", most=1e6)
 RMS = Unit("m", "50 nm", scale="film", own="a^2/R", least=1e-12, most=1e6)
 
 
-_COMPARISONS: dict[str, tuple[str, Callable[[float, float], bool]]] = {
-    "gt": ("greater than", operator.gt),
-    "ge": ("greater than or equal to", operator.ge),
-    "lt": ("less than", operator.lt),
-    "le": ("less than or equal to", operator.le),
-}
-
-
 @dataclass(frozen=True)
 class Bounds:
     """Bounds of a plain number; messages are derived from them.
@@ -125,10 +116,14 @@ class Bounds:
             return "must be a finite number"
         if self.whole and not isinstance(value, int):
             return "must be an integer"
-        for name, (words, holds) in _COMPARISONS.items():
-            limit = getattr(self, name)
-            if limit is not None and not holds(value, limit):
-                return f"must be {words} {limit:g}"
+        if self.gt is not None and value <= self.gt:
+            return f"must be greater than {self.gt:g}"
+        if self.ge is not None and value < self.ge:
+            return f"must be greater than or equal to {self.ge:g}"
+        if self.lt is not None and value >= self.lt:
+            return f"must be less than {self.lt:g}"
+        if self.le is not None and value > self.le:
+            return f"must be less than or equal to {self.le:g}"
         lowest = -self.most if self.ge is None else self.ge
         return _size_complaint(value, self.least if self.gt == 0 else lowest, self.most)
 
@@ -187,25 +182,23 @@ def meanings(record: Any) -> Mapping[str, Meaning]:
 @cache
 def _parts(record: Any, kind: Any) -> Mapping[str, Any]:
     """The marks or meanings in the annotations of the fields, by name of the field."""
-    parts: dict[str, Any] = {}
-    for name, hint in get_type_hints(record, include_extras=True).items():
-        if get_origin(hint) is Annotated:
-            for part in get_args(hint)[1:]:
-                if isinstance(part, kind):
-                    parts[name] = part
-    return parts
+    hints = get_type_hints(record, include_extras=True)
+    parts = {name: getattr(hint, "__metadata__", ()) for name, hint in hints.items()}
+    return {name: part for name, given in parts.items() for part in given if isinstance(part, kind)}
 
 
-def require_positive(name: str, value: float) -> None:
-    """Raise ValueError unless value is finite and above zero."""
-    if not (isfinite(value) and value > 0):
-        raise ValueError(f"{name} = {value}: must be finite and above zero")
+def require_positive(**values: float) -> None:
+    """Raise ValueError unless all values, given by their names, are finite and above zero."""
+    for name, value in values.items():
+        if not (isfinite(value) and value > 0):
+            raise ValueError(f"{name} = {value}: must be finite and above zero")
 
 
-def require_not_negative(name: str, value: float) -> None:
-    """Raise ValueError unless value is finite and not below zero."""
-    if not (isfinite(value) and value >= 0):
-        raise ValueError(f"{name} = {value}: must be finite and not below zero")
+def require_not_negative(**values: float) -> None:
+    """Raise ValueError unless all values, given by their names, are finite and not below zero."""
+    for name, value in values.items():
+        if not (isfinite(value) and value >= 0):
+            raise ValueError(f"{name} = {value}: must be finite and not below zero")
 
 
 # -- what is made of the marks ----------------------------------------------------------------------------------------

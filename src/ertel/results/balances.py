@@ -78,7 +78,7 @@ def in_time(case: Case, data: "xr.Dataset") -> dict[str, dict[str, float | None]
 def steady(case: Case, rates: Mapping[str, float], film_load: float) -> dict[str, dict[str, float | None]]:
     """The balances of a steady contact, as rates.  Momentum is the load.
 
-    rates: from `equations.account.steady_account`.  film_load: what the film carries, in F*.
+    rates: from `GridSolution.account`.  film_load: what the film carries, in F*.
     """
     mass = {name: rates[name] for name in ("inflow", "outflow", "cavity_source")}
     momentum = {"applied_load": case.motion.load(0.0), "film_load": film_load}

@@ -11,15 +11,13 @@ from datetime import UTC, datetime
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from ertel.case.case import Case
 from ertel.case.height_map import HeightMap
-from ertel.case.sections import Inlet
-from ertel.case.status import Status
 from ertel.numerics.grid import Grid
 from ertel.physics.scales import Scales
 from ertel.results.parameters import parameters_of, scale_values
@@ -40,65 +38,16 @@ from ertel.results.variables import (
 from ertel.version import installed_version
 
 Arrays = dict[str, tuple[tuple[str, ...], Any]]  # dimensions and values by the name of the variable
+SteadyGrid = Any  # the steady contact on one grid, `solvers.steady.GridSolution`, which results do not import
 FILE = "file"  # the attribute of measured heights with the name that the plain data of the case use
 
 
-class StoredFields(Protocol):
-    """The fields of a run at one time."""
+class Frame(NamedTuple):
+    """The maps of all fields at a time, by name; event: "", "max-approach" or "end"."""
 
-    @property
-    def T(self) -> float: ...
-    @property
-    def fields(self) -> Mapping[str, Any]: ...
-    @property
-    def event(self) -> str: ...
-
-
-class Heat(Protocol):
-    """The heat of a contact.
-
-    sliding: traction coefficients of the warm film along X and Y, in a/R.  peclet: numbers of both surfaces.
-    iterations, converged: of the heat balance.
-    """
-
-    @property
-    def inlet(self) -> Inlet: ...
-    @property
-    def sliding(self) -> Any: ...
-    @property
-    def peclet(self) -> Sequence[float]: ...
-    @property
-    def iterations(self) -> int: ...
-    @property
-    def converged(self) -> bool: ...
-
-
-class SteadyGrid(Protocol):
-    """The steady contact on one grid: what results take from it.
-
-    residual, history: its maximum, at the end, and before the first and after each Newton iteration.  outside: the load
-    that the oil outside the grid carries.  measure: the numbers of `MEASURED`.  record: these, those of `BUDGET` and
-    `FRICTION`, and the work, convolutions in units of one on this grid.  maps: `FIELDS` on the whole plane by name,
-    with the section [thermal] also `TEMPERATURES`.  heat: None without it.
-    """
-
-    @property
-    def grid(self) -> Grid: ...
-    @property
-    def status(self) -> Status: ...
-    @property
-    def residual(self) -> float: ...
-    @property
-    def history(self) -> Sequence[float]: ...
-    @property
-    def outside(self) -> float: ...
-    @property
-    def record(self) -> Mapping[str, float]: ...
-    @property
-    def maps(self) -> Mapping[str, Any]: ...
-    @property
-    def heat(self) -> Heat | None: ...
-    def measure(self) -> Mapping[str, float]: ...
+    T: float
+    fields: Mapping[str, Any]
+    event: str
 
 
 def columns(records: Sequence[Mapping[str, float]], scales: Scales | None) -> dict[str, np.ndarray]:
@@ -108,7 +57,7 @@ def columns(records: Sequence[Mapping[str, float]], scales: Scales | None) -> di
     return with_coefficients(arrays, scales)
 
 
-def maps(frames: Sequence[StoredFields]) -> dict[str, np.ndarray]:
+def maps(frames: Sequence[Frame]) -> dict[str, np.ndarray]:
     """Frames as arrays by variable name, stacked along the first axis."""
     return {
         "frame": np.array([frame.T for frame in frames], dtype=float),
@@ -120,7 +69,7 @@ def maps(frames: Sequence[StoredFields]) -> dict[str, np.ndarray]:
 def assemble(
     case: Case,
     records: Sequence[Mapping[str, float]],
-    frames: Sequence[StoredFields],
+    frames: Sequence[Frame],
     coordinates: Mapping[str, Any],
     attributes: Mapping[str, object] | None = None,
 ) -> xr.Dataset:
@@ -132,7 +81,7 @@ def assemble(
         The case of the run; its provenance is stored in the attributes.
     records : sequence of mappings
         The scalars of every accepted step, by variable name and "T", dimensionless.
-    frames : sequence of StoredFields
+    frames : sequence of Frame
         The maps that were kept.
     coordinates : mapping
         Axes of the maps in order, in a*: Y and X, or r.
@@ -329,10 +278,10 @@ def to_vtk(dataset: xr.Dataset, directory: Path) -> list[Path]:
 
 def _plane(dataset: xr.Dataset) -> tuple[str, str]:
     """The axes of the maps."""
+    if dataset.sizes.get("frame", 1) == 0:
+        raise NoExport("the run has no maps yet; export it later")
     for axes in PLANE:
-        if all(axis in dataset.dims for axis in axes):
-            if dataset.sizes.get("frame", 1) == 0:
-                raise NoExport("the run has no maps yet; export it later")
+        if set(axes) <= set(dataset.dims):
             return axes
     raise NoExport("maps for ParaView: a run by the radial method has profiles only; use netcdf or csv")
 

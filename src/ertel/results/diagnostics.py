@@ -1,12 +1,13 @@
 """Warnings if grid, domain, inlet or initial gap are not sufficient, each with a remedy."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from math import cbrt, ceil, inf
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ertel.case.case import Case
+from ertel.case.definition import grid_of, radii
 from ertel.case.height_map import Measured
 from ertel.case.sections import MOST_NODES, WIDEST_HALF_WIDTH
 from ertel.numerics.grid import allowed_nodes, extrapolate
@@ -20,12 +21,12 @@ from ertel.results.variables import FILMS
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ertel.results.dataset import Heat, SteadyGrid
+    from ertel.results.dataset import SteadyGrid
 
-CELLS_IN_FRONT = 10.0  # wanted across the length of the front's pressure sweep, `front_length`
+CELLS_IN_FRONT = 10.0  # wanted across the length of the front's pressure sweep, `sweep_length`
 ISOVISCOUS_SWEEP = 2.0  # that length over (lambda_bar dA/dT)^{2/5} where the oil is isoviscous
 FRONT_POSITION = 0.9  # where the front is looked at: the films of interest lie inside
-SWEEP_ALPHA_BAR = 10.0  # least alpha_bar in that length for rolling, see `sweep_length`
+SWEEP_ALPHA_BAR = 10.0  # least alpha_bar in that length for rolling
 GAP_SHARE = 3.0  # initial gap in units of the trapped film, below which the shape depends on it
 OUTSIDE_SHARE = 0.25  # of the load of a rolling contact that the oil outside the domain may carry
 LARGE_ERROR = 0.1  # of a film: its estimated discretisation error from which it is said to be uncertain
@@ -43,22 +44,41 @@ CELLS_IN_WAVE = 16.0  # wanted across a wavelength, or the diameter of a spot
 
 def impact_warnings(case: Case, data: "xr.Dataset") -> list[str]:
     """Warnings about grid, domain or initial gap of an impact; an empty list if there are none."""
-    warnings = [_film_warning(case, data), front_warning(case, _spacing_at_front(data)), _domain_warning(case, data)]
-    return _given([*warnings, *case_warnings(case)])
+    return [*_film(case, data), *resolution(case), *_domain(case, data), *case_warnings(case)]
 
 
 def rolling_warnings(case: Case, data: "xr.Dataset") -> list[str]:
     """Warnings about grid and inlet of a transient rolling contact; an empty list if there are none."""
-    warnings = [_film_warning(case, data)]
-    if not warnings[0]:
-        warnings += [sweep_warning(case, _mean_speed(data)), _outside_warning(case, share_outside(case, data))]
-    return _given([*warnings, *case_warnings(case)])
+    vanishes = list(_film(case, data))
+    resolved = vanishes or [*resolution(case, _mean_speed(data)), *_outside(case, share_outside(case, data))]
+    return [*resolved, *case_warnings(case)]
+
+
+def steady_warnings(case: Case, solutions: "Sequence[SteadyGrid]") -> list[str]:
+    """Warnings about grid and domain of a steady contact; an empty list if there are none."""
+    finest = solutions[-1]
+    failure = steady_failure(case, finest)
+    outside = _outside(case, finest.outside / case.geometry.hertz_load / case.motion.load(0.0))
+    return [*([failure] if failure else _grid(case, solutions)), *outside, *case_warnings(case)]
 
 
 def case_warnings(case: Case) -> list[str]:
     """Warnings that follow from the case alone, without a run; an empty list if there are none."""
-    start = _gap_warning(case) if case.starts_apart else _centre_warning(case)
-    return _given([start, _roughness_warning(case), *_map_warnings(case), _size_warning(case)])
+    start = _gap(case) if case.starts_apart else _centre(case)
+    return [*start, *_roughness(case), *_maps(case), *_size(case)]
+
+
+def steady_failure(case: Case, solution: "SteadyGrid") -> str:
+    """The reason why there is no steady solution, with a remedy; "" where there is one."""
+    if not solution.status.is_solved:
+        return (
+            f"the solution failed (residual {solution.residual:.2g}, {case.solver.tolerance:g} is allowed), and the "
+            f"run has no result; {solution.status.advice}"
+        )
+    return "" if solution.measure()["H_min"] > 0.0 else no_film(case)
+
+
+# -- balances and friction --------------------------------------------------------------------------------------------
 
 
 def balance_warnings(case: Case, balances: Balances) -> list[str]:
@@ -107,89 +127,47 @@ def _closing(case: Case, name: str) -> str:
     return f"use {steps}" if name == "momentum" else f"{grid} and {steps}"
 
 
-def _given(sentences: Sequence[str]) -> list[str]:
-    return [sentence for sentence in sentences if sentence]
+# -- resolution -------------------------------------------------------------------------------------------------------
 
 
-def steady_warnings(case: Case, solutions: "Sequence[SteadyGrid]") -> list[str]:
-    """Warnings about grid and domain of a steady contact; an empty list if there are none."""
-    finest = solutions[-1]
-    outside = _outside_warning(case, finest.outside / case.geometry.hertz_load / case.motion.load(0.0))
-    failure = steady_failure(case, finest)
-    warnings = [failure] if failure else _grid_warnings(case, solutions)
-    return _given([*warnings, outside, *case_warnings(case)])
+def sweep_length(case: Case, speed: float = 0.0) -> float:
+    """Length of the pressure sweep in a: at the front of an impact, or in the inlet of rolling with the entrainment U.
 
+    Rolling: sqrt(alpha_bar lambda_bar U).  With ten cells across it the steady films for M = 20 to 1000 and L = 5 to 10
+    are 4 to 7 % too thin in the centre and up to 15 % at the minimum.  Isoviscous films need as many cells as if
+    alpha_bar were about 10.
 
-def steady_failure(case: Case, solution: "SteadyGrid") -> str:
-    """The reason why there is no steady solution, with a remedy; "" where there is one."""
-    if not solution.status.is_solved:
-        return (
-            f"the solution failed (residual {solution.residual:.2g}, {case.solver.tolerance:g} is allowed), and the "
-            f"run has no result; {solution.status.advice}"
-        )
-    return "" if solution.measure()["H_min"] > 0.0 else no_film(case)
-
-
-def no_film(case: Case) -> str:
-    """The sentence on a steady contact whose film vanishes on the grid, with the number of nodes that it needs."""
-    speed = case.motion.entrainment(0.0)
-    cells = _cells_in_sweep(case, speed)
-    return (
-        f"the surfaces overlap: the grid does not resolve the film ({cells:.1f} cells across the pressure sweep "
-        f"sqrt(alpha_bar lambda_bar U) = {sweep_length(case, speed):.3g} a, about {CELLS_IN_FRONT:.0f} are needed), "
-        f"and the run has no result; {_resolve(case, min(cells, CELLS_IN_FRONT / 2))}"
-    )
-
-
-# -- rolling ----------------------------------------------------------------------------------------------------------
-
-
-def _outside_warning(case: Case, share: float) -> str:
-    """A warning where the oil outside carries a large share of the load, known only to some 5 % of itself.
-
-    Against a domain four times as wide H_c was off by 1 % at most for M = 5 to 100, L = 2 to 22 and the default domain,
-    whose share is 0.22 at M = 5; by 3 % for M = 2 and a share of 0.22, 4 % for 0.29, 6 % for M = 3 and 0.40, and by a
-    third for M = 2 and 0.52.
-    """
-    if share <= OUTSIDE_SHARE:
-        return ""
-    half_width = min(ceil(2 * case.solver.half_width * share / OUTSIDE_SHARE) / 2, WIDEST_HALF_WIDTH)
-    return (
-        f"the domain is too small (the oil outside it carries {share:.0%} of the load, {OUTSIDE_SHARE:.0%} is "
-        f"allowed): the films are off by about {min(share**2 / 2, 0.5):.0%} or more, which the error estimate does not "
-        f"include; use solver.half_width >= {half_width:g}"
-    )
-
-
-def _mean_speed(data: "xr.Dataset") -> float:
-    """The mean entrainment of a run in time; 0 before its first step."""
-    return float(np.average(np.abs(data["U"]), weights=data["dT"])) if data.sizes["time"] else 0.0
-
-
-def sweep_length(case: Case, speed: float) -> float:
-    """Length of the pressure sweep in the inlet, sqrt(alpha_bar lambda_bar U), in a.  speed: the entrainment U.
-
-    With ten cells across it the steady films for M = 20 to 1000 and L = 5 to 10 are 4 to 7 % too thin in the centre and
-    up to 15 % at the minimum.  Isoviscous films need as many cells as if alpha_bar were about 10.
+    Impact, at X = 0.9 of the dry one: sqrt(alpha_bar lambda_bar dA/dT), but at least 2 (lambda_bar dA/dT)^{2/5}, that
+    of an oil whose viscosity does not matter there: at the distance l from the edge of a Hertz contact P goes with
+    l^{1/2} and H with l^{3/2}, so that dP/dX = lambda_bar dA/dT/H^2 gives l^{5/2} (Snoeijer JH, Eggers J, Venner CH.
+    Phys Fluids 2013;25:101705).  The factor is measured: with ten cells across it H_min is 2, 3 and 4 % too small for
+    lambda_bar = 0.01, 0.001 and 0.0001 and alpha_bar = 0, and 3 % for 0.001 and alpha_bar = 3 and 10.  The dry impact
+    of an ellipsoid takes longer by the dry approach in a*^2/R.
     """
     p = case.parameters
-    return float((max(p.alpha_bar, SWEEP_ALPHA_BAR) * p.lambda_bar * abs(speed)) ** 0.5)
+    if not case.starts_apart:
+        return float((max(p.alpha_bar, SWEEP_ALPHA_BAR) * p.lambda_bar * abs(speed)) ** 0.5)
+    viscous = p.lambda_bar * hertz.front_speed(FRONT_POSITION) / p.ellipse.approach
+    return float(max(np.sqrt(p.alpha_bar * viscous), ISOVISCOUS_SWEEP * viscous**0.4))
 
 
-def sweep_warning(case: Case, speed: float) -> str:
-    """A warning if the grid has too few cells across the pressure sweep, otherwise ""."""
-    length, cells = sweep_length(case, speed), _cells_in_sweep(case, speed)
-    if cells >= CELLS_IN_FRONT or length == 0:
-        return ""
-    return (
-        f"the film is not resolved in the inlet ({cells:.1f} cells across the pressure sweep "
-        f"sqrt(alpha_bar lambda_bar U) = {length:.3g} a, about {CELLS_IN_FRONT:.0f} are needed): the films are too "
-        f"thin by roughly {min(7 * (CELLS_IN_FRONT / cells) ** 2, 50) / 100:.0%}; {_resolve(case, cells)}"
-    )
+def spacing_of(case: Case) -> float:
+    """The spacing of the grid in a; of a radial grid at the position where the front is judged."""
+    if case.solver.method != "radial":
+        return grid_of(case).spacing
+    r = radii(case.solver.nodes, case.solver.half_width)
+    near = int(np.abs(r - FRONT_POSITION).argmin())
+    return float(r[near + 1] - r[near])
 
 
-def _cells_in_sweep(case: Case, speed: float) -> float:
-    return sweep_length(case, speed) * (case.solver.nodes - 1) / (2 * case.solver.half_width)
+def _cells(case: Case, speed: float) -> tuple[float, str]:
+    """The number of cells across the pressure sweep, and the same in words."""
+    length = sweep_length(case, speed)
+    cells = length / spacing_of(case)
+    sweep = f"sqrt(alpha_bar lambda_bar U) = {length:.3g} a"
+    if case.starts_apart:
+        sweep = f"of {length:.3g} a* at X = {FRONT_POSITION}"
+    return cells, f"{cells:.1f} cells across the pressure sweep {sweep}, about {CELLS_IN_FRONT:.0f} are needed"
 
 
 def _resolve(case: Case, cells: float) -> str:
@@ -197,45 +175,106 @@ def _resolve(case: Case, cells: float) -> str:
     return _use((case.solver.nodes - 1) * CELLS_IN_FRONT / cells + 1)
 
 
-def _grid_warnings(case: Case, solutions: "Sequence[SteadyGrid]") -> list[str]:
+def resolution(case: Case, speed: float = 0.0) -> Iterator[str]:
+    """A warning if the grid has too few cells across the pressure sweep, see `sweep_length`."""
+    cells, words = _cells(case, speed)
+    where, effect = "at the front", "H_min is uncertain"
+    if not case.starts_apart and cells:
+        where = "in the inlet"
+        effect = f"the films are too thin by roughly {min(7 * (CELLS_IN_FRONT / cells) ** 2, 50) / 100:.0%}"
+    if 0 < cells < CELLS_IN_FRONT:
+        yield f"the film is not resolved {where} ({words}): {effect}; {_resolve(case, cells)}"
+
+
+def no_film(case: Case) -> str:
+    """The sentence on a steady contact whose film vanishes on the grid, with the number of nodes that it needs."""
+    cells, words = _cells(case, case.motion.entrainment(0.0))
+    return (
+        f"the surfaces overlap: the grid does not resolve the film ({words}), and the run has no result; "
+        f"{_resolve(case, min(cells, CELLS_IN_FRONT / 2))}"
+    )
+
+
+def _film(case: Case, data: "xr.Dataset") -> Iterator[str]:
+    gone = np.flatnonzero(data["H_min"].values <= 0.0)
+    if gone.size:
+        first = data.isel(time=gone[0])
+        cells, _ = _cells(case, 0.0 if case.starts_apart else _mean_speed(data))
+        yield (
+            f"the film vanishes on this grid, first at T = {float(first['time']):.4g}, "
+            f"X = {float(first['X_min']):.3g}: H_min is meaningless from then on; "
+            f"{_resolve(case, min(cells, CELLS_IN_FRONT / 2))}"
+        )
+
+
+def _use(nodes: float) -> str:
+    """The advice to use at least this number of nodes, rounded up to an allowed number."""
+    needed = allowed_nodes(nodes)
+    more = f", more than the {MOST_NODES} that are allowed: use a smaller solver.half_width, too"
+    return f"use solver.nodes >= {needed}{more if needed > MOST_NODES else ''}"
+
+
+# -- rolling ----------------------------------------------------------------------------------------------------------
+
+
+def _outside(case: Case, share: float) -> Iterator[str]:
+    """A warning where the oil outside carries a large share of the load, known only to some 5 % of itself.
+
+    Against a domain four times as wide H_c was off by 1 % at most for M = 5 to 100, L = 2 to 22 and the default domain,
+    whose share is 0.22 at M = 5; by 3 % for M = 2 and a share of 0.22, 4 % for 0.29, 6 % for M = 3 and 0.40, and by a
+    third for M = 2 and 0.52.
+    """
+    if share > OUTSIDE_SHARE:
+        half_width = min(ceil(2 * case.solver.half_width * share / OUTSIDE_SHARE) / 2, WIDEST_HALF_WIDTH)
+        yield (
+            f"the domain is too small (the oil outside it carries {share:.0%} of the load, {OUTSIDE_SHARE:.0%} is "
+            f"allowed): the films are off by about {min(share**2 / 2, 0.5):.0%} or more, which the error estimate does "
+            f"not include; use solver.half_width >= {half_width:g}"
+        )
+
+
+def _mean_speed(data: "xr.Dataset") -> float:
+    """The mean entrainment of a run in time; 0 before its first step."""
+    return float(np.average(np.abs(data["U"]), weights=data["dT"])) if data.sizes["time"] else 0.0
+
+
+def _grid(case: Case, solutions: "Sequence[SteadyGrid]") -> Iterator[str]:
     """Warnings about the errors of the films, and about the pressure spike."""
     if len(solutions) < 2:
-        return ["there is no error estimate, because there is no coarser grid; use solver.nodes >= 65"]
+        yield "there is no error estimate, because there is no coarser grid; use solver.nodes >= 65"
+        return
     coarse, fine = (solution.measure() for solution in solutions[-2:])
-    warnings = []
     if solutions[-2].status.ok:
         films = {name: extrapolate(coarse[name], fine[name]) for name in FILMS}
         shares = {name: film.error / abs(film.value) for name, film in films.items() if film.value}
         worst = max(shares, key=lambda name: shares[name])
         if shares[worst] > LARGE_ERROR:
             finer = _use(2 * case.solver.nodes - 1)
-            warnings.append(f"{worst} is uncertain by about {shares[worst]:.0%} on this grid; {finer}")
+            yield f"{worst} is uncertain by about {shares[worst]:.0%} on this grid; {finer}"
     else:
         nodes = solutions[-2].grid.nodes
-        warnings.append(f"there is no error estimate, because the grid of {nodes} x {nodes} nodes did not converge")
+        yield f"there is no error estimate, because the grid of {nodes} x {nodes} nodes did not converge"
     if abs(fine["P_max"] - coarse["P_max"]) > LARGE_ERROR * fine["P_max"]:
-        warnings.append(
+        yield (
             f"the pressure spike is not resolved: P_max changes from {coarse['P_max']:.3g} to {fine['P_max']:.3g} "
             "between the two finest grids; the film thickness does not depend on it"
         )
-    return warnings
 
 
-def _centre_warning(case: Case) -> str:
+def _centre(case: Case) -> Iterator[str]:
     s = case.solver
     cells = (s.inlet or s.half_width) * (s.nodes - 1) / (2 * s.half_width)
-    if abs(cells - round(cells)) < 1e-6:
-        return ""
-    return (
-        "the centre of the contact is not a node of this grid: H_c and P_c are those of the nearest node; "
-        f"use solver.inlet = {1.5 * s.half_width:g}"
-    )
+    if abs(cells - round(cells)) >= 1e-6:
+        yield (
+            "the centre of the contact is not a node of this grid: H_c and P_c are those of the nearest node; "
+            f"use solver.inlet = {1.5 * s.half_width:g}"
+        )
 
 
 # -- heat --------------------------------------------------------------------------------------------------------------
 
 
-def thermal_warnings(case: Case, heat: "Heat") -> list[str]:
+def thermal_warnings(case: Case, heat: Any) -> list[str]:
     """Warnings where the formulas for the temperatures are used outside their range; an empty list if they are not."""
     assert case.thermal is not None
     warnings, inlet = [], INLET_FACTORS[case.thermal.inlet_factor]
@@ -245,14 +284,12 @@ def thermal_warnings(case: Case, heat: "Heat") -> list[str]:
             f"inlet has L_t = {heat.inlet.L_t:.3g}; its film is uncertain"
         )
     for number, peclet in enumerate(heat.peclet, 1):
-        excess = slow_excess(peclet)
-        if excess > slow_excess(SLOWEST):
-            reason = (
-                "it counts as at rest" if peclet < AT_REST else f"below {SLOWEST:g} heat also flows along the surface"
-            )
+        if slow_excess(peclet) > slow_excess(SLOWEST):
+            slow = f"below {SLOWEST:g} heat also flows along the surface"
             warnings.append(
-                f"surface {number} moves slowly, with a Peclet number of {peclet:.2g}: {reason}, "
-                f"and its temperature rise is about {excess:.0%} too high"
+                f"surface {number} moves slowly, with a Peclet number of {peclet:.2g}: "
+                f"{'it counts as at rest' if peclet < AT_REST else slow}, "
+                f"and its temperature rise is about {slow_excess(peclet):.0%} too high"
             )
     if not heat.converged:
         warnings.append(
@@ -265,131 +302,70 @@ def thermal_warnings(case: Case, heat: "Heat") -> list[str]:
 # -- every run --------------------------------------------------------------------------------------------------------
 
 
-def _use(nodes: float) -> str:
-    """The advice to use at least this number of nodes, rounded up to an allowed number."""
-    needed = allowed_nodes(nodes)
-    more = f", more than the {MOST_NODES} that are allowed: use a smaller solver.half_width, too"
-    return f"use solver.nodes >= {needed}{more if needed > MOST_NODES else ''}"
-
-
-def _roughness_warning(case: Case) -> str:
+def _roughness(case: Case) -> Iterator[str]:
     sizes = [(getattr(f.shape, "size", inf), i, has_waves(f.shape)) for i, f in enumerate(case.features, 1)]
     size, number, waves = min(sizes, default=(inf, 0, False))
     width = 2 * case.solver.half_width
     cells = size * (case.solver.nodes - 1) / width
     if cells >= CELLS_IN_WAVE:
-        return ""
-    lost = f"; waves below {CELLS_KEPT:g} cells are lowered or left out" if waves else ""
-    longer = f", or leave out waves of roughness[{number}] below {size * CELLS_IN_WAVE / cells:.3g} a" if waves else ""
-    return (
+        return
+    lost, longer = "", ""
+    if waves:
+        lost = f"; waves below {CELLS_KEPT:g} cells are lowered or left out"
+        longer = f", or leave out waves of roughness[{number}] below {size * CELLS_IN_WAVE / cells:.3g} a"
+    yield (
         f"the roughness is not resolved ({cells:.1f} cells across its smallest width {size:.3g} a, about "
         f"{CELLS_IN_WAVE:.0f} are needed{lost}); {_use(width * CELLS_IN_WAVE / size + 1)}{longer}"
     )
 
 
-def _map_warnings(case: Case) -> list[str]:
+def _maps(case: Case) -> Iterator[str]:
     """Warnings about a measured map that had gaps, or is smaller than the Hertzian contact."""
     along_x, along_y = case.geometry.extent
-    warnings = []
-    for number, feature in enumerate(case.features, 1):
-        shape = feature.shape
+    for number, shape in enumerate((feature.shape for feature in case.features), 1):
         if not isinstance(shape, Measured):
             continue
         if shape.filled:
-            warnings.append(
+            yield (
                 f"roughness[{number}]: {shape.filled} of the {shape.file.heights.size} points of the map were gaps: "
                 "their heights are interpolated from their rims"
             )
         if shape.covered[0] < 2 * along_x or shape.covered[1] < 2 * along_y:
-            warnings.append(
+            yield (
                 f"roughness[{number}]: the map is smaller than the contact (without its taper {shape.covered[0]:.3g} a "
                 f"by {shape.covered[1]:.3g} a, the contact {2 * along_x:.3g} a by {2 * along_y:.3g} a): beyond it the "
                 "surface is smooth"
             )
-    return warnings
 
 
-def _size_warning(case: Case) -> str:
+def _size(case: Case) -> Iterator[str]:
     s = case.scales
-    if s is None or s.a <= LARGE_CONTACT * s.R:
-        return ""
-    return (
-        f"the contact is not small (a = {s.a / s.R:.2g} R): Hertz theory, the half-space and the parabolic gap are "
-        f"good up to about {LARGE_CONTACT:g} R"
-    )
-
-
-def _film_warning(case: Case, data: "xr.Dataset") -> str:
-    gone = np.flatnonzero(data["H_min"].values <= 0.0)
-    if gone.size == 0:
-        return ""
-    first = data.isel(time=gone[0])
-    if case.starts_apart:
-        cells = front_length(case) / _spacing_at_front(data)
-    else:
-        cells = _cells_in_sweep(case, _mean_speed(data))
-    return (
-        f"the film vanishes on this grid, first at T = {float(first['time']):.4g}, X = {float(first['X_min']):.3g}: "
-        f"H_min is meaningless from then on; {_resolve(case, min(cells, CELLS_IN_FRONT / 2))}"
-    )
+    if s and s.a > LARGE_CONTACT * s.R:
+        yield (
+            f"the contact is not small (a = {s.a / s.R:.2g} R): Hertz theory, the half-space and the parabolic gap are "
+            f"good up to about {LARGE_CONTACT:g} R"
+        )
 
 
 # -- impact -----------------------------------------------------------------------------------------------------------
 
 
-def front_length(case: Case) -> float:
-    """Length of the front's pressure sweep in a*, at X = 0.9 of the dry impact.
-
-    sqrt(alpha_bar lambda_bar dA/dT), but at least 2 (lambda_bar dA/dT)^{2/5}, that of an oil whose viscosity does not
-    matter there: at the distance l from the edge of a Hertz contact P goes with l^{1/2} and H with l^{3/2}, so that
-    dP/dX = lambda_bar dA/dT/H^2 gives l^{5/2} (Snoeijer JH, Eggers J, Venner CH. Phys Fluids 2013;25:101705).  The
-    factor is measured: with ten cells across it H_min is 2, 3 and 4 % too small for lambda_bar = 0.01, 0.001 and
-    0.0001 and alpha_bar = 0, and 3 % for 0.001 and alpha_bar = 3 and 10.
-    The dry impact of an ellipsoid takes longer by the dry approach in a*^2/R.
-    """
-    p = case.parameters
-    viscous = p.lambda_bar * hertz.front_speed(FRONT_POSITION) / p.ellipse.approach
-    return float(max(np.sqrt(p.alpha_bar * viscous), ISOVISCOUS_SWEEP * viscous**0.4))
-
-
-def _spacing_at_front(data: "xr.Dataset") -> float:
-    axis = data["X"] if "X" in data.coords else data["r"]
-    near = int(np.abs(axis.values - FRONT_POSITION).argmin())
-    return float(axis[near + 1] - axis[near])
-
-
-def front_warning(case: Case, spacing: float) -> str:
-    """A warning if the grid has too few cells across the front, otherwise "".  spacing: there, in a."""
-    cells = front_length(case) / spacing
-    if cells >= CELLS_IN_FRONT:
-        return ""
-    return (
-        f"the film is not resolved at the front ({cells:.1f} cells across the pressure sweep of "
-        f"{front_length(case):.3g} a* at X = {FRONT_POSITION}, about {CELLS_IN_FRONT:.0f} are needed): H_min is "
-        f"uncertain; {_resolve(case, cells)}"
-    )
-
-
-def _gap_warning(case: Case) -> str:
+def _gap(case: Case) -> Iterator[str]:
     gap, film = -case.schedule.start_approach, case.parameters.trapped_film
-    if gap >= GAP_SHARE * film or case.layer is not None:  # whose oil has no pressure before the ball is in it
-        return ""
-    return (
-        f"the initial gap {gap:.3g} is not much larger than the trapped film {film:.3g} (units a*^2/R): the shape of "
-        f"the film depends on it; use time.start_approach <= {-GAP_SHARE * film:.3g}"
-    )
+    if gap < GAP_SHARE * film and case.layer is None:  # whose oil has no pressure before the ball is in it
+        yield (
+            f"the initial gap {gap:.3g} is not much larger than the trapped film {film:.3g} (units a*^2/R): the shape "
+            f"of the film depends on it; use time.start_approach <= {-GAP_SHARE * film:.3g}"
+        )
 
 
-def _domain_warning(case: Case, data: "xr.Dataset") -> str:
-    if data.sizes["frame"] == 0:
-        return ""
-    share = uncertain_momentum(case, data)
-    if share <= UNCERTAIN_MOMENTUM:
-        return ""
-    needed = needed_half_width(case, share)
-    radial = ' with solver.method = "radial"' if case.solver.method == "2d" and case.is_axisymmetric else ""
-    return (
-        "the momentum that the oil outside the domain takes is uncertain by about "
-        f"{min(share, 1.0):.1%} of the ball's: approach, load and restitution are off by about as much; "
-        f"use solver.half_width >= {needed:g}{radial}"
-    )
+def _domain(case: Case, data: "xr.Dataset") -> Iterator[str]:
+    share = uncertain_momentum(case, data) if data.sizes["frame"] else 0.0
+    if share > UNCERTAIN_MOMENTUM:
+        needed = needed_half_width(case, share)
+        radial = ' with solver.method = "radial"' if case.solver.method == "2d" and case.is_axisymmetric else ""
+        yield (
+            "the momentum that the oil outside the domain takes is uncertain by about "
+            f"{min(share, 1.0):.1%} of the ball's: approach, load and restitution are off by about as much; "
+            f"use solver.half_width >= {needed:g}{radial}"
+        )

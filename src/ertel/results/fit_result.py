@@ -27,6 +27,7 @@ if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from typing import Unpack
 
     from matplotlib.figure import Figure
+    from pandas import DataFrame
 
     from ertel.plots.drawing import SheetOptions
 
@@ -166,29 +167,30 @@ def fit_dataset(solution: FitPoint, data: Mapping[str, tuple[Any, str]], about: 
     """
     covariance, (uncertainty, exponents) = solution.covariance, solution.products
     relative = np.sqrt(np.diag(covariance))
-    one = ("unknown",)
+    names, units = (np.array(texts, dtype=object) for texts in (solution.names, solution.units))
     variables = {
-        "value": (one, solution.values, "value in SI"),
-        "standard_error": (one, solution.values * relative, "standard error in SI"),
-        "relative_error": (one, relative, "standard error of the natural logarithm"),
-        "unit": (one, np.array(solution.units, dtype=object), "SI unit"),
-        **{name: (one, solution.bounds[i], "bound in SI") for i, name in enumerate(("lower", "upper"))},
-        **{name: (one, solution.priors[i], "in SI") for i, name in enumerate(("prior", "prior_sigma"))},
-        "correlation": (("unknown", "other"), covariance / np.outer(relative, relative), "correlation"),
-        **{name: (("datum",), values, text) for name, (values, text) in data.items()},
-        "residual": (("datum",), solution.residuals, "(predicted - measured)/sigma"),
-        "jacobian": (("datum", "unknown"), solution.jacobian, "d residual/d ln unknown"),
-        "uncertainty": (("product",), uncertainty, "relative uncertainty of a product of powers"),
-        "exponent": (("product", "unknown"), exponents, "exponents of a product of powers"),
+        "value": (["unknown"], solution.values, "value in SI"),
+        "standard_error": (["unknown"], solution.values * relative, "standard error in SI"),
+        "relative_error": (["unknown"], relative, "standard error of the natural logarithm"),
+        "unit": (["unknown"], units, "SI unit"),
+        "lower": (["unknown"], solution.bounds[0], "bound in SI"),
+        "upper": (["unknown"], solution.bounds[1], "bound in SI"),
+        "prior": (["unknown"], solution.priors[0], "in SI"),
+        "prior_sigma": (["unknown"], solution.priors[1], "in SI"),
+        "correlation": (["unknown", "other"], covariance / np.outer(relative, relative), "correlation"),
+        **{name: (["datum"], values, text) for name, (values, text) in data.items()},
+        "residual": (["datum"], solution.residuals, "(predicted - measured)/sigma"),
+        "jacobian": (["datum", "unknown"], solution.jacobian, "d residual/d ln unknown"),
+        "uncertainty": (["product"], uncertainty, "relative uncertainty of a product of powers"),
+        "exponent": (["product", "unknown"], exponents, "exponents of a product of powers"),
     }
-    numbers: dict[str, Any] = {
+    found = zip(solution.names, solution.values, solution.units, relative, strict=True)
+    numbers = {
         "chi_square": solution.chi_square,
         "degrees_of_freedom": solution.freedom,
         "decided": solution.in_words,
+        "found": [f"{name} = {amount(value, unit)} ± {in_percent(error)}" for name, value, unit, error in found],
     }
-    names = np.array(solution.names, dtype=object)
-    found = zip(solution.names, solution.values, solution.units, relative, strict=True)
-    numbers["found"] = [f"{name} = {amount(value, unit)} ± {in_percent(error)}" for name, value, unit, error in found]
     return xr.Dataset(
         {name: (dims, values, {"long_name": text}) for name, (dims, values, text) in variables.items()},
         {"unknown": names, "other": names},
@@ -206,14 +208,11 @@ class FitResult(StudyResult):
         See `fit_dataset`.
     case : Case
         The case with the values that were found.
-    warnings : list of str
-        Warnings: what the data do not decide, unknowns at their bounds, residuals that are too large.
     directory : Path, optional
         Of the fit.
     """
 
     case: Case
-    warnings: list[str]
 
     @property
     def heading(self) -> str:
@@ -230,10 +229,9 @@ class FitResult(StudyResult):
         """The standard errors of the unknowns, in SI."""
         return {row["unknown"]: row["standard_error"] for row in self.rows()}
 
-    def rows(self) -> list[dict[str, Any]]:
-        """The unknowns as plain data for JSON, in SI; what is missing is None."""
-        flat = self.dataset.drop_dims(["datum", "product", "other"]).to_dataframe().reset_index().to_dict("records")
-        return [{str(name): None if value != value else value for name, value in row.items()} for row in flat]
+    def _frame(self) -> "DataFrame":
+        """The unknowns as a table, in SI."""
+        return self.dataset.drop_dims(["datum", "product", "other"]).to_dataframe().reset_index()
 
     def as_data(self) -> dict[str, Any]:
         """The fit as plain data for JSON."""

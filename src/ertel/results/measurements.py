@@ -8,14 +8,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
-from typing import Any, Literal, Protocol, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from ertel.case.case import Case
 from ertel.physics.units import Unit, in_si
 from ertel.results.columns import Columns
 from ertel.results.numbers import IN_SI, numbers
@@ -29,21 +28,9 @@ USUAL = {"profile": "h", "history": "h_c"}  # quantities, of a file with several
 ALIGNMENTS = ("centre", "offset", "tilt")
 SHIFTS = 401  # of the centre that are tried before the best is refined
 QUANTITIES: Mapping[str, Variable] = {  # by the names of the SI Dataset and of the summary
-    **{variable.si_name or name: variable for name, variable in {**OUTCOME, **VARIABLES}.items()},
-    **{name: OUTCOME[name] for name in OUTCOME if name != "T"},
-    "contact_time": VARIABLES["contact_time"],
+    **{variable.si_name or name: variable for name, variable in VARIABLES.items()},
+    **{name: VARIABLES[name] for name in OUTCOME},
 }
-
-
-class Outcome(Protocol):
-    """A run, as `Result` has it."""
-
-    @property
-    def case(self) -> Case: ...
-    @property
-    def dataset(self) -> xr.Dataset: ...
-    @property
-    def summary(self) -> dict[str, Any]: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,7 +195,7 @@ class Measurement:
 
     # -- beside a run -------------------------------------------------------------------------------------------------
 
-    def predicted(self, result: Outcome) -> Values:
+    def predicted(self, result: Any) -> Values:
         """The values of a run in the place of the measured ones.
 
         A profile is interpolated linearly along the line and between maps, a history between steps.  Where the
@@ -233,7 +220,7 @@ class Measurement:
         compared = self.compared(result)
         return self.values - compared.difference
 
-    def compared(self, result: Outcome) -> "Comparison":
+    def compared(self, result: Any) -> "Comparison":
         """The measurement beside a run, aligned.  Parameters and errors are those of `predicted`."""
         if self.x is None:
             return Comparison(self, np.zeros(1), self.values, np.array([self._number(result)]))
@@ -254,8 +241,10 @@ class Measurement:
         """The name of x: "x" or "y" of a profile, "t" of a history."""
         return TIME if self.kind == "history" else self.along
 
-    def _number(self, result: Outcome) -> float:
-        table = {name: each for each in numbers(result.summary).values() for name in (each.name, each.si_name) if name}
+    def _number(self, result: Any) -> float:
+        table = {
+            name: each for each in numbers(result.summary).values() for name in (each.name, each.about.si_name) if name
+        }
         if self.quantity not in table:
             raise ValueError(f"{self.quantity}: the run has no such number; it has {', '.join(table)}")
         number = table[self.quantity]
@@ -263,9 +252,9 @@ class Measurement:
             raise ValueError(f"{self.quantity}: the case is dimensionless, and the measurement is in SI")
         return number.value * (1.0 if number.factor is None else number.factor)
 
-    def _line(self, result: Outcome) -> xr.DataArray:
+    def _line(self, result: Any) -> xr.DataArray:
         """The quantity along the line of a profile, or through time, in SI."""
-        data = result.dataset
+        data: xr.Dataset = result.dataset
         if self.kind == "profile":
             data = profile(data, self.at, self.along)
         elif "time" in data.dims:

@@ -15,7 +15,7 @@ from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.physics.scales import Scales
 from ertel.physics.temperature_laws import ZERO_CELSIUS
-from ertel.results.variables import COEFFICIENT, FILMS, FRICTION, MEASURED, OUTCOME, VARIABLES, unit_of, with_prefix
+from ertel.results.variables import COEFFICIENT, FILMS, FRICTION, MEASURED, VARIABLES, Variable, unit_of, with_prefix
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from matplotlib.figure import Figure
@@ -37,17 +37,14 @@ class Number(NamedTuple):
     """A number of the outcome of a run.
 
     value, error, extrapolated: in `unit`, "1" for a plain number; the error is the estimated one of the discretisation.
-    factor: what 1 is in SI, where the value is known by si_name in si_units; None for a dimensionless case.
+    factor: what 1 is in SI, None where that is not known or the same.
     """
 
     name: str
-    symbol: str
-    long_name: str
+    about: Variable
     value: float
     unit: str = "1"
     factor: float | None = None
-    si_name: str = ""
-    si_units: str = "1"
     error: float | None = None
     extrapolated: float | None = None
 
@@ -61,9 +58,9 @@ class Number(NamedTuple):
     @property
     def text_in_si(self) -> str:
         """The value in SI; empty where it is not known, or the same."""
-        if self.factor is None or self.si_units == "1":
+        if self.factor is None or self.about.si_units == "1":
             return ""
-        return with_prefix(self.value * self.factor, self.si_units)
+        return with_prefix(self.value * self.factor, self.about.si_units)
 
     @property
     def text_of_error(self) -> str:
@@ -96,29 +93,14 @@ def numbers(summary: Outcome) -> dict[str, Number]:
     }
 
 
-def number(
-    kind: str,
-    scales: Scales | None,
-    name: str,
-    value: float,
-    error: float | None = None,
-    extrapolated: float | None = None,
-) -> Number:
-    """A number by its name in `VARIABLES` or `OUTCOME`, in a contact of this kind, with these scales."""
-    variable = OUTCOME.get(name) or VARIABLES[name]
-    physical = scales is not None and bool(variable.scale)
-    return Number(
-        name,
-        variable.symbol,
-        variable.long_name,
-        value,
-        "1" if physical and variable.scale == COEFFICIENT else unit_of(kind, variable.unit),
-        variable.factor(scales) if scales and physical else None,
-        variable.si_name or name,
-        variable.si_units or "1",
-        error,
-        extrapolated,
-    )
+def number(kind: str, scales: Scales | None, name: str, value: float, *errors: float) -> Number:
+    """A number by its name in `VARIABLES`, in a contact of this kind, with these scales."""
+    about, factor = VARIABLES[name], None
+    unit = unit_of(kind, about.unit)
+    if scales and about.scale:
+        factor = about.factor(scales)
+        unit = "1" if about.scale == COEFFICIENT else unit
+    return Number(name, about, value, unit, factor, *errors)
 
 
 def values_of(summary: Outcome) -> dict[str, float]:
@@ -212,14 +194,14 @@ def scalars(summary: Outcome, in_si: bool = True) -> dict[str, Scalar]:
     for each in numbers(summary).values():
         name, factor, about = each.name, 1.0, {"units": "1"}
         if in_si and each.factor is not None:
-            name, factor, about = each.si_name, each.factor, {"units": each.si_units}
+            name, factor, about = each.about.si_name, each.factor, {"units": each.about.si_units}
         elif each.unit in IN_SI:
             about = {"units": each.unit}
         elif each.unit != "1":
             about = {"units": "1", "in_units_of": each.unit}
-        table[name] = Scalar(float(each.value * factor), {"long_name": each.long_name, **about})
+        table[name] = Scalar(float(each.value * factor), {"long_name": each.about.long_name, **about})
         if each.error is not None:
-            long_name = f"estimated error of the {each.long_name}"
+            long_name = f"estimated error of the {each.about.long_name}"
             table[f"{name}_error"] = Scalar(each.error * factor, {"long_name": long_name, **about})
     return table
 
@@ -285,9 +267,9 @@ def lines(summary: Outcome) -> Iterator[str]:
     yield f"  {_conditions(summary)}"
     yield f"  {moment(summary)}"
     shown = key_numbers(summary)
-    wide = max((len(n.long_name) + len(n.symbol) for n in shown), default=0)
+    wide = max((len(n.about.long_name) + len(n.about.symbol) for n in shown), default=0)
     for n in shown:
-        name = f"{n.long_name} {n.symbol}".ljust(wide + 1)
+        name = f"{n.about.long_name} {n.about.symbol}".ljust(wide + 1)
         error = f", error {n.text_of_error}" if n.text_of_error else ""
         yield f"    {name}  {n.full_text}{error}"
     yield from (f"  {line}" for line in more_lines(summary))
@@ -320,7 +302,7 @@ def _extreme_lines(summary: Outcome) -> Iterator[str]:
         else:
             where = f"T = {T.text}, X = {X.value:.3g}, Y = {Y.value:.3g} {Y.unit}"
         note = f"; {one['note']}" if one["note"] else ""
-        yield f"{extreme.long_name} {name}: {extreme.full_text} at {where}{note}"
+        yield f"{extreme.about.long_name} {name}: {extreme.full_text} at {where}{note}"
 
 
 def _thermal_lines(summary: Outcome) -> Iterator[str]:
@@ -339,7 +321,7 @@ def _thermal_lines(summary: Outcome) -> Iterator[str]:
 def html_table(summary: Outcome, heading: str = "") -> str:
     """The key numbers as an HTML table with the columns that are known, and the warnings below."""
     parts = [f"{heading}{escape(_conditions(summary))}: {escape(summary['status'])}; {escape(moment(summary))}"]
-    rows = [(n.long_name, n.symbol, n.text, n.text_in_si, n.text_of_error) for n in key_numbers(summary)]
+    rows = [(n.about.long_name, n.about.symbol, n.text, n.text_in_si, n.text_of_error) for n in key_numbers(summary)]
     columns = [column for column in zip(HEAD, *rows, strict=True) if any(column[1:])]
     parts += [html_columns(columns)] if columns else []
     parts += [f"<div>{escape(line)}</div>" for line in more_lines(summary)]

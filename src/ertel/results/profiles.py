@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ertel.physics.units import TIME, Quantity, in_si
 from ertel.results.dataset import with_units
-from ertel.results.variables import AXES, EVENTS, is_steady, to_si, with_prefix
+from ertel.results.variables import EVENTS, VARIABLES, is_steady, to_si, with_prefix
 
 Values = NDArray[np.float64]
 # a time in t0 or with its unit, an event, or None: maximum approach, or the last map
@@ -165,7 +165,7 @@ def mirrored(values: Values, odd: bool = False) -> Values:
 
 def _through_centre(fields: xr.Dataset, axis: str) -> xr.Dataset:
     """Radial profiles as they are along a diameter."""
-    about = AXES[axis]
+    about = VARIABLES[axis]
     words = {"long_name": about.long_name, "symbol": about.symbol}
     words |= {"si_name": about.si_name} if "si_factor" in fields["r"].attrs else {}
     line = {name: ((axis,), mirrored(values.values), values.attrs) for name, values in fields.data_vars.items()}

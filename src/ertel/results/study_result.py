@@ -27,6 +27,7 @@ from ertel.version import installed_version
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from matplotlib.figure import Figure
+    from pandas import DataFrame
 
     from ertel.plots.drawing import SheetOptions
 
@@ -52,7 +53,6 @@ class StudyRun(NamedTuple):
 
 def study_dataset(
     mode: str,
-    shape: Sequence[int],
     coordinates: Mapping[str, tuple[Sequence[Any], Mapping[str, str]]],
     runs: Sequence[StudyRun],
     attributes: Mapping[str, Any],
@@ -63,12 +63,10 @@ def study_dataset(
     ----------
     mode : str
         "product": one dimension for each coordinate; "zip": one dimension, run, with all coordinates along it.
-    shape : sequence of int
-        The numbers of values along the dimensions.
     coordinates : mapping
         Name -> values and attributes.
     runs : sequence of StudyRun
-        In C order of the shape.
+        In C order of the dimensions.
     attributes : mapping
         Of the Dataset: title and kind at least.
 
@@ -78,20 +76,21 @@ def study_dataset(
         The numbers of the runs, nan where a run has none; the number of warnings, status and directory of each run.
         A number with the name of a coordinate is left out.
     """
-    dims = tuple(coordinates) if mode == "product" else ("run",)
-    along = {key: ((key,) if mode == "product" else dims, _values(v), dict(a)) for key, (v, a) in coordinates.items()}
+    product = mode == "product"
+    dims = tuple(coordinates) if product else ("run",)
+    shape = [len(coordinates[name][0]) for name in dims] if product else [len(runs)]
+    along = {key: ((key,) if product else dims, _values(v), dict(a)) for key, (v, a) in coordinates.items()}
     variables: dict[str, Any] = {}
-    for number, run in enumerate(runs):
-        for key, scalar in run.numbers.items():
-            if key not in coordinates:
-                if key not in variables:
-                    variables[key] = dims, np.full(shape, np.nan), dict(scalar.attributes)
-                variables[key][1].flat[number] = scalar.value
-    warnings = [len(run.warnings) for run in runs]
-    variables["warnings"] = dims, np.reshape(warnings, shape), {"long_name": "number of warnings of the run"}
-    for key, about in (("status", "how the run ended"), ("directory", "run directory")):
-        texts = np.array([getattr(run, key) for run in runs], dtype=object).reshape(shape)
-        variables[key] = dims, texts, {"long_name": about}
+    for key in dict.fromkeys(key for run in runs for key in run.numbers if key not in coordinates):
+        known = [run.numbers.get(key) for run in runs]
+        found = [nan if number is None else number.value for number in known]
+        variables[key] = dims, np.reshape(found, shape), dict(next(filter(None, known)).attributes)
+    for key, values, about in (
+        ("warnings", [len(run.warnings) for run in runs], "number of warnings of the run"),
+        ("status", _values([run.status for run in runs]), "how the run ended"),
+        ("directory", _values([run.directory for run in runs]), "run directory"),
+    ):
+        variables[key] = dims, np.reshape(values, shape), {"long_name": about}
     date = datetime.now(UTC).isoformat(timespec="seconds")
     heading = {"source": f"ertel {installed_version()}", "date_created": date, "mode": mode}
     return xr.Dataset(variables, along, {**heading, **attributes})
@@ -138,27 +137,41 @@ class StudyResult:
         return str(self.dataset.attrs["title"])
 
     @property
+    def warnings(self) -> list[str]:
+        """The warnings, with the runs that they are about."""
+        return list(self.dataset.attrs.get("warnings", []))
+
+    @property
     def failed(self) -> list[Any]:
         """The run directories, relative to that of the study, of runs that failed."""
-        return [run["directory"] for run in self.rows() if run["status"] not in (DONE, *TO_DO)]
+        return self._of_failed("directory")
+
+    def _of_failed(self, name: str) -> list[Any]:
+        ended = ~self.dataset["status"].isin([DONE, *TO_DO])
+        values: list[Any] = self.dataset[name].values[ended].tolist()
+        return values
 
     @property
     def complete(self) -> bool:
         """True if every run was done, or failed."""
-        return not any(run["status"] in TO_DO for run in self.rows())
+        return not self.dataset["status"].isin(TO_DO).any()
 
     def rows(self) -> list[dict[str, Any]]:
         """The runs as plain data for JSON; names in SI end with the unit, and what is missing is None."""
-        rows = _flat(with_units(self.dataset)).to_dataframe().to_dict("records")
+        rows = self._frame().to_dict("records")
         return [{str(name): None if value != value else value for name, value in row.items()} for row in rows]
+
+    def _frame(self) -> "DataFrame":
+        """The runs as a table, a row each."""
+        return _flat(with_units(self.dataset)).to_dataframe()
 
     def as_data(self) -> dict[str, Any]:
         """The study as plain data for JSON."""
-        return {"title": self.heading, "runs": self.rows(), "warnings": list(self.dataset.attrs.get("warnings", []))}
+        return {"title": self.heading, "runs": self.rows(), "warnings": self.warnings}
 
     def to_csv(self, path: str | Path) -> None:
         """Write the runs as a CSV file; the names of its columns end with the unit, h_c_m."""
-        _flat(with_units(self.dataset)).to_dataframe().to_csv(path, index=False)
+        self._frame().to_csv(path, index=False)
 
     def plot(self, **sheet: "Unpack[SheetOptions]") -> "Figure":
         """The key numbers over what varies.  sheet: ax, figsize, columns, title, see `ertel.plots.Sheet`."""
@@ -184,7 +197,7 @@ class StudyResult:
         warn = int((self.dataset["warnings"] > 0).sum())
         summary += f"; {warn} with warnings" if warn else ""
         shown = [f"the first {MOST_ROWS} are shown"] if runs > MOST_ROWS else []
-        return [summary, *shown, *(f"warning: {each}" for each in self.dataset.attrs.get("warnings", []))]
+        return [summary, *shown, *(f"warning: {each}" for each in self.warnings)]
 
     def table_lines(self) -> Iterator[str]:
         """The table as lines of text."""
@@ -224,24 +237,10 @@ def column(head: str, values: xr.DataArray) -> list[str]:
 # -- traction curves --------------------------------------------------------------------------------------------------
 
 
-class CurveAxis(NamedTuple):
-    """The quantity that varies along a curve: its name in words, its symbol and unit, and what its values must be."""
-
-    long_name: str
-    symbol: str
-    unit: str
-    mark: Mark
-
-    @property
-    def attributes(self) -> dict[str, str]:
-        """The attributes of the coordinate of a Dataset."""
-        return {"long_name": self.long_name, "symbol": self.symbol, "units": self.unit}
-
-
-CURVE_AXES: Mapping[str, CurveAxis] = {
-    "slide_to_roll": CurveAxis("slide-to-roll ratio", "S", "1", FINITE),
-    "mean_speed": CurveAxis("mean speed", "u_m", "m/s", VELOCITY),
-    "load": CurveAxis("load", "F", "N", LOAD),
+CURVE_AXES: Mapping[str, tuple[Mark, dict[str, str]]] = {  # what varies: its values, the attributes of the coordinate
+    "slide_to_roll": (FINITE, {"long_name": "slide-to-roll ratio", "symbol": "S", "units": "1"}),
+    "mean_speed": (VELOCITY, {"long_name": "mean speed", "symbol": "u_m", "units": "m/s"}),
+    "load": (LOAD, {"long_name": "load", "symbol": "F", "units": "N"}),
 }
 CURVE_WORK = ("newton_iterations", "krylov_iterations", "convolutions")
 CURVE_SHOWN = {  # in a table, with a shorter heading where there is one
@@ -284,14 +283,11 @@ class TractionCurve(StudyResult):
         did not converge.  In SI under SI names (h_c for H_c) where the case is physical.  With a section [thermal] all
         but mu_rolling and p_max is of the warm film; mu_isothermal is without heat, phi_T the inlet factor in h_c and
         h_min, T_1_max, T_2_max, T_film_max (K) the highest temperatures.
-    warnings : list of str
-        Warnings about the oil, the grid and the domain, with the points that they are about.
     directory : Path, optional
         Where the curve is stored.
     """
 
     case: Case
-    warnings: list[str]
 
     @property
     def axis(self) -> str:
@@ -301,9 +297,7 @@ class TractionCurve(StudyResult):
     @property
     def failed(self) -> list[float]:
         """The values at which the film did not converge."""
-        ended = ~self.dataset["status"].isin([DONE, *TO_DO])
-        values: list[float] = self.dataset[self.axis].values[ended].tolist()
-        return values
+        return self._of_failed(self.axis)
 
     def plot(self, **sheet: "Unpack[SheetOptions]") -> "Figure":
         """The curve: traction coefficient and rolling resistance, films, power loss and shear stress.
@@ -321,7 +315,8 @@ class TractionCurve(StudyResult):
 
     def table(self) -> list[list[str]]:
         """The columns of a table to read, each with its heading first, with units that fit."""
-        columns = [column(CURVE_AXES[self.axis].symbol, self.dataset[self.axis])]
+        along = self.dataset[self.axis]
+        columns = [column(along.attrs["symbol"], along)]
         for name, head in (CURVE_SHOWN if self.case.thermal is None else CURVE_SHOWN | WARM_SHOWN).items():
             stored = name if name in self.dataset else name_in_si(name)
             columns.append(column(head or stored, self.dataset[stored]))
@@ -344,4 +339,4 @@ class TractionCurve(StudyResult):
         name = self.case.name or self.case.kind
         done = int((~self.dataset["status"].isin(TO_DO)).sum())
         ended = "" if self.complete else ", not complete"
-        return f"{name}, {done} points over the {CURVE_AXES[self.axis].long_name}{ended}"
+        return f"{name}, {done} points over the {self.dataset[self.axis].attrs['long_name']}{ended}"

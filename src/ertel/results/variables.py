@@ -5,7 +5,7 @@ Everything is dimensionless; where the case is physical each variable also carri
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import floor, log10
 from typing import TYPE_CHECKING, Any
 
@@ -28,172 +28,146 @@ EVENTS = ("", "max-approach", "end")  # why a frame was kept; the first: because
 class Variable:
     """The meaning of a name.
 
-    unit: what 1 is, in words.  scale, share: in SI 1 is `share` times the attribute `scale` of `Scales`.  comment: what
-    a user must know besides.
+    unit: what 1 is, in words.  scale: the attribute of `Scales` that 1 is in SI.  si_name: in `VARIABLES` that in lower
+    case where it is not given.  comment: what a user must know besides.
     """
 
     long_name: str
     symbol: str
     unit: str = "1"
     scale: str = ""
-    si_name: str = ""
     si_units: str = ""
-    share: float = 1.0
+    si_name: str = ""
     comment: str = ""
 
     def factor(self, scales: Scales) -> float:
         """The value of 1 in SI."""
-        return 1.0 if self.scale == COEFFICIENT else float(getattr(scales, self.scale)) * self.share
+        return 1.0 if self.scale == COEFFICIENT else float(getattr(scales, self.scale))
 
 
-def _length(long_name: str, symbol: str, comment: str = "") -> Variable:
-    return Variable(long_name, symbol, "a*", "a", symbol.lower(), "m", comment=comment)
-
-
-def _film(long_name: str, symbol: str, si_name: str) -> Variable:
-    return Variable(long_name, symbol, "a*^2/R", "film", si_name, "m")
-
-
-def _pressure(long_name: str, symbol: str) -> Variable:
-    return Variable(long_name, symbol, "p_h*", "p_h", symbol.lower(), "Pa")
-
-
-def _energy(long_name: str, symbol: str, si_name: str) -> Variable:
-    return Variable(long_name, symbol, "F* a*^2/R", "energy", si_name, "J")
-
-
-def _power(long_name: str, symbol: str, si_name: str, comment: str = "") -> Variable:
-    return Variable(long_name, symbol, "F* a*^2/(R t0)", "power", si_name, "W", comment=comment)
-
-
-def _oil_flow(long_name: str, symbol: str, si_name: str, comment: str = "") -> Variable:
-    return Variable(long_name, symbol, "rho0 a*^4/(R t0)", "oil_flow", si_name, "m3/s", comment=comment)
-
-
-def _coefficient(long_name: str, name: str, comment: str = "", unit: str = "a*/R") -> Variable:
-    return Variable(long_name, name, unit, COEFFICIENT, name, "1", comment=comment)
-
-
-def _shear(long_name: str, name: str) -> Variable:
-    return Variable(long_name, name, "p_h* a*/R", "shear_stress", name, "Pa")
-
-
-def _temperature(of: str, symbol: str, comment: str = "") -> Variable:
-    return Variable(f"temperature of {of}", symbol, KELVIN, comment=comment)
-
-
-def _time(long_name: str, symbol: str) -> Variable:
-    return Variable(long_name, symbol, "t0", "t0", symbol.replace("T", "t"), "s")
-
+# what 1 is: in words, as an attribute of `Scales`, in SI
+TIME = ("t0", "t0", "s")
+LENGTH = ("a*", "a", "m")
+FILM = ("a*^2/R", "film", "m")
+PRESSURE = ("p_h*", "p_h", "Pa")
+FORCE = ("F*", "load", "N")
+ENERGY = ("F* a*^2/R", "energy", "J")
+POWER = ("F* a*^2/(R t0)", "power", "W")
+OIL_FLOW = ("rho0 a*^4/(R t0)", "oil_flow", "m3/s")
+SHEAR = ("p_h* a*/R", "shear_stress", "Pa")
+NUMBER = ("a*/R", COEFFICIENT, "1")
 
 RING = "in an axisymmetric contact the place is a ring: X is its radius, Y is 0"
 AXES: Mapping[str, Variable] = {
-    "time": _time("time", "T"),
-    "frame": _time("time of a map", "T"),
-    "X": _length("position along x", "X"),
-    "Y": _length("position along y", "Y"),
-    "r": _length("distance from the centre", "r"),
+    "time": Variable("time", "T", *TIME, "t"),
+    "frame": Variable("time of a map", "T", *TIME, "t"),
+    "X": Variable("position along x", "X", *LENGTH),
+    "Y": Variable("position along y", "Y", *LENGTH),
+    "r": Variable("distance from the centre", "r", *LENGTH),
     "grid": Variable("nodes per side of a grid", "n"),
     "iteration": Variable("Newton iteration", "k"),
 }
 AMBIENT = "in SI a volume: that of the oil at ambient pressure"
 BUDGET: Mapping[str, Variable] = {  # the terms of the balances, see `equations.account`
-    "mass": Variable("oil on the grid", "m", "rho0 a*^4/R", "oil", "oil_volume", "m3", comment=AMBIENT),
-    "inflow": _oil_flow("oil that flows in through the edge of the grid", "m_in", "inflow", AMBIENT),
-    "outflow": _oil_flow("oil that flows out through the edge of the grid", "m_out", "outflow", AMBIENT),
-    "cavity_source": _oil_flow("oil that cavities make, zero to round-off", "m_c", "cavity_source", AMBIENT),
-    "elastic_energy": _energy("elastic energy of the solids", "E_solids", "elastic_energy"),
-    "oil_energy": _energy("elastic energy of the compressed oil", "E_oil", "oil_energy"),
-    "dissipation": _power("viscous dissipation of the pressure-driven flow", "D", "dissipation"),
-    "power_from_surfaces": _power("power of the moving surfaces where the gap closes", "S_in", "power_from_surfaces"),
-    "power_to_surfaces": _power("power given back where the gap opens", "S_out", "power_to_surfaces"),
-    "outside_power": _power("power that goes to the oil outside the grid", "W_out", "outside_power"),
+    "mass": Variable("oil on the grid", "m", "rho0 a*^4/R", "oil", "m3", "oil_volume", AMBIENT),
+    "inflow": Variable("oil that flows in through the edge of the grid", "m_in", *OIL_FLOW, comment=AMBIENT),
+    "outflow": Variable("oil that flows out through the edge of the grid", "m_out", *OIL_FLOW, comment=AMBIENT),
+    "cavity_source": Variable("oil that cavities make, zero to round-off", "m_c", *OIL_FLOW, comment=AMBIENT),
+    "elastic_energy": Variable("elastic energy of the solids", "E_solids", *ENERGY),
+    "oil_energy": Variable("elastic energy of the compressed oil", "E_oil", *ENERGY),
+    "dissipation": Variable("viscous dissipation of the pressure-driven flow", "D", *POWER),
+    "power_from_surfaces": Variable("power of the moving surfaces where the gap closes", "S_in", *POWER),
+    "power_to_surfaces": Variable("power given back where the gap opens", "S_out", *POWER),
+    "outside_power": Variable("power that goes to the oil outside the grid", "W_out", *POWER),
 }
 PUSHED = "the force of surface 1 on surface 2 over the load of the film, positive along X"
 RESISTANCE = (
     "of each surface: (1/2) double integral of H dP/dX over the load of the film, positive against motion along X"
 )
+LOSS = "heat of sliding and of the pressure-driven flow"
 FRICTION: Mapping[str, Variable] = {  # see `equations.account`
-    "mu_sliding": _coefficient("traction coefficient", "mu_sliding", PUSHED),
-    "mu_sliding_y": _coefficient("traction coefficient along y", "mu_sliding_y", PUSHED.replace("X", "Y")),
-    "mu_rolling": _coefficient("rolling resistance coefficient", "mu_rolling", RESISTANCE),
-    "power_loss": _power("power loss", "power_loss", "power_loss", "heat of sliding and of the pressure-driven flow"),
+    "mu_sliding": Variable("traction coefficient", "mu_sliding", *NUMBER, comment=PUSHED),
+    "mu_sliding_y": Variable("traction coefficient along y", "mu_sliding_y", *NUMBER, comment=PUSHED.replace("X", "Y")),
+    "mu_rolling": Variable("rolling resistance coefficient", "mu_rolling", *NUMBER, comment=RESISTANCE),
+    "power_loss": Variable("power loss", "power_loss", *POWER, comment=LOSS),
 }
 SCALARS: Mapping[str, Variable] = {
-    "dT": _time("time step", "dT"),
-    "Delta": _film("mutual approach of the bodies", "Delta", "delta"),
-    "V": Variable("approach speed", "dDelta/dT", "a*^2/(R t0)", "speed", "v", "m/s"),
-    "F": Variable("load carried by the film", "F", "F*", "load", "f", "N"),
-    "P_c": _pressure("central pressure", "P_c"),
-    "P_max": _pressure("maximum pressure", "P_max"),
-    "H_c": _film("central film thickness", "H_c", "h_c"),
-    "H_min": _film("minimum film thickness", "H_min", "h_min"),
-    "X_P_max": _length("place of the maximum pressure along x", "X_P_max", RING),
-    "Y_P_max": _length("place of the maximum pressure along y", "Y_P_max", RING),
+    "dT": Variable("time step", "dT", *TIME),
+    "Delta": Variable("mutual approach of the bodies", "Delta", *FILM),
+    "V": Variable("approach speed", "dDelta/dT", "a*^2/(R t0)", "speed", "m/s"),
+    "F": Variable("load carried by the film", "F", *FORCE),
+    "P_c": Variable("central pressure", "P_c", *PRESSURE),
+    "P_max": Variable("maximum pressure", "P_max", *PRESSURE),
+    "H_c": Variable("central film thickness", "H_c", *FILM),
+    "H_min": Variable("minimum film thickness", "H_min", *FILM),
+    "X_P_max": Variable("place of the maximum pressure along x", "X_P_max", *LENGTH, comment=RING),
+    "Y_P_max": Variable("place of the maximum pressure along y", "Y_P_max", *LENGTH, comment=RING),
     "P_fall": Variable("fall of the pressure from its maximum to the next nodes", "1 - P_next/P_max"),
-    "X_min": _length("place of the minimum film thickness along x", "X_min", RING),
-    "Y_min": _length("place of the minimum film thickness along y", "Y_min", RING),
+    "X_min": Variable("place of the minimum film thickness along x", "X_min", *LENGTH, comment=RING),
+    "Y_min": Variable("place of the minimum film thickness along y", "Y_min", *LENGTH, comment=RING),
     **BUDGET,
     **FRICTION,
-    "U": Variable("entrainment", "U", "a*/t0", "front_speed", "u_m", "m/s"),
-    "w": Variable("applied load", "w", "F*", "load", "w", "N"),
+    "U": Variable("entrainment", "U", "a*/t0", "front_speed", "m/s", "u_m"),
+    "w": Variable("applied load", "w", *FORCE),
     "error": Variable("local time error of the step", "error", "time.tolerance"),
-    "newton_iterations": Variable("Newton iterations of the step", "n_N"),
-    "krylov_iterations": Variable("Krylov iterations of the step", "n_K"),
+    "newton_iterations": Variable("Newton iterations", "n_N"),
+    "krylov_iterations": Variable("Krylov iterations", "n_K"),
     "convolutions": Variable("convolutions of the step, on the finest grid", "n_c"),
     "rejected": Variable("attempts rejected before the step", "n_r"),
 }
 FIELDS: Mapping[str, Variable] = {
-    "P": _pressure("pressure", "P"),
-    "H": _film("film thickness", "H", "h"),
-    "oil": _film("oil in the gap, H where it is full", "H_oil", "h_oil"),
-    "tau_x": _shear("shear stress in the middle of the film along x", "tau_x"),
-    "tau_y": _shear("shear stress in the middle of the film along y", "tau_y"),
-    "loss": Variable("power loss per area", "q", "p_h* a*^2/(R t0)", "power_per_area", "loss", "W/m2"),
+    "P": Variable("pressure", "P", *PRESSURE),
+    "H": Variable("film thickness", "H", *FILM),
+    "oil": Variable("oil in the gap, H where it is full", "H_oil", *FILM, "h_oil"),
+    "tau_x": Variable("shear stress in the middle of the film along x", "tau_x", *SHEAR),
+    "tau_y": Variable("shear stress in the middle of the film along y", "tau_y", *SHEAR),
+    "loss": Variable("power loss per area", "q", "p_h* a*^2/(R t0)", "power_per_area", "W/m2"),
 }
 TEMPERATURES: Mapping[str, Variable] = {  # maps of a steady contact with [thermal], see `solvers.heat`
-    "T_1": _temperature("surface 1", "T_1"),
-    "T_2": _temperature("surface 2", "T_2"),
-    "T_film": _temperature("the film", "T_film", "mean across the film"),
+    "T_1": Variable("temperature of surface 1", "T_1", KELVIN),
+    "T_2": Variable("temperature of surface 2", "T_2", KELVIN),
+    "T_film": Variable("temperature of the film", "T_film", KELVIN, comment="mean across the film"),
 }
 OF_A_GRID: Mapping[str, Variable] = {  # of a steady contact, with some of the scalars
-    "load": Variable("load carried by the film", "integral of P", "a*^2 p_h*", "force", "load", "N"),
+    "load": Variable("load carried by the film", "integral of P", "a*^2 p_h*", "force", "N"),
     "residual": Variable("maximum residual", "res"),
     "history": Variable("maximum residual after each iteration", "res"),
 }
-OF_A_CURVE: Mapping[str, Variable] = {  # of a traction curve, with some of the scalars
-    "mu_1": _coefficient("friction coefficient of surface 1, mu + mu_r", "mu_1", unit="a/R"),
-    "mu_2": _coefficient("friction coefficient of surface 2, mu_r - mu", "mu_2", unit="a/R"),
-    "tau_max": Variable("maximum mid-plane shear stress", "tau_max", "p_h a/R", "shear_stress", "tau_max", "Pa"),
-    "mu_isothermal": _coefficient("isothermal traction coefficient", "mu_isothermal", PUSHED),
+HOTTEST: Mapping[str, Variable] = {
     "T_1_max": Variable("highest temperature of surface 1", "T_1_max", KELVIN),
     "T_2_max": Variable("highest temperature of surface 2", "T_2_max", KELVIN),
     "T_film_max": Variable("highest temperature of the film", "T_film_max", KELVIN),
     "phi_T": Variable("inlet factor of the film", "phi_T"),
 }
-OF_AN_IMPACT: Mapping[str, Variable] = {  # as a whole
-    "contact_time": _time("contact time, with more than 1 % of the largest load", "T_contact"),
-    "F_max": Variable("largest load carried by the film", "F_max", "F*", "load", "f_max", "N"),
+OF_A_CURVE: Mapping[str, Variable] = {  # of a traction curve, with some of the scalars
+    "mu_1": Variable("friction coefficient of surface 1, mu + mu_r", "mu_1", "a/R", COEFFICIENT, "1"),
+    "mu_2": Variable("friction coefficient of surface 2, mu_r - mu", "mu_2", "a/R", COEFFICIENT, "1"),
+    "tau_max": Variable("maximum mid-plane shear stress", "tau_max", "p_h a/R", "shear_stress", "Pa"),
+    "mu_isothermal": Variable("isothermal traction coefficient", "mu_isothermal", *NUMBER, comment=PUSHED),
+    **HOTTEST,
 }
-EVENT = Variable("why the map was kept", "event")
-VARIABLES: Mapping[str, Variable] = {
-    **{**AXES, **SCALARS, **FIELDS, **TEMPERATURES, **OF_A_GRID, **OF_A_CURVE, **OF_AN_IMPACT},
-    "event": EVENT,
-}
-OUTCOME: Mapping[str, Variable] = {  # of the numbers of a run, besides `VARIABLES`
+OUTCOME: Mapping[str, Variable] = {  # of a run as a whole
     "M": Variable("load parameter", "M"),
     "L": Variable("oil parameter", "L"),
-    "T": AXES["time"],
-    "H_min_extreme": _film("thinnest film of the run", "H_min", "h_min_extreme"),
-    "P_max_extreme": _pressure("highest pressure of the run", "P_max_extreme"),
+    "H_min_extreme": Variable("thinnest film of the run", "H_min", *FILM),
+    "P_max_extreme": Variable("highest pressure of the run", "P_max_extreme", *PRESSURE),
     "restitution": Variable("coefficient of restitution", "e"),
+    "contact_time": Variable("contact time, with more than 1 % of the largest load", "T_contact", *TIME, "t_contact"),
     "h_c_warm": Variable("central film thickness, warm", "h_c", "m"),
     "h_min_warm": Variable("minimum film thickness, warm", "h_min", "m"),
     "mu_sliding_warm": Variable("traction coefficient, warm", "mu_sliding"),
-    **{f"{name}_warm": OF_A_CURVE[name] for name in ("T_1_max", "T_2_max", "T_film_max", "phi_T")},
-    "newton_iterations": Variable("Newton iterations", "n_N"),
-    "krylov_iterations": Variable("Krylov iterations", "n_K"),
+    **{f"{name}_warm": variable for name, variable in HOTTEST.items()},
     "wall_time": Variable("time of computing", "t_wall", "s"),
+}
+EVENT = Variable("why the map was kept", "event")
+VARIABLES: Mapping[str, Variable] = {
+    name: replace(variable, si_name=variable.si_name or name.lower()) if variable.scale else variable
+    for name, variable in {
+        **{**AXES, **SCALARS, **FIELDS, **TEMPERATURES, **OF_A_GRID, **OF_A_CURVE, **OUTCOME},
+        "F_max": Variable("largest load carried by the film", "F_max", *FORCE),
+        "T": AXES["time"],
+        "event": EVENT,
+    }.items()
 }
 FILMS = ("H_c", "H_min")  # that have an error estimate
 MEASURED = ("H_c", "H_min", "X_min", "Y_min", "Delta", "P_c", "P_max", "load")  # of a rolling contact's summary
@@ -202,7 +176,7 @@ AT_MAXIMUM = ("T", "Delta", "F", "P_c", "P_max", "H_c", "H_min", "X_min", "Y_min
 
 def unit_of(kind: str, unit: str) -> str:
     """A unit of `VARIABLES` as a contact of this kind, "impact" or "rolling", names it."""
-    return {"impact": {}, "rolling": ROLLING_UNITS}[kind].get(unit, unit)
+    return ROLLING_UNITS.get(unit, unit) if kind == "rolling" else unit
 
 
 def name_in_si(name: str) -> str:
@@ -280,14 +254,13 @@ def to_si(dataset: "xr.Dataset") -> "xr.Dataset":
     """
     if not any("si_factor" in variable.attrs for variable in dataset.variables.values()):
         raise ValueError("dataset: the case is dimensionless and has no SI scales; give radius, speed, ... in SI")
-    converted = dataset.copy()
-    names = {}
+    converted, names = dataset.copy(), {}
     for name, variable in dataset.variables.items():
         if "si_factor" in variable.attrs:
             new, values, attributes = value_in_si(variable.values, variable.attrs)
             converted[name] = (variable.dims, values, attributes)
             names[name] = new if name != "frame" else name
-    return converted.rename({name: new for name, new in names.items() if new != name})
+    return converted.rename(names)
 
 
 def exponent(size: float) -> int:
@@ -303,17 +276,18 @@ def with_prefix(value: float, unit: str) -> str:
     return f"{value / 10**power:.4g} {PREFIXES[power]}{unit}"
 
 
-def values_in_si(values: Mapping[str, float | None], scales: Scales) -> dict[str, float | None]:
-    """Convert dimensionless values, by the name of their variable, to SI.
+def values_in_si(values: Mapping[str, Any], scales: Scales) -> dict[str, float | None]:
+    """Convert dimensionless values, by the name of their variable, to SI; what has no unit is left out.
 
     The names in SI end with the unit: H_c becomes h_c_m, P_max p_max_Pa.  H_c_error and H_c_extrapolated scale as H_c.
     """
     converted = {}
     for name, value in values.items():
         base = name.removesuffix("_error").removesuffix("_extrapolated")
-        variable = VARIABLES["time" if base == "T" else base]
-        key = named_with_unit(variable.si_name + name.removeprefix(base), variable.si_units)
-        converted[key] = None if value is None else value * variable.factor(scales)
+        variable = VARIABLES.get(base, EVENT)
+        if variable.scale:
+            key = named_with_unit(variable.si_name + name.removeprefix(base), variable.si_units)
+            converted[key] = None if value is None else value * variable.factor(scales)
     return converted
 
 

@@ -6,8 +6,8 @@ readers see.  Zarr also wants a zarr.json in each array; nobody here reads those
 
 The arrays are appended in time (`AppendedData`), or replaced grid by grid (`ReplacedData`).  `create` writes those of a
 run that has not started.  `flush` writes what is new before a checkpoint, and returns what the checkpoint must store
-about it; `after_checkpoint` does what remains.  `restore` resets the arrays to a checkpoint; an empty checkpoint and no
-result mean the start.  It raises Damaged where that cannot be done; then nothing has changed.
+about it.  `restore` resets the arrays to a checkpoint; an empty checkpoint and no result mean the start.  It raises
+Damaged where that cannot be done; then nothing has changed.
 
 flush_interval: seconds between flushes, unless the store is told others; a killed run loses at most this much.
 advice: how to go on where the data are damaged.
@@ -32,15 +32,13 @@ from zarr.abc.buffer import Buffer
 from zarr.codecs import Crc32cCodec, ZstdCodec
 from zarr.storage import LocalStore
 
-from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.results import dataset
-from ertel.results.dataset import provenance
+from ertel.results.dataset import Frame, provenance
 from ertel.runs.files import Damaged, StoreError, content_of, reading, replace, require_regular, sealed, unsealed
 
 if TYPE_CHECKING:  # they bring JAX
-    from ertel.runs.drive import Run
-    from ertel.runs.stepping import Frame
+    from ertel.runs.drive import SteadyRun, TransientRun
 
 ROOT = "zarr.json"
 GROWING = ("time", "frame")  # the dimensions along which rows are appended
@@ -52,6 +50,7 @@ FORMAT: Final = 3  # of Zarr; earlier ones may hold pickles
 WRITTEN = "store_written"  # in a checkpoint: how many rows of the arrays belong to it
 
 Root = dict[str, Any]  # the content of ROOT without its checksum
+Record = Mapping[str, float]
 
 
 class SyncedStore(LocalStore):
@@ -147,12 +146,6 @@ def rows_of(root: Root) -> dict[str, int]:
     return {dimension: _metadata(root)[dimension]["shape"][0] for dimension in GROWING}
 
 
-def has_old_coefficients(root: Root) -> bool:
-    """Whether coefficients of friction are stored in units a/R, as ertel did before they were plain numbers."""
-    attributes = _metadata(root).get("mu_sliding", {}).get("attributes", {})
-    return bool(attributes.get("si_factor", 1.0) != 1.0)
-
-
 def with_rows(root: Root, rows: Mapping[str, int]) -> Root:
     """The metadata that count so many rows."""
     arrays = {}
@@ -229,30 +222,26 @@ class AppendedData:
     flush_interval = 5.0
     advice = "the run must be computed again from its case.toml"
 
-    def __init__(self, run: "Run"):
+    def __init__(self, run: "TransientRun"):
         self._run = run
 
     def create(self, path: Path) -> None:
         data = self._run.dataset([], [], None)
         write(SyncedStore(path), data.assign_attrs(status=Status.RUNNING.value))
 
-    def flush(self, path: Path, records: Sequence[Mapping[str, float]], frames: Sequence["Frame"]) -> dict[str, Any]:
+    def flush(self, path: Path, records: Sequence[Record], frames: Sequence[Frame], result: Any) -> dict[str, Any]:
         root = read_root(path, self.advice)
-        old = has_old_coefficients(root)  # they stay as the run began
-        columns = dataset.columns(records, None if old else self._run.case.scales) if records else {}
-        maps = dataset.maps(frames) if frames else {}
-        append(path, {**columns, **maps})
+        columns = dataset.columns(records, self._run.case.scales) if records else {}
+        append(path, {**columns, **(dataset.maps(frames) if frames else {})})
         new = {"time": len(records), "frame": len(frames)}
         rows = {dimension: count + new[dimension] for dimension, count in rows_of(root).items()}
         write_root(path, with_rows(root, rows))
         return {WRITTEN: np.array(list(rows.values()))}
 
-    def after_checkpoint(self, path: Path, result: Any) -> None:
-        """Do nothing: the arrays were written before the checkpoint."""
-
     def restore(self, path: Path, checkpoint: Mapping[str, Any], result: Any) -> None:
         root = read_root(path, self.advice)
-        if self._run.dataset([], [], None).variables.keys() - _metadata(root).keys():
+        new, stored = self._run.dataset([], [], None).variables, _metadata(root)
+        if any(name not in stored or _plain(stored[name]["attributes"]) != _plain(new[name].attrs) for name in new):
             raise StoreError(f"{path.parent}: was left unfinished by an earlier version of ertel; {self.advice}")
         present = rows_of(root)
         written: Sequence[int] = checkpoint[WRITTEN].tolist() if checkpoint else [0] * len(present)
@@ -267,13 +256,18 @@ class AppendedData:
         delete_uncounted(path, root)
 
 
+def _plain(attributes: Mapping[str, Any]) -> bool:
+    """Whether a variable has its values in SI; coefficients of friction had units a/R in earlier versions."""
+    return bool(attributes.get("si_factor", 1.0) == 1.0)
+
+
 class ReplacedData:
     """Scalars of every grid and the maps on the finest one so far: they follow from the checkpoint."""
 
     flush_interval = 5.0
     advice = "it is written again when the run is continued"
 
-    def __init__(self, run: "Run"):
+    def __init__(self, run: "SteadyRun"):
         self._run = run
 
     def create(self, path: Path) -> None:
@@ -283,10 +277,7 @@ class ReplacedData:
         data = self._run.dataset([], [], result).assign_attrs(status=Status.RUNNING.value)
         write(LocalStore(path), data)
 
-    def flush(self, path: Path, records: Sequence[Mapping[str, float]], frames: Sequence["Frame"]) -> dict[str, Any]:
-        return {}
-
-    def after_checkpoint(self, path: Path, result: Any) -> None:
+    def flush(self, path: Path, records: Sequence[Record], frames: Sequence[Frame], result: Any) -> dict[str, Any]:
         """Write the data again; the old data remain readable between the two renames."""
         old, draft = old_of(path), path.with_name(f"{path.name}.partial")
         shutil.rmtree(draft, ignore_errors=True)
@@ -296,11 +287,7 @@ class ReplacedData:
             path.rename(old)
         draft.rename(path)
         shutil.rmtree(old, ignore_errors=True)
+        return {}
 
     def restore(self, path: Path, checkpoint: Mapping[str, Any], result: Any) -> None:
-        self.after_checkpoint(path, result or self._run.begin())
-
-
-def data_class(case: Case) -> type[AppendedData] | type[ReplacedData]:
-    """The class that writes the arrays of a case."""
-    return ReplacedData if case.is_steady else AppendedData
+        self.flush(path, [], [], result or self._run.begin())

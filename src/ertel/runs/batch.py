@@ -28,16 +28,17 @@ import numpy as np
 from jax import Array, tree
 
 from ertel.case.case import Case
-from ertel.case.derived import grid_of
+from ertel.case.definition import grid_of
 from ertel.case.status import Status
 from ertel.equations.contact import traceable
+from ertel.equations.state import StepSolution
 from ertel.inputs.case_files import CaseLike, ConfigError, as_case, parse_case, written
 from ertel.numerics.programs import double_precision, require_double
 from ertel.results.result import Result
 from ertel.runs.drive import METHODS, Recorder, TransientRun, drive, method_of, run_of
 from ertel.runs.stepping import Step
 from ertel.runs.workers import Failure, check_fork
-from ertel.solvers.transient import StepProblem, StepSolution, Transient2D, solve_step
+from ertel.solvers.transient import StepProblem, Transient2D, solve_step
 
 Asking = Generator[Any, Any, Any]  # a run that yields problems, is sent their solutions, and returns its outcome
 SolveTogether = Callable[[Sequence[Any], int], Sequence[Any]]  # from problems and the number of lanes to solutions
@@ -182,8 +183,7 @@ def solve_together(problems: Sequence[StepProblem], lanes: int) -> list[StepSolu
     """The results of `transient.solve_step` for problems of one shape, by one call with this number of lanes."""
     require_double()
     filled = [*problems, *[problems[-1]] * (lanes - len(problems))]
-    separate = tree.map(_stacked, *(_without_shared(problem) for problem in filled))
-    fields, numbers = _solve_lanes(problems[0], separate)
+    fields, numbers = _solve_lanes(tree.map(_joined, _axes(problems[0]), *filled, is_leaf=_is_shared))
     numbers = np.asarray(numbers)
     return [
         StepSolution({name: each[lane] for name, each in fields.items()}, numbers[lane])
@@ -191,14 +191,20 @@ def solve_together(problems: Sequence[StepProblem], lanes: int) -> list[StepSolu
     ]
 
 
-def _without_shared(problem: StepProblem) -> Any:
-    """The problem without the large parts that all cases share."""
-    setting = replace(problem.setting, elastic=(), space=(), axes=(), gap_slope=())  # type: ignore[arg-type]
-    contact = replace(problem.contact, kernel=(), spacing=())  # type: ignore[arg-type]
-    return replace(problem, setting=setting, contact=contact)
+def _axes(problem: StepProblem) -> Any:
+    """The axis of the lanes in each part of a problem; None for the large parts that all cases share."""
+    axes = tree.map(lambda leaf: 0, problem)
+    setting = replace(axes.setting, elastic=None, space=None, axes=None, gap_slope=None)
+    return replace(axes, setting=setting, contact=replace(axes.contact, kernel=None, spacing=None))
 
 
-def _stacked(*values: Any) -> Any:
+def _is_shared(axis: object) -> bool:
+    return axis is None
+
+
+def _joined(axis: int | None, *values: Any) -> Any:
+    if axis is None:
+        return values[0]
     return _stack(values) if isinstance(values[0], Array) else np.asarray(values)
 
 
@@ -208,18 +214,9 @@ def _stack(fields: Sequence[Array]) -> Array:
 
 
 @jax.jit
-def _solve_lanes(one: StepProblem, separate: Any) -> tuple[dict[str, list[Array]], Array]:
+def _solve_lanes(problems: StepProblem) -> tuple[dict[str, list[Array]], Array]:
     """The fields of each lane separately; the numbers with the lanes along their first axis."""
-
-    def solve(separate: Any) -> StepSolution:
-        contact = replace(separate.contact, kernel=one.contact.kernel, spacing=one.contact.spacing)
-        shared = {name: getattr(one.setting, name) for name in ("elastic", "space", "axes", "gap_slope")}
-        solution: StepSolution = solve_step(
-            replace(separate, setting=replace(separate.setting, **shared), contact=contact)
-        )
-        return solution
-
-    solution = jax.vmap(solve)(separate)
+    solution = jax.vmap(solve_step, in_axes=(_axes(problems),))(problems)
     return {name: list(lanes) for name, lanes in solution.fields.items()}, solution.numbers
 
 

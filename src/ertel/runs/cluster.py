@@ -29,16 +29,7 @@ from typing import Any
 from uuid import uuid4
 
 import dask
-from distributed import (
-    Client,
-    Future,
-    KilledWorker,
-    LocalCluster,
-    Security,
-    Worker,
-    WorkerPlugin,
-    as_completed,
-)
+from distributed import Client, Future, KilledWorker, LocalCluster, Security, Worker, WorkerPlugin, as_completed
 from distributed.comm.core import FatalCommClosedError
 from distributed.utils import json_load_robust, silence_logging_cmgr
 
@@ -108,7 +99,9 @@ def _private_directory() -> Iterator[str]:
 
 
 @contextmanager
-def existing(address: str | None = None, file: Path | None = None, tls: Path | None = None) -> Iterator["Cluster"]:
+def existing(
+    address: str | None = None, file: str | Path | None = None, tls: str | Path | None = None
+) -> Iterator["Cluster"]:
     """The workers of a scheduler that runs, by its address or the file that it wrote; they stay.
 
     They need this version of ertel, and the directories of the runs under the same names.  tls: a PEM file with a
@@ -117,7 +110,7 @@ def existing(address: str | None = None, file: Path | None = None, tls: Path | N
     """
     where = f"scheduler = {address}" if address else f"scheduler_file = {file}"
     security = _keys(tls) if tls else None
-    whole_address = address or _address_in(file or Path())
+    whole_address = address or _address_in(Path(file or ""))
     if tls and "://" not in whole_address:
         whole_address = f"tls://{whole_address}"
     _check_encryption(where, whole_address, security)
@@ -133,7 +126,7 @@ def existing(address: str | None = None, file: Path | None = None, tls: Path | N
         yield cluster
 
 
-def _keys(tls: Path) -> Security:
+def _keys(tls: str | Path) -> Security:
     """The keys in a PEM file.  Raises NoScheduler."""
     file = str(tls)
     security = Security(require_encryption=True, tls_ca_file=file, tls_client_cert=file, tls_client_key=file)

@@ -43,14 +43,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from uuid import uuid4
 
 from ertel.case.case import Case
-from ertel.case.records import show
 from ertel.case.status import Status
 from ertel.inputs.case_files import ConfigError, parse_case, read_toml, to_toml
 from ertel.results.numbers import Scalar, as_now, lines, scalars
 from ertel.runs.files import StoreError, content_of, is_locked, reading, replace, sync_directory, unsealed
 
 if TYPE_CHECKING:  # it brings JAX, which readers do not need
-    from ertel.runs.drive import Run, StepResult
+    from ertel.runs.drive import Run
 
 CASE, DATA, CHECKPOINT, SUMMARY = "case.toml", "run.zarr", "checkpoint.npz", "summary.json"
 PROGRESS, STOP = "progress.json", "stop"
@@ -110,7 +109,7 @@ def _moved(draft: Path, directory: Path) -> bool:
     return True
 
 
-# -- held to their case -----------------------------------------------------------------------------------------------
+# -- the case ---------------------------------------------------------------------------------------------------------
 
 
 def read_case(directory: Path) -> Case:
@@ -119,22 +118,6 @@ def read_case(directory: Path) -> Case:
         return parse_case(read_toml(directory / CASE), directory)
     except ConfigError as error:
         raise StoreError(f"{directory / CASE}: cannot be read as a case ({error}); put the run's own back") from error
-
-
-def require_same(directory: Path, digest: str, data: Mapping[str, Any], case: Case) -> None:
-    """Raise StoreError unless the case with this digest and data is the case of the directory's file."""
-    if digest != case.digest:
-        changed = changes(data, case.to_data())
-        raise StoreError(f"{directory}: {CASE} was changed ({changed}); put it back, or run it as a new case")
-
-
-def changes(before: Any, now: Any, field: str = "") -> str:
-    """The fields in which two cases differ as plain data, names and references apart."""
-    if isinstance(before, Mapping) and isinstance(now, Mapping):
-        free = ("name", "reference")
-        keys = [key for key in {**before, **now} if before.get(key) != now.get(key) and key not in free]
-        return ", ".join(changes(before.get(key), now.get(key), f"{field}.{key}".removeprefix(".")) for key in keys)
-    return f"{field} {show(before)} → {show(now)}"
 
 
 # -- the summary ------------------------------------------------------------------------------------------------------
@@ -189,15 +172,21 @@ def _forget_stop(directory: Path) -> None:
 
 
 class ProgressFile:
-    """An observer that keeps the progress of a run in its directory."""
+    """An observer that keeps the progress of a run in its directory.
+
+    A process that was killed left "running" behind, and this one has no result yet: the run is interrupted until then.
+    """
 
     def __init__(self, directory: Path, run: "Run"):
         self._directory, self._run = directory, run
+        before = read_progress(directory)
+        if before and before["status"] == Status.RUNNING.value:
+            self._replace({**before, "status": Status.INTERRUPTED.value})
         self._started = time.monotonic()
         self._first: tuple[float, float] | None = None  # time and share done at the first result with a record
         self._written = -INTERVAL
 
-    def __call__(self, result: "StepResult") -> None:
+    def __call__(self, result: Any) -> None:
         """Write the progress, unless it was written a moment ago."""
         now = time.monotonic()
         if self._first is None and result.record:
@@ -206,7 +195,7 @@ class ProgressFile:
             self._written = now
             self.write(result)
 
-    def write(self, result: "StepResult") -> None:
+    def write(self, result: Any) -> None:
         """Write the progress; a disk that refuses it stops no run."""
         progress = self._run.progress(result)
         done = 1.0 if result.status.ok else progress.done
@@ -220,7 +209,11 @@ class ProgressFile:
             "written": datetime.now(UTC).isoformat(timespec="seconds"),
             "process": os.getpid(),
         }
-        _write_progress(self._directory, content)
+        self._replace(content)
+
+    def _replace(self, content: Mapping[str, Any]) -> None:
+        with suppress(OSError):
+            replace(self._directory / PROGRESS, (json.dumps(content) + "\n").encode(), durable=False)
 
     def _left(self, status: Status, done: float) -> float | None:
         """Seconds to the end at the pace since the first result; compiling came before it."""
@@ -230,11 +223,6 @@ class ProgressFile:
             return None
         then, share = self._first
         return round((time.monotonic() - then) * (1.0 - done) / (done - share), 1)
-
-
-def _write_progress(directory: Path, content: Mapping[str, Any]) -> None:
-    with suppress(OSError):
-        replace(directory / PROGRESS, (json.dumps(content) + "\n").encode(), durable=False)
 
 
 def read_progress(directory: Path) -> dict[str, Any] | None:
@@ -259,13 +247,6 @@ def _is_valid(progress: Mapping[str, Any]) -> bool:
         and progress["seconds"] >= 0.0
         and 0 < progress["process"] < LARGEST_PROCESS
     )
-
-
-def settle_progress(directory: Path) -> None:
-    """Call a run interrupted whose process was killed: the next process has no result yet."""
-    progress = read_progress(directory)
-    if progress and progress["status"] == Status.RUNNING.value:
-        _write_progress(directory, {**progress, "status": Status.INTERRUPTED.value})
 
 
 # -- the runs in a folder ---------------------------------------------------------------------------------------------

@@ -9,7 +9,6 @@ stop.
 
 import time as clock
 import warnings
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
@@ -20,20 +19,19 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
-from ertel.case.derived import grid_of
+from ertel.case.definition import grid_of
 from ertel.case.status import Status
 from ertel.equations.state import Method, State, solved
 from ertel.inputs.case_files import CaseLike, as_case
 from ertel.numerics.grid import Grid, Symmetry
 from ertel.numerics.programs import double_precision
-from ertel.results.dataset import assemble, assemble_steady
-from ertel.results.errors import comparisons
+from ertel.results.dataset import Frame, assemble, assemble_steady
 from ertel.results.result import Result
 from ertel.results.summary import attributes, impact_summary, rolling_summary, steady_summary
 from ertel.runs import workers
 from ertel.runs.compile import check_jax, compilations
 from ertel.runs.outlook import warnings_of, with_case_warnings
-from ertel.runs.stepping import Counts, Frame, RunState, Step, StepLimits, begin, next_step
+from ertel.runs.stepping import Counts, RunState, Step, StepLimits, begin, next_step
 from ertel.solvers import steady
 from ertel.solvers.radial import RadialImpact
 from ertel.solvers.steady import GridSolution
@@ -56,54 +54,6 @@ class Progress(NamedTuple):
     message: str
 
 
-class Run(ABC):
-    """A run of a case: one `StepResult` after the other.
-
-    Each has a record, scalars by name; frames, the maps that fell due; and the status of the run after it.
-    """
-
-    case: Case
-
-    @abstractmethod
-    def begin(self) -> Any:
-        """The result before the first step, without a record."""
-
-    @abstractmethod
-    def advance(self, result: Any) -> Any:
-        """The next result."""
-
-    @abstractmethod
-    def progress(self, result: Any) -> Progress:
-        """The progress of the run after a result."""
-
-    @abstractmethod
-    def to_arrays(self, result: Any) -> dict[str, NDArray[Any]]:
-        """Everything that is needed to continue after a result, as named arrays, exact to the last bit."""
-
-    @abstractmethod
-    def from_arrays(self, arrays: Arrays) -> Any:
-        """The result from the arrays of `to_arrays`."""
-
-    @abstractmethod
-    def dataset(self, records: Sequence[Mapping[str, float]], frames: Sequence[Frame], last: Any) -> xr.Dataset:
-        """The run as a Dataset."""
-
-    @abstractmethod
-    def summary(self, data: xr.Dataset, last: Any, status: Status, work: Mapping[str, float]) -> dict[str, Any]:
-        """The outcome of the run as plain data; work: compilations, wall_s."""
-
-    @property
-    def comparisons(self) -> "Mapping[str, Run]":
-        """The runs with which this one is compared, by the part of its error that they estimate."""
-        return {name: run_of(case) for name, case in comparisons(self.case).items()}
-
-
-def run_of(case: Case) -> Run:
-    """The run of a case.  Raises Forked."""
-    workers.check_fork()
-    return SteadyRun(case) if case.is_steady else TransientRun(case, method_of(case))
-
-
 METHODS: Mapping[str, Callable[[Case], Method]] = {"2d": Transient2D, "transient": Transient2D, "radial": RadialImpact}
 
 
@@ -118,16 +68,22 @@ NUMBERS = ("T", "approach", "velocity", "load", "outside")  # of a State, beside
 REACHED = "max_approach_"
 
 
-class TransientRun(Run):
-    """An impact, or rolling in time from the steady film."""
+class TransientRun:
+    """An impact, or rolling in time from the steady film.
+
+    A run of either kind gives one `StepResult` after the other.  Each has a record, scalars by name; frames, the maps
+    that fell due; and the status of the run after it.
+    """
 
     def __init__(self, case: Case, method: Method, limits: StepLimits | None = None):
         self.case, self.method, self.limits = case, method, limits or StepLimits()
 
     def begin(self) -> Step:
+        """Return the result before the first step, without a record."""
         return begin(self.case, self.method, self.limits)
 
     def advance(self, result: Step) -> Step:
+        """Return the next result."""
         return solved(self.attempts(result), self.method.solve)
 
     def attempts(self, result: Step) -> Generator[Any, Any, Step]:
@@ -135,6 +91,7 @@ class TransientRun(Run):
         return next_step(self.case, self.method, result.state, self.limits)
 
     def progress(self, result: Step) -> Progress:
+        """Tell how far the run is after a result."""
         record, counts, schedule = result.record, result.state.counts, self.case.schedule
         T = result.state.levels[0].T
         if not record:
@@ -146,6 +103,7 @@ class TransientRun(Run):
         return Progress(T, counts.steps, done, message)
 
     def to_arrays(self, result: Step) -> dict[str, NDArray[Any]]:
+        """Everything that is needed to continue after a result, as named arrays, exact to the last bit."""
         state, levels = result.state, result.state.levels
         scalars = {"next_step": state.next_step, "next_frame": state.next_frame, **vars(state.counts)}
         reached = {f"{REACHED}{key}": value for key, value in (state.max_approach or {}).items()}
@@ -156,6 +114,7 @@ class TransientRun(Run):
         return {key: np.asarray(value) for key, value in everything.items()}
 
     def from_arrays(self, arrays: Arrays) -> Step:
+        """Return the result from the arrays of `to_arrays`."""
         names = arrays["fields"].tolist()
         numbers = zip(*(arrays[name].tolist() for name in NUMBERS), strict=True)
         levels = tuple(
@@ -168,10 +127,12 @@ class TransientRun(Run):
         state = RunState(levels, next_step, counts, next_frame, reached or None)
         return Step(state, {}, (), Status(str(arrays["status"])))
 
-    def dataset(self, records: Sequence[Mapping[str, float]], frames: Sequence[Frame], last: Step) -> xr.Dataset:
+    def dataset(self, records: Sequence[Mapping[str, float]], frames: Sequence[Frame], last: Any) -> xr.Dataset:
+        """Return the run as a Dataset."""
         return assemble(self.case, records, frames, self.method.coordinates)
 
     def summary(self, data: xr.Dataset, last: Step, status: Status, work: Mapping[str, float]) -> dict[str, Any]:
+        """Return the outcome of the run as plain data; work: compilations, wall_s."""
         counts = {**vars(last.state.counts), **work}
         counts["convolutions"] = round(counts["convolutions"], 1)
         if self.case.starts_apart:
@@ -206,7 +167,7 @@ class GridStep:
 StepResult = Step | GridStep  # an accepted time step, or the solution on a grid
 
 
-class SteadyRun(Run):
+class SteadyRun:
     """A steady contact, grid by grid: each solution is the first guess on the next grid."""
 
     def __init__(self, case: Case):
@@ -264,6 +225,15 @@ class SteadyRun(Run):
 
     def summary(self, data: xr.Dataset, last: GridStep, status: Status, work: Mapping[str, float]) -> dict[str, Any]:
         return steady_summary(self.case, last.solutions, work, status)
+
+
+Run = TransientRun | SteadyRun
+
+
+def run_of(case: Case) -> Run:
+    """The run of a case.  Raises Forked."""
+    workers.check_fork()
+    return SteadyRun(case) if case.is_steady else TransientRun(case, method_of(case))
 
 
 # -- the loop ---------------------------------------------------------------------------------------------------------
@@ -374,7 +344,7 @@ def watch(progress: Any, run: Run, label: str = "") -> Observer:
     label = label or run.case.name or run.case.kind
     bar = progress.add_task(label, total=1.0, message="compiling (once per machine and grid size)")
 
-    def show(result: StepResult) -> None:
+    def show(result: Any) -> None:
         if result.record:
             now = run.progress(result)
             progress.update(bar, completed=now.done, message=now.message)

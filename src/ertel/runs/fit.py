@@ -14,8 +14,9 @@ Each run is a run directory, runs/DIGEST of its case, as in a study.  The search
 the same path, finds the runs that are done, and goes on where it was.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -44,6 +45,16 @@ NEAR = 1e-3  # a step of the search that is smaller, in the logarithms, is the l
 FLAT = 0.01  # a change of chi square that does not matter
 MOST_POINTS = 40  # of a search
 
+COLUMNS = {  # of the data: what they are
+    "measurement": "number of the measurement",
+    "quantity": "SI name",
+    "conditions": "what differs from the case",
+    "measured_unit": "SI unit",
+    "x_unit": "SI unit of x",
+    "x": "place or time",
+    "measured": "measured value",
+    "sigma": "standard deviation",
+}
 Given = Measurement | tuple[Measurement, Settings]
 Runner = Callable[[Sequence[Case]], Sequence[Result | Failure]]
 
@@ -112,8 +123,7 @@ def fit(
         The data do not decide an unknown, one ends at its bound, or the case does not explain the data.
     """
     check_jax()
-    file, keys = (None if path is None else Path(path) for path in (scheduler_file, tls))
-    engine = Engine(jobs, scheduler, file, keys)
+    engine = Engine(jobs, scheduler, scheduler_file, tls)
     problem = fit_problem(as_case(case), measurements, unknowns)
     if directory is None:
         with TemporaryDirectory(prefix="ertel-fit-") as place:
@@ -159,28 +169,19 @@ class FitProblem:
 
     def columns(self) -> dict[str, tuple[Any, str]]:
         """The data one after the other: name -> values, and what they are."""
-        about = {
-            "measurement": "number of the measurement",
-            "quantity": "SI name",
-            "conditions": "what differs from the case",
-            "measured_unit": "SI unit",
-            "x_unit": "SI unit of x",
-            "x": "place or time",
-            "measured": "measured value",
-            "sigma": "standard deviation",
+        rows = []
+        for number, (each, index) in enumerate(self.data):
+            settings = self.conditions[index].items()
+            conditions = ", ".join(f"{path.rpartition('.')[2]} = {value}" for path, value in settings)
+            units = QUANTITIES[each.quantity].si_units or "1", {"profile": "m", "history": "s"}.get(each.kind, "")
+            x = np.nan if each.x is None else each.x
+            for values in np.broadcast(x, each.values, np.asarray(each.sigma)):
+                rows.append((number, each.quantity, conditions, *units, *map(float, values)))
+        columns = zip(COLUMNS.items(), zip(*rows, strict=True), strict=True)
+        return {
+            name: (np.array(values, dtype=object if isinstance(values[0], str) else None), text)
+            for (name, text), values in columns
         }
-        columns = zip(*(row for number in range(len(self.data)) for row in self._rows(number)), strict=True)
-        arrays = [np.array(values, dtype=object if isinstance(values[0], str) else None) for values in columns]
-        return {name: (values, text) for (name, text), values in zip(about.items(), arrays, strict=True)}
-
-    def _rows(self, number: int) -> Iterator[tuple[Any, ...]]:
-        """A measurement, value by value, see `columns`."""
-        each, index = self.data[number]
-        conditions = ", ".join(f"{path.rpartition('.')[2]} = {value}" for path, value in self.conditions[index].items())
-        units = QUANTITIES[each.quantity].si_units or "1", {"profile": "m", "history": "s"}.get(each.kind, "")
-        x = np.nan if each.x is None else each.x
-        for values in np.broadcast(x, each.values, np.asarray(each.sigma)):
-            yield number, each.quantity, conditions, *units, *map(float, values)
 
 
 def load_fit_problem(path: str | Path, overrides: Sequence[str] = ()) -> FitProblem:
@@ -250,18 +251,22 @@ class Search:
         if not np.isfinite(self.at(start).residuals).all():
             where = ", ".join(f"{u.field} = {amount(u.start, u.unit)}" for u in unknowns)
             raise FitError(f"the fit cannot begin: a run at {where}, or next to it, failed: {self._failures[0]}")
-        # One is added to the logarithms so that scipy's xtol, relative to their norm, is a relative change of values.
+
+        def point(u: Values) -> FitPoint:
+            """Here one is added to the logarithms, so that scipy's xtol is a relative change of values."""
+            return self.at(start * np.exp(u - 1.0))
+
         found = least_squares(
-            lambda u: self.at(start * np.exp(u - 1.0)).rows[0],
+            lambda u: point(u).rows[0],
             np.ones_like(start),
-            lambda u: self.at(start * np.exp(u - 1.0)).rows[1],
+            lambda u: point(u).rows[1],
             (np.log(lower / start) + 1.0, np.log(upper / start) + 1.0),
             xtol=NEAR,
             ftol=FLAT / len(self.measured),
             gtol=None,
             max_nfev=MOST_POINTS,
         )
-        return self.at(start * np.exp(found.x - 1.0)), found.status > 0
+        return point(found.x), found.status > 0
 
     def at(self, values: Values) -> FitPoint:
         """The point with these values; its residuals are nan where a run failed, from which the search steps back."""
@@ -288,22 +293,20 @@ class Search:
 
     def _predicted(self, places: Values) -> Values:
         """The predictions with the values of each row; all nan where a run failed."""
+        data = self.problem.data
         try:
             groups = [self.problem.cases(values) for values in places]
             cases = [case for group in groups for case in group]
             self.runs |= {case.digest for case in cases}
-            outcomes = list(self._runner(cases))
+            outcomes: Sequence[Any] = self._runner(cases)
             for failure in [outcome for outcome in outcomes if isinstance(outcome, Failure)]:
                 raise ValueError(failure.reason)
-            count = len(self.problem.conditions)
-            results = [outcomes[first : first + count] for first in range(0, len(outcomes), count)]
-            return np.array([self._row(each) for each in results])
+            size = len(self.problem.conditions)
+            results = [outcomes[first : first + size] for first in range(0, len(outcomes), size)]
+            return np.array([np.concatenate([each.predicted(found[n]) for each, n in data]) for found in results])
         except ValueError as error:  # also of a case that is not allowed, and of a run that does not reach the data
             self._failures.append(str(error))
             return np.full((len(places), len(self.measured)), np.nan)
-
-    def _row(self, results: Sequence[Any]) -> Values:
-        return np.concatenate([each.predicted(results[number]) for each, number in self.problem.data])
 
 
 def solve_fit(problem: FitProblem, runner: Runner) -> FitResult:
@@ -311,16 +314,15 @@ def solve_fit(problem: FitProblem, runner: Runner) -> FitResult:
     search = Search(problem, runner)
     solution, converged = search.solve()
     unfinished = [] if converged else [f"the search has not converged after {MOST_POINTS} points; start nearer"]
-    warnings = [*unfinished, *solution.warnings]
     predicted = solution.residuals * search.sigma + search.measured
     about = {
         "title": problem.case.name or problem.case.kind,
         "runs": len(search.runs),
         "best": f"{studies.RUNS}/{problem.cases(solution.values)[0].digest}",
-        "warnings": warnings,
+        "warnings": [*unfinished, *solution.warnings],
     }
     data = fit_dataset(solution, {**search.columns, "predicted": (predicted, "in SI")}, about)
-    return FitResult(data, case=with_settings(problem.case, problem.at(solution.values)), warnings=warnings)
+    return FitResult(data, case=with_settings(problem.case, problem.at(solution.values)))
 
 
 # -- its runs ---------------------------------------------------------------------------------------------------------
@@ -335,35 +337,27 @@ def store_fit(
     """
     batch = len(problem.conditions) * (1 + len(problem.unknowns))
     with engine.workers(batch) as workers, studies.alone(directory):
-        runner = StoredRuns(directory, workers, asked, progress)
-        result = replace(solve_fit(problem, runner), directory=directory)
+        result = solve_fit(problem, partial(_stored_runs, directory, workers, asked, progress))
+        result = replace(result, directory=directory)
         studies.write_study(result, directory, NAME)
     return result
 
 
-@dataclass(frozen=True)
-class StoredRuns:
-    """A runner that keeps its runs in a directory, and takes those that are there."""
+def _stored_runs(
+    directory: Path, workers: Workers, asked: Condition, progress: bool, cases: Sequence[Case]
+) -> list[Result | Failure]:
+    """The results of cases in their order, from their runs in a directory.  Raises StoppedFit."""
+    each = {case.digest: case for case in cases}
+    statuses = studies.run_study(list(each.values()), directory, workers, asked=asked, progress=progress)
+    outcomes = {digest: _outcome(directory, case, statuses.get(digest, "")) for digest, case in each.items()}
+    return [outcomes[case.digest] for case in cases]
 
-    directory: Path
-    workers: Workers
-    asked: Condition = never
-    progress: bool = False
 
-    def __call__(self, cases: Sequence[Case]) -> list[Result | Failure]:
-        """The results of cases in their order.  Raises FitError where it was asked to stop."""
-        each = {case.digest: case for case in cases}
-        statuses = studies.run_study(
-            list(each.values()), self.directory, self.workers, asked=self.asked, progress=self.progress
-        )
-        outcomes = {digest: self._outcome(case, statuses.get(digest, "")) for digest, case in each.items()}
-        return [outcomes[case.digest] for case in cases]
-
-    def _outcome(self, case: Case, status: str) -> Result | Failure:
-        place = studies.run_directory(self.directory, case)
-        if status.startswith(studies.FAILED):
-            return Failure(f"{place}: {status.removeprefix(studies.FAILED)}")
-        if status == Status.INTERRUPTED.value or not (place / CASE).exists():
-            raise StoppedFit(f"{self.directory}: the fit was asked to stop; the same call goes on")
-        result = RunStore.open(place).result()
-        return result if result.status.ok else Failure(f"{place}: {result.status.value}; {result.status.advice}")
+def _outcome(directory: Path, case: Case, status: str) -> Result | Failure:
+    place = studies.run_directory(directory, case)
+    if status.startswith(studies.FAILED):
+        return Failure(f"{place}: {status.removeprefix(studies.FAILED)}")
+    if status == Status.INTERRUPTED.value or not (place / CASE).exists():
+        raise StoppedFit(f"{directory}: the fit was asked to stop; the same call goes on")
+    result = RunStore.open(place).result()
+    return result if result.status.ok else Failure(f"{place}: {result.status.value}; {result.status.advice}")

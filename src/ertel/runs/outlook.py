@@ -10,19 +10,9 @@ from contextlib import suppress
 from math import ceil, inf, isfinite, prod
 from typing import Any
 
-import numpy as np
-
+from ertel.case import definition
 from ertel.case.case import Case
-from ertel.case.derived import (
-    LARGEST_NEWTONIAN_STRESS,
-    film_estimate,
-    grid_of,
-    largest_pressure,
-    newtonian_stress,
-    radii,
-    starvation,
-    wet_radius,
-)
+from ertel.case.definition import grid_of, wet_radius
 from ertel.case.sections import Time
 from ertel.inputs import materials
 from ertel.physics.geometry import CIRCLE
@@ -65,19 +55,15 @@ def outlook(case: Case) -> dict[str, Any]:
     dict
         name, kind, method, digest; rheology in words; parameters, see `parameters.parameter_summary`; films of a
         rolling contact at T = 0 by the formulas, in a^2/R; grid: nodes, nodes_across, spacing and sweep (a),
-        cells_in_sweep, and spacing_m of a physical case; starvation: r and share, see `derived.starvation`, and
+        cells_in_sweep, and spacing_m of a physical case; starvation: r and share, see `definition.starvation`, and
         wet_radius (a) of an impact of circular symmetry, empty for a full gap; memory: needed and available bytes, None
         where that is not known; time: steps and seconds, roughly; warnings.
     """
     available, needed = memory_available(), memory_needed(case)
     shortage = memory_shortage(case) if 0 < available < needed else ""
     some = 1e-9 if case.motion.slide_to_roll else 0.0  # of friction it is enough to know whether the surfaces slide
-    sentences = [
-        shortage,
-        _resolution_warning(case),
-        *warnings_of(case),
-        *diagnostics.friction_warnings(case, some),
-    ]
+    resolution = diagnostics.resolution(case, case.motion.entrainment(0.0))
+    sentences = [shortage, *resolution, *warnings_of(case), *diagnostics.friction_warnings(case, some)]
     return {
         "name": case.name,
         "kind": case.kind,
@@ -99,30 +85,12 @@ def outlook(case: Case) -> dict[str, Any]:
 
 def _grid(case: Case) -> dict[str, float | int]:
     """The grid, and the length of the pressure sweep in a: at the front of an impact, in the inlet of rolling."""
-    spacing = _spacing(case)
+    spacing = diagnostics.spacing_of(case)
     across = 1 if case.solver.method == "radial" else grid_of(case).nodes_y
-    if case.starts_apart:
-        sweep = diagnostics.front_length(case)
-    else:
-        sweep = diagnostics.sweep_length(case, case.motion.entrainment(0.0))
+    sweep = diagnostics.sweep_length(case, case.motion.entrainment(0.0))
     in_si = {"spacing_m": spacing * case.scales.a} if case.scales else {}
     numbers = {"nodes": case.solver.nodes, "nodes_across": across, "spacing": spacing}
     return {**numbers, **in_si, "sweep": sweep, "cells_in_sweep": sweep / spacing}
-
-
-def _spacing(case: Case) -> float:
-    """The spacing in a; of a radial grid at the position where the front is judged."""
-    if case.solver.method != "radial":
-        return grid_of(case).spacing
-    r = radii(case.solver.nodes, case.solver.half_width)
-    near = int(np.abs(r - diagnostics.FRONT_POSITION).argmin())
-    return float(r[near + 1] - r[near])
-
-
-def _resolution_warning(case: Case) -> str:
-    if case.starts_apart:
-        return diagnostics.front_warning(case, _spacing(case))
-    return diagnostics.sweep_warning(case, abs(case.motion.entrainment(0.0)))
 
 
 def _starvation(case: Case) -> dict[str, float]:
@@ -130,7 +98,7 @@ def _starvation(case: Case) -> dict[str, float]:
     if case.track is None:
         return {}
     wet = {"wet_radius": wet_radius(case.track.extremes[1])} if case.starts_apart and case.geometry is CIRCLE else {}
-    return dict(zip(("r", "share"), starvation(case), strict=True)) | wet
+    return dict(zip(("r", "share"), definition.starvation(case), strict=True)) | wet
 
 
 # -- time -------------------------------------------------------------------------------------------------------------
@@ -214,12 +182,8 @@ def beyond(case: Case, computed: float | None = None) -> list[str]:
 
     computed: the minimum film (m) of the run, None where only the expected one is known.
     """
-    thin = (
-        _thin_film("the expected film", film_estimate(case))
-        if computed is None
-        else _thin_film("the minimum film", computed)
-    )
-    sentences = (*_yielding(case), _pressure_of_the_oil(case), _stress_of_the_oil(case), thin, _layer(case))
+    film = ("expected", definition.film_estimate(case)) if computed is None else ("minimum", computed)
+    sentences = (*_yielding(case), _pressure_of_the_oil(case), _shear_stress(case), _thin_film(*film), _layer(case))
     return [sentence for sentence in sentences if sentence]
 
 
@@ -232,7 +196,7 @@ def with_case_warnings(case: Case, summary: Mapping[str, Any]) -> dict[str, Any]
 
 def _yielding(case: Case) -> Iterator[str]:
     """A sentence for every body that yields.  A body is of a material of the library if it has its E and nu."""
-    p, contact = largest_pressure(case), case.contact
+    p, contact = definition.largest_pressure(case), case.contact
     bodies = dict.fromkeys(((contact.E1, contact.nu1), (contact.E2, contact.nu2)))
     for name in materials.names() if p else ():
         material = materials.get(name)
@@ -251,7 +215,7 @@ def _yielding(case: Case) -> Iterator[str]:
 
 def _pressure_of_the_oil(case: Case) -> str:
     """A sentence where the viscosity is extrapolated beyond the pressures for which the law of the oil has a source."""
-    p, highest = largest_pressure(case), getattr(case.oil.viscosity_law, "highest", None)
+    p, highest = definition.largest_pressure(case), getattr(case.oil.viscosity_law, "highest", None)
     if highest is None or p <= highest or not (case.motion.slide_to_roll or case.thermal):
         return ""
     return (
@@ -260,10 +224,10 @@ def _pressure_of_the_oil(case: Case) -> str:
     )
 
 
-def _stress_of_the_oil(case: Case) -> str:
+def _shear_stress(case: Case) -> str:
     """A sentence where a Newtonian oil would have a shear stress that no oil has."""
-    stress = newtonian_stress(case) if case.oil.is_newtonian else 0.0
-    if stress <= LARGEST_NEWTONIAN_STRESS:
+    stress = definition.newtonian_stress(case) if case.oil.is_newtonian else 0.0
+    if stress <= definition.LARGEST_NEWTONIAN_STRESS:
         return ""
     return (
         f"the oil is Newtonian, and sliding would give it a mean shear stress of about {with_prefix(stress, 'Pa')}; "
@@ -292,11 +256,11 @@ def _layer(case: Case) -> str:
     )
 
 
-def _thin_film(name: str, thickness: float) -> str:
+def _thin_film(which: str, thickness: float) -> str:
     """A sentence where a film is thinner than molecules."""
     if not 0.0 < thickness < SMALLEST_FILM:
         return ""
     return (
-        f"{name} of {with_prefix(thickness, 'm')} is thinner than {with_prefix(SMALLEST_FILM, 'm')}, about the size of "
-        "the oil's molecules: it is not a liquid film there, and solids with their roughness may touch"
+        f"the {which} film of {with_prefix(thickness, 'm')} is thinner than {with_prefix(SMALLEST_FILM, 'm')}, about "
+        "the size of the oil's molecules: it is not a liquid film there, and solids with their roughness may touch"
     )

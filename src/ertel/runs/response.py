@@ -64,16 +64,6 @@ class Companion:
     advance: Callable[[Sequence[State], Sequence[State]], State]
     film_change: Callable[[State, State], Array]
 
-    def follow(self, smooth: Sequence[State]) -> Status:
-        """Make the step that the smooth run has made."""
-        new = self.advance(smooth, self.levels)
-        self.levels = [new, *self.levels][:3]
-        return new.status
-
-    def changes(self, smooth: Sequence[State]) -> list[Array]:
-        """dH at the times of the last levels."""
-        return [self.film_change(level, other) for level, other in zip(self.levels, smooth, strict=True)]
-
 
 def rough_run(case: Case) -> Companion:
     """A rough impact of finite height."""
@@ -103,9 +93,10 @@ class Lockstep:
 
     def __call__(self, step: Step) -> bool:
         """Repeat the step; return True if a companion has failed, so that the run stops."""
-        if step.record:
-            ends = [companion.follow(step.state.levels) for companion in self.companions]
-            self.status = next((status for status in ends if not status.ok), self.status)
+        for companion in self.companions if step.record else ():
+            new = companion.advance(step.state.levels, companion.levels)
+            companion.levels = [new, *companion.levels][:3]
+            self.status = new.status if self.status.ok else self.status
         return not self.status.ok
 
 
@@ -201,7 +192,7 @@ def _in_lockstep(
     data = run.dataset(recorder.records, [frame], last).assign_attrs(status=status.value).isel(frame=0)
 
     weights = bdf.interpolation_weights(T, [level.T for level in levels])
-    changes = [combined(weights, companion.changes(levels)) for companion in companions]
+    changes = [combined(weights, list(map(each.film_change, each.levels, levels))) for each in companions]
     heights = [discretise.heights(features, smooth, method.grid, 0.0) for features in roughnesses]
     data = data.assign(dH=_field(map(method.whole, changes), FILM_CHANGE))
     return data.assign_coords(roughness=_field(map(method.whole, heights), HEIGHT))

@@ -7,16 +7,16 @@ attempts and is sent their solutions, so that one run and a batch of runs share 
 from collections.abc import Generator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.equations.account import coefficients, whole_maps
 from ertel.equations.state import Method, State, Work, combined, interpolated
 from ertel.numerics import bdf
+from ertel.results.dataset import Frame
 
 UNLOADED = 1e-8  # F below which the ball has left
 SAME_TIME = 1e-9  # t0: two maps closer than this are one
@@ -37,14 +37,6 @@ class StepLimits:
     cut: float = 0.5
     of_period: float = 1 / 16
     control: bdf.StepControl = field(default_factory=bdf.StepControl)
-
-
-class Frame(NamedTuple):
-    """The maps of all fields at a time, by name; event: "", "max-approach" or "end"."""
-
-    T: float
-    fields: Mapping[str, NDArray[np.float64]]
-    event: str
 
 
 @dataclass(frozen=True)

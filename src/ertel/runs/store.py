@@ -19,14 +19,16 @@ import numpy as np
 import xarray as xr
 
 from ertel.case.case import Case
+from ertel.case.records import show
 from ertel.case.status import Status
 from ertel.inputs.case_files import CaseLike, as_case, path_of
 from ertel.numerics.programs import double_precision
+from ertel.results.dataset import Frame
 from ertel.results.result import Result
 from ertel.results.summary import attributes
 from ertel.results.variables import one_number
-from ertel.runs import arrays
-from ertel.runs.arrays import AppendedData, ReplacedData, data_class
+from ertel.runs import arrays, files
+from ertel.runs.arrays import AppendedData, ReplacedData
 from ertel.runs.compile import check_jax, compilations
 from ertel.runs.directory import (
     CASE,
@@ -34,30 +36,16 @@ from ertel.runs.directory import (
     DATA,
     SUMMARY,
     ProgressFile,
-    changes,
     heeding_stop,
     is_asked_to_stop,
     make,
     numbered,
     read_case,
     read_summary,
-    require_same,
-    settle_progress,
 )
-from ertel.runs.drive import Observer, Run, StepResult, bars, drive, run_of, warn, watch
-from ertel.runs.files import (
-    Damaged,
-    StoreError,
-    content_of,
-    locked,
-    reading,
-    replace,
-    sealed,
-    with_checksum,
-    without_checksum,
-)
+from ertel.runs.drive import Observer, Run, SteadyRun, StepResult, bars, drive, run_of, warn, watch
+from ertel.runs.files import Damaged, StoreError
 from ertel.runs.outlook import warnings_of, with_case_warnings
-from ertel.runs.stepping import Frame
 
 LARGEST_CHECKPOINT = 4 * 10**9  # bytes: of 4097 x 4097 nodes a map has 0.13 GB, and there are several
 
@@ -72,7 +60,7 @@ class RunStore:
 
     def __init__(self, directory: Path, case: Case, run: Run | None = None):
         self.directory, self.case, self._run = directory, case, run
-        self._advice = data_class(case).advice
+        self._advice = (ReplacedData if case.is_steady else AppendedData).advice
         self._started = self._flushed = time.monotonic()
         self._seconds_before = 0.0  # of computing, before this process took over
         self._item: Any = None  # the last result taken and not yet written
@@ -92,7 +80,7 @@ class RunStore:
         return store
 
     @classmethod
-    def create_unused(cls, case: Case, parent: Path = Path("runs"), run: Run | None = None) -> "RunStore":
+    def create_unused(cls, case: Case, parent: Path, run: Run | None = None) -> "RunStore":
         """The store of a new run in parent/NAME, parent/NAME-2, ...: the first that does not exist.
 
         Other processes may take names at the same time.  Raises as `create`.
@@ -119,7 +107,7 @@ class RunStore:
 
     @cached_property
     def _arrays(self) -> AppendedData | ReplacedData:
-        return data_class(self.case)(self.run)
+        return ReplacedData(self.run) if isinstance(self.run, SteadyRun) else AppendedData(self.run)
 
     @property
     def _data(self) -> Path:
@@ -141,8 +129,8 @@ class RunStore:
         if self._alone:
             yield
             return
-        with locked(self.directory), heeding_stop(self.directory):
-            require_same(self.directory, self.case.digest, self.case.to_data(), read_case(self.directory))
+        with files.locked(self.directory), heeding_stop(self.directory):
+            self._require_same(read_case(self.directory), self.case.digest, self.case.to_data())
             self._require_own_data()
             self._alone = True
             try:
@@ -169,23 +157,22 @@ class RunStore:
         if self._item is None:
             return
         result, self._item = self._item, None
-        written = self._arrays.flush(self._data, self._records, self._frames)
+        written = self._arrays.flush(self._data, self._records, self._frames, result)
         self._records, self._frames = [], []
         self._write_checkpoint({**self.run.to_arrays(result), **written})
-        self._arrays.after_checkpoint(self._data, result)
         self._flushed = time.monotonic()
 
     def _write_checkpoint(self, values: Mapping[str, Any]) -> None:
         about = {"store_seconds": np.array(self.seconds), "store_digest": np.array(self.case.digest)}
         content = BytesIO()
         np.savez(content, allow_pickle=False, **values, **about)
-        replace(self.directory / CHECKPOINT, with_checksum(content.getvalue()))
+        files.replace(self.directory / CHECKPOINT, files.with_checksum(content.getvalue()))
 
     def finish(self, summary: Mapping[str, Any]) -> None:
         """Write the remaining results and the summary of the run."""
         self.flush()
         arrays.update_attributes(self._data, attributes(summary), self._advice)
-        replace(self.directory / SUMMARY, sealed({**summary, "digest": self.case.digest}))
+        files.replace(self.directory / SUMMARY, files.sealed({**summary, "digest": self.case.digest}))
 
     # -- reading ------------------------------------------------------------------------------------------------------
 
@@ -210,11 +197,11 @@ class RunStore:
         """The arrays of the checkpoint and its result; none where the run is still at its very start."""
         path = self.directory / CHECKPOINT
         try:
-            content = content_of(path, LARGEST_CHECKPOINT)
+            content = files.content_of(path, LARGEST_CHECKPOINT)
         except FileNotFoundError:
             return {}, None
-        with reading(path, "delete it to have the run computed from its start"):
-            with np.load(BytesIO(without_checksum(content)), allow_pickle=False) as file:
+        with files.reading(path, "delete it to have the run computed from its start"):
+            with np.load(BytesIO(files.without_checksum(content)), allow_pickle=False) as file:
                 checkpoint = dict(file)
             self._require_own(CHECKPOINT, str(checkpoint.get("store_digest")))
             return checkpoint, self.run.from_arrays(checkpoint)
@@ -229,7 +216,13 @@ class RunStore:
             attributes = arrays.read_root(arrays.present(self._data), self._advice)["attributes"]
         except Damaged:
             return
-        require_same(self.directory, attributes["digest"], json.loads(attributes["case"]), self.case)
+        self._require_same(self.case, attributes["digest"], json.loads(attributes["case"]))
+
+    def _require_same(self, case: Case, digest: str, data: Mapping[str, Any]) -> None:
+        """Raise StoreError unless the case of the file is the one with this digest and these plain data."""
+        if digest != case.digest:
+            changed = changes(data, case.to_data())
+            raise StoreError(f"{self.directory}: {CASE} was changed ({changed}); put it back, or run it as a new case")
 
     def dataset(self) -> xr.Dataset:
         """The run as far as it has been written.  Raises Damaged."""
@@ -259,13 +252,22 @@ class RunStore:
         """The summary of a run that has not ended.  Raises StoreError where there is nothing yet."""
         checkpoint, result = self._read_checkpoint()
         if result is None:
-            raise StoreError(f"{self.directory}: nothing is computed yet")
+            raise StoreError(f"{self.directory}: nothing is computed yet; to start it: ertel resume")
         return self.summarise(result, Status.RUNNING, {"compilations": 0, "wall_s": float(checkpoint["store_seconds"])})
 
     def result(self) -> Result:
         """The run as far as it is written.  Raises StoreError where there is nothing yet."""
         summary = self.summary() or self.summary_so_far()
         return Result(self.case, self.dataset(), summary, Status(summary["status"]), self.directory)
+
+
+def changes(before: Any, now: Any, field: str = "") -> str:
+    """The fields in which two cases differ as plain data, names and references apart."""
+    if isinstance(before, Mapping) and isinstance(now, Mapping):
+        free = ("name", "reference")
+        keys = [key for key in {**before, **now} if before.get(key) != now.get(key) and key not in free]
+        return ", ".join(changes(before.get(key), now.get(key), f"{field}.{key}".removeprefix(".")) for key in keys)
+    return f"{field} {show(before)} → {show(now)}"
 
 
 # -- running ----------------------------------------------------------------------------------------------------------
@@ -284,7 +286,6 @@ def compute(store: RunStore, observers: Sequence[Observer] = ()) -> dict[str, An
         finished = store.outcome()
         if finished is not None:
             return finished
-        settle_progress(store.directory)
         progress = ProgressFile(store.directory, store.run)
         last = drive(store.run, [store, progress, *observers, store.asked_to_stop], store.resume())
         progress.write(last)

@@ -100,8 +100,7 @@ def sweep(
         Another process is working on the study, or the directory holds other files.
     """
     check_jax()
-    file, keys = (None if path is None else Path(path) for path in (scheduler_file, tls))
-    engine = Engine(jobs, scheduler, file, keys)
+    engine = Engine(jobs, scheduler, scheduler_file, tls)
     planned = parse_study(study) if isinstance(study, Mapping) else load_study(study, overrides)
     path = Path(directory).absolute()
     require_place(path)
@@ -276,7 +275,7 @@ def gather(study: Study, directory: Path, statuses: Mapping[str, str] | None = N
     about: dict[str, Any] = {"title": study.name, "kind": study.cases[0].kind}
     warnings = grouped(((run.directory, each) for run in runs for each in run.warnings), "run")
     about |= {"warnings": warnings} if warnings else {}
-    return StudyResult(study_dataset(study.mode, study.shape, coordinates(study), runs, about), directory)
+    return StudyResult(study_dataset(study.mode, coordinates(study), runs, about), directory)
 
 
 def study_run(case: Case, directory: Path, statuses: Mapping[str, str]) -> StudyRun:

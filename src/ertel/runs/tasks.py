@@ -8,15 +8,14 @@ Results that are kept are plain data, so that reading them runs no code and a da
 value.
 
 Plain data: None, truth values, numbers, texts, lists, dicts with texts as keys, NumPy arrays of numbers or texts, and
-Datasets of these.  Tuples are written as lists.  A file is an npz archive and its checksum (`files.with_checksum`).  In
-the archive "text" is JSON in which each list, dict, array and Dataset is named as such; the arrays are "0", "1", ...
+Datasets of these.  Tuples are written as lists.  A file is JSON and its checksum (`files.with_checksum`).
 """
 
+import base64
 import hashlib
-import io
 import json
 import logging
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from numbers import Integral
@@ -26,7 +25,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ertel.case.records import ConfigError, show
 from ertel.runs.files import reading, replace, with_checksum, without_checksum
@@ -35,6 +33,7 @@ from ertel.runs.workers import LocalWorker, Workers, cores
 from ertel.runs.workers import Task as Task
 from ertel.version import installed_version, own_sources
 
+ARRAY, DATASET = "NumPy array", "xarray Dataset"  # the keys of tables in JSON that stand for one
 _log = logging.getLogger(__name__)
 
 
@@ -95,12 +94,13 @@ def kept(tasks: Iterable[Task], directory: Path | None) -> dict[str, Any]:
     """Task name -> kept result, for the tasks that have a valid one."""
     results = {}
     for task in tasks if directory else ():
-        present = _stamp(task)
+        file, present = _file(directory, task), _stamp(task)
         try:
-            stamp, result = read_plain(_file(directory, task))
+            with reading(file, "delete it"):
+                stamp, result = json.loads(without_checksum(file.read_bytes()), object_hook=_decoded)
         except FileNotFoundError:
             continue
-        except (ValueError, LookupError, OSError) as error:  # damaged, or written by another version
+        except (ValueError, OSError) as error:  # damaged, or written by another version
             _log.warning("the kept result of %s cannot be read and is computed again: %s", task.name, error)
             continue
         if stamp == present:
@@ -109,10 +109,13 @@ def kept(tasks: Iterable[Task], directory: Path | None) -> dict[str, Any]:
 
 
 def _keep(directory: Path, task: Task, result: object) -> None:
+    file = _file(directory, task)
     try:
-        write_plain(_file(directory, task), [_stamp(task), result])
+        replace(file, with_checksum(_json([_stamp(task), result])))
     except TypeError as error:
         raise TypeError(f"result of task {task.name}: {error}") from error
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(file)) from error
 
 
 def _file(directory: Path | None, task: Task) -> Path:
@@ -123,7 +126,7 @@ def _stamp(task: Task) -> str:
     """A digest of what a kept result depends on.  Raises TypeError where the arguments are not plain data."""
     function = task.function.__module__, task.function.__qualname__
     try:
-        return digest([installed_version(), own_sources(), *function, task.arguments])
+        return hashlib.sha256(_json([installed_version(), own_sources(), *function, task.arguments])).hexdigest()
     except TypeError as error:
         raise TypeError(f"arguments of task {task.name}: {error}") from error
 
@@ -142,8 +145,8 @@ class Engine:
 
     jobs: int | None = None
     scheduler: str | None = None
-    scheduler_file: Path | None = None
-    tls: Path | None = None
+    scheduler_file: str | Path | None = None
+    tls: str | Path | None = None
 
     def __post_init__(self) -> None:
         if self.scheduler and self.scheduler_file:
@@ -173,74 +176,35 @@ class Engine:
             yield workers
 
 
-# -- plain data in files ----------------------------------------------------------------------------------------------
+# -- plain data -------------------------------------------------------------------------------------------------------
 
 
-def write_plain(path: Path, content: Any) -> None:
-    """Write plain data atomically.
-
-    Raises TypeError where the content is not plain data, OSError with the name of the file where it cannot be written.
-    """
-    archive = with_checksum(_archive(content))
-    try:
-        replace(path, archive)
-    except OSError as error:
-        raise OSError(error.errno, error.strerror, str(path)) from error
+def _json(content: Any) -> bytes:
+    """Plain data as JSON.  Raises TypeError where the content is not plain data."""
+    return json.dumps(_encoded(content)).encode()
 
 
-def read_plain(path: Path) -> Any:
-    """The content that was written.  Raises Damaged where the file is damaged, OSError where it cannot be read."""
-    content = path.read_bytes()
-    with (
-        reading(path, "delete it"),
-        np.load(io.BytesIO(without_checksum(content)), allow_pickle=False) as archive,
-    ):
-        return _decoded(json.loads(archive["text"].item()), archive)
-
-
-def digest(content: Any) -> str:
-    """SHA-256 (hexadecimal) of plain data.  Raises TypeError where the content is not plain data."""
-    return hashlib.sha256(_archive(content)).hexdigest()
-
-
-def _archive(content: Any) -> bytes:
-    """The npz archive; equal content gives equal bytes, because NumPy writes no dates."""
-    arrays: list[NDArray[Any]] = []
-    text, archive = json.dumps(_encoded(content, arrays)), io.BytesIO()
-    np.savez(archive, allow_pickle=False, text=np.array(text), **{str(i): array for i, array in enumerate(arrays)})
-    return archive.getvalue()
-
-
-def _encoded(content: Any, arrays: list[NDArray[Any]]) -> Any:
-    """Content as JSON has it; its arrays are added to the list."""
+def _encoded(content: Any) -> Any:
+    """Content as JSON has it."""
     match content:
         case None | bool() | int() | float() | str():
             return content
         case np.generic():
-            return _encoded(content.item(), arrays)
+            return _encoded(content.item())
         case np.ndarray() if content.dtype.kind in "biufcU":
-            arrays.append(content)
-            return {"array": len(arrays) - 1}
+            values = base64.b64encode(content.tobytes()).decode()
+            return {ARRAY: values, "type": content.dtype.str, "shape": content.shape}
         case list() | tuple():
-            return {"list": [_encoded(value, arrays) for value in content]}
+            return [_encoded(value) for value in content]
         case dict() if all(isinstance(key, str) for key in content):
-            return {"dict": {key: _encoded(value, arrays) for key, value in content.items()}}
+            return {key: _encoded(value) for key, value in content.items()}
         case xr.Dataset():
-            return {"dataset": _encoded(content.to_dict(data="array"), arrays)}
+            return {DATASET: _encoded(content.to_dict(data="array"))}
     raise TypeError(f"a {type(content).__name__} cannot be kept: use numbers, texts, lists, dicts, arrays, Datasets")
 
 
-def _decoded(content: Any, arrays: Mapping[str, NDArray[Any]]) -> Any:
-    if not isinstance(content, Mapping):
-        return content
-    [(kind, value)] = content.items()
-    match kind:
-        case "array":
-            return arrays[str(value)]
-        case "list":
-            return [_decoded(each, arrays) for each in value]
-        case "dict":
-            return {key: _decoded(each, arrays) for key, each in value.items()}
-        case "dataset":
-            return xr.Dataset.from_dict(_decoded(value, arrays))
-    raise ValueError(f"{kind}: must be array, list, dict or dataset")
+def _decoded(table: dict[str, Any]) -> Any:
+    """An array or a Dataset in the place of the table that stands for it."""
+    if ARRAY in table:
+        return np.frombuffer(base64.b64decode(table[ARRAY]), table["type"]).reshape(table["shape"]).copy()
+    return xr.Dataset.from_dict(table[DATASET]) if DATASET in table else table

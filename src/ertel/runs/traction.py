@@ -7,54 +7,43 @@ of every point.  Over the slide-to-roll ratio the film of a Newtonian oil is the
 once; an oil that thins has another film at each, and is solved for each unless the user wants one film.
 
 A curve is a study whose runs are these films, see `studies`: in its directory they are in runs/DIGEST, beside
-traction.zarr, traction.csv and traction.png.  The points follow from the films.
+traction.zarr, traction.csv and traction.png.  The points follow from the films.  Without a directory they are in a
+temporary one.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from itertools import count
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Literal, get_args
 
 import numpy as np
 
 from ertel.case.case import Case
-from ertel.case.derived import newtonian_stress
+from ertel.case.definition import newtonian_stress
 from ertel.case.records import ConfigError, show
 from ertel.case.sections import Drive
 from ertel.case.status import Status
-from ertel.equations.account import coefficients, steady_friction
+from ertel.equations.account import coefficients
 from ertel.inputs.case_files import CaseLike, as_case
 from ertel.inputs.quantities import Given, parse_values
 from ertel.numerics.programs import double_precision
-from ertel.results import diagnostics
+from ertel.results import diagnostics, study_result
 from ertel.results.dataset import provenance
-from ertel.results.study_result import (
-    CURVE_AXES,
-    CURVE_WORK,
-    DONE,
-    StudyRun,
-    TractionCurve,
-    grouped,
-    point_scalars,
-    study_dataset,
-)
+from ertel.results.study_result import CURVE_AXES, StudyRun, TractionCurve, point_scalars
 from ertel.results.variables import with_coefficients
 from ertel.runs import studies
 from ertel.runs.compile import check_jax
-from ertel.runs.directory import Taken
-from ertel.runs.drive import GridStep, bars, drive, run_of, warn
+from ertel.runs.drive import GridStep, warn
 from ertel.runs.outlook import beyond
 from ertel.runs.store import RunStore
 from ertel.runs.workers import Condition, LocalWorker, check_fork, never
 from ertel.solvers.heat import Heated, heated
-from ertel.solvers.steady import Rolling
+from ertel.solvers.steady import Rolling, steady_friction
 
 NAME = "traction"  # of the files with the points
-OLDER = "traction.json"  # what earlier versions kept their points in
 
 FilmChoice = Literal["each", "once"]
-FilmRun = tuple[StudyRun, GridStep | None]  # the run that solves a film, and its grids where it has converged
 
 
 def traction(
@@ -97,7 +86,7 @@ def traction(
     ConfigError
         A value is not allowed; the message names the argument, its value and what is allowed.
     StoreError
-        Another process computes the curve, or the directory holds a curve of an earlier version or other files.
+        Another process computes the curve, or the directory holds other files.
 
     Warns
     -----
@@ -113,18 +102,13 @@ def traction(
     check_jax()
     curve = curve_of(as_case(case), {"slide_to_roll": slide_to_roll, "mean_speed": mean_speed, "load": load}, film)
     warn(beyond(max(curve.cases, key=newtonian_stress)), frames=1)
-    if directory:
-        place = Path(directory).absolute()
-        require_curve_place(place)
-        return store_curve(curve, place, progress)
-    return compute_curve(curve, progress)
-
-
-def require_curve_place(directory: Path, option: str = "directory") -> None:
-    """Raise Taken, naming the option, for the directory of a curve of an earlier version, or see `studies`."""
-    if (directory / OLDER).exists():
-        raise Taken(f"{option} {directory}: holds a curve of an earlier version ({OLDER}); choose another directory")
-    studies.require_place(directory, NAME, option)
+    if directory is None:
+        with TemporaryDirectory(prefix="ertel-traction-") as place:
+            result = curve_in(curve, Path(place), progress)
+        result.dataset["directory"][...] = ""
+        return replace(result, directory=None)
+    studies.require_place(Path(directory).absolute(), NAME)
+    return store_curve(curve, Path(directory).absolute(), progress)
 
 
 # -- the curve --------------------------------------------------------------------------------------------------------
@@ -176,7 +160,7 @@ def curve_of(case: Case, given: Mapping[str, Given | None], film: str | None = N
     if axis != "slide_to_roll" and not case.scales:
         raise ConfigError(f"{axis} = {show(values)}: a dimensionless case has none; give the contact in SI")
     _check_factors(case, axis)
-    in_si = parse_values(axis, values, CURVE_AXES[axis].mark)
+    in_si = parse_values(axis, values, CURVE_AXES[axis][0])
     try:
         cases = tuple(_at(case, axis, value) for value in in_si)
     except ValueError as error:
@@ -218,64 +202,40 @@ def _at(case: Case, axis: str, value: float) -> Case:
 # -- its points -------------------------------------------------------------------------------------------------------
 
 
-@double_precision()
-def compute_curve(curve: Curve, progress: bool = False) -> TractionCurve:
-    """Compute a curve in memory.  progress: whether to show a progress bar."""
-    numbers = count()
-    with bars(progress) as shown:
-        total = 1 if curve.film == "once" else len(curve.cases)
-        bar = shown.add_task(curve.case.name or curve.case.kind, total=total, message="")
-
-        def film_of(case: Case) -> FilmRun:
-            number, run = next(numbers), run_of(case)
-
-            def show(item: GridStep) -> None:
-                now = run.progress(item)
-                shown.update(bar, completed=number + now.done, message=f"{number + 1}/{total}  {now.message}")
-
-            film = drive(run, [show])
-            warnings = diagnostics.steady_warnings(case, film.solutions)
-            return StudyRun({}, warnings, film.status.value, ""), film
-
-        return _curve(curve, film_of)
-
-
-@double_precision()
 def store_curve(curve: Curve, directory: Path, progress: bool = False, asked: Condition = never) -> TractionCurve:
-    """Compute the films that a directory lacks, up to a stop; the curve so far, which is written there.
-
-    asked: whether to stop, see `studies.run_study`.  Raises StoreError.
-    """
-    check_fork()
+    """The curve so far, see `curve_in`, which is also written in its directory.  Raises StoreError."""
     with studies.alone(directory):
-        statuses = studies.run_study(curve.films, directory, LocalWorker(), asked=asked, progress=progress)
-
-        def film_of(case: Case) -> FilmRun:
-            run = studies.study_run(case, directory, statuses)
-            film = RunStore.open(directory / run.directory).item() if run.status == DONE else None
-            return run, film
-
-        result = replace(_curve(curve, film_of), directory=directory)
+        result = curve_in(curve, directory, progress, asked)
         studies.write_study(result, directory, NAME)
     return result
 
 
-def _curve(curve: Curve, film_of: Callable[[Case], FilmRun]) -> TractionCurve:
-    """The curve from its films.  film_of: finds or computes that of a case."""
-    shared = film_of(curve.films[0]) if curve.film == "once" else None
-    points = []
-    for number, (case, film_case) in enumerate(zip(curve.cases, curve.films, strict=True)):
-        run, film = shared or film_of(film_case)
-        if film is None or run.status != DONE:
+@double_precision()
+def curve_in(curve: Curve, directory: Path, progress: bool = False, asked: Condition = never) -> TractionCurve:
+    """The curve so far, after the films that a directory lacks have been computed, up to a stop.
+
+    asked: whether to stop, see `studies.run_study`.
+    """
+    check_fork()
+    statuses = studies.run_study(curve.films, directory, LocalWorker(), asked=asked, progress=progress)
+    points, present = [], None
+    for case, film_case in zip(curve.cases, curve.films, strict=True):
+        fresh = film_case is not present
+        if fresh:
+            run, present = studies.study_run(film_case, directory, statuses), film_case
+            film = RunStore.open(directory / run.directory).item() if run.status == study_result.DONE else None
+        if film is None:
             points.append(run._replace(numbers=point_scalars(case, {})))
         else:
-            points.append(_measured(case, film, number == 0 or shared is None, run.directory))
-    axis = {curve.axis: (curve.values, CURVE_AXES[curve.axis].attributes)}
-    about = {**provenance(curve.case), "varies": curve.axis, "film": curve.film_in_words}
-    data = study_dataset("product", [len(points)], axis, points, about)
+            points.append(_measured(case, film, fresh, run.directory))
+    axis = {curve.axis: (curve.values, CURVE_AXES[curve.axis][1])}
     values = (f"{curve.axis} = {value:.4g}" for value in curve.values)
-    warnings = ((place, sentence) for place, point in zip(values, points, strict=True) for sentence in point.warnings)
-    return TractionCurve(data, case=curve.case, warnings=grouped(warnings, "point"))
+    warnings = study_result.grouped(
+        ((place, sentence) for place, point in zip(values, points, strict=True) for sentence in point.warnings), "point"
+    )
+    about = {"varies": curve.axis, "film": curve.film_in_words, "warnings": warnings}
+    data = study_result.study_dataset("product", axis, points, {**provenance(curve.case), **about})
+    return TractionCurve(data, directory, case=curve.case)
 
 
 def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyRun:
@@ -294,7 +254,7 @@ def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyR
         "mu_1": rolling + sliding,
         "mu_2": rolling - sliding,
         "tau_max": float(np.hypot(*np.asarray(friction.stress)).max()),
-        **dict(zip(CURVE_WORK, work if fresh else (0, 0, 0.0), strict=True)),
+        **dict(zip(study_result.CURVE_WORK, work if fresh else (0, 0, 0.0), strict=True)),
     }
     warnings, status = [*beyond(case), *diagnostics.steady_warnings(case, film.solutions)], film.status
     if case.thermal is not None and status.ok:

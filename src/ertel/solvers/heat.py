@@ -45,7 +45,7 @@ from jax.tree_util import register_dataclass
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
-from ertel.case.derived import grid_of
+from ertel.case.definition import grid_of
 from ertel.case.sections import Inlet
 from ertel.equations.account import shear_force
 from ertel.equations.contact import opened, traceable
@@ -58,7 +58,7 @@ from ertel.numerics.programs import ANY_SIZE, Program, exportable
 from ertel.numerics.stencils import inside, node_slopes
 from ertel.physics.fluidity import Fluidity, limited_stress
 from ertel.physics.lubricant import Lubricant
-from ertel.physics.thermal import AT_REST, Exponential, Houpert, Solid, WarmViscosity, peclet_number, response
+from ertel.physics.thermal import AT_REST, Solid, WarmViscosity, peclet_number, response
 
 Real = NDArray[np.float64]
 
@@ -66,9 +66,6 @@ TOLERANCE = 1e-6  # of the last change of T_f over its largest rise; the error i
 LIMIT = 100  # of Newton iterations; each makes a film that is far too stiff e times less so
 REDUCTION = 1e-2  # of the residual of the linear equations
 KRYLOV_LIMIT = 40
-
-for _law in (Houpert, Exponential):
-    register_dataclass(_law)
 
 
 class Heated(NamedTuple):
@@ -186,7 +183,7 @@ def heated(
 def _sheared(case: Case, grid: Grid, warm: WarmViscosity, P: Any, film: Array, speed: float) -> _Film:
     s, eta0 = case.scales, case.oil.eta0
     assert s is not None and eta0 is not None  # `heated`
-    law, oil = traceable(case.oil.fluidity_law), traceable(case.lubricant)
+    law, warm, oil = traceable(case.oil.fluidity_law), traceable(warm), traceable(case.lubricant)
     return _Film(law, warm, oil, eta0, s.p_h, jnp.asarray(P), film * s.film, speed, grid.spacing * s.a, grid.even)
 
 
@@ -267,8 +264,7 @@ def warmed(
         q from which the iteration starts; a film that releases none if it is left out.
     """
     q = np.zeros_like(resistance) if heat is None else heat
-    solution: Warmed = jax.device_get(_program(_Balance(release, tuple(rises), resistance, tuple(bodies)), q))
-    return solution
+    return jax.device_get(_program(_Balance(release, tuple(rises), resistance, tuple(bodies)), q))
 
 
 @register_dataclass
@@ -316,8 +312,7 @@ def _solved(balance: _Balance, q: Array) -> Warmed:
     coldest = jnp.minimum(*balance.bodies)
 
     def is_unsolved(w: Warmed) -> Array:
-        unsolved: Array = ~w.converged & (w.iterations < LIMIT) & jnp.all(jnp.isfinite(w.film))
-        return unsolved
+        return ~w.converged & (w.iterations < LIMIT) & jnp.all(jnp.isfinite(w.film))
 
     def improve(w: Warmed) -> Warmed:
         change, applications = balance.newton_change(w, coldest)
@@ -330,8 +325,7 @@ def _solved(balance: _Balance, q: Array) -> Warmed:
     x = jnp.stack([q, jnp.zeros_like(q)])
     zero = jnp.zeros((), jnp.int32)
     start = Warmed(x, *balance.temperatures(x), zero, zero + 2, zero > 0)
-    solved: Warmed = jax.lax.while_loop(is_unsolved, improve, start)
-    return solved
+    return jax.lax.while_loop(is_unsolved, improve, start)
 
 
 _program = Program(jax.jit(_solved), ANY_SIZE)

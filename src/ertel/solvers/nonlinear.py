@@ -80,9 +80,10 @@ def solve(problem: Problem, P: Array, approach: Number) -> tuple[newton.Solution
 
     inverse = partial(problem.preconditioner, problem)
     fill = partial(filled, problem)
-    solution = newton.newton_krylov(
-        residual, closed.film_change, inverse, P, closed.H, problem.tolerance, problem.options, closed.border, fill
+    system = newton.NewtonKrylov(
+        residual, closed.film_change, inverse, problem.tolerance, problem.options, closed.border, fill
     )
+    solution = system.solve(P, closed.H)
     fields = {name: turned(getattr(solution, name)) for name in ("P", "H", "left")}
     return solution._replace(**fields), closed.approach(solution)
 

@@ -21,17 +21,16 @@ from numpy.typing import NDArray
 from scipy.special import ellipe, ellipkm1
 
 from ertel.case.case import Case
-from ertel.case.derived import radii
-from ertel.case.status import Status
+from ertel.case.definition import radii
 from ertel.equations import account, outside
-from ertel.equations.account import Account, Around, Film, Friction
-from ertel.equations.approach import Closure, ClosureLine, NewtonsLaw
+from ertel.equations.account import Film, Friction
+from ertel.equations.approach import ClosureLine, NewtonsLaw
 from ertel.equations.contact import traceable
 from ertel.equations.outside import Surroundings
-from ertel.equations.state import Method, State, Stepping, Work, lowest_point, padded
+from ertel.equations.state import Method, State, Stepping, StepSolution, lowest_point, padded
 from ertel.numerics import bdf
-from ertel.numerics.integrals import Disc, disc_weights
-from ertel.numerics.programs import ANY_SIZE, Program, exportable, require_double
+from ertel.numerics.integrals import Disc
+from ertel.numerics.programs import ANY_SIZE, Program, require_double
 from ertel.numerics.stencils import Pair, banded_product, diagonals
 from ertel.physics.geometry import CIRCLE, ContactMotion
 from ertel.physics.lubricant import Lubricant
@@ -48,15 +47,15 @@ class Mesh(NamedTuple):
     """A radial grid and what elasticity needs on it.
 
     Nodes r (n,), faces halfway between (n - 1,), volumes per radian of the ring around each node (n,).
-    kernel (n, n): (2/pi^2) double integral of P/distance = kernel @ P.  load (n,): double integral of P = load @ P.
-    Both are exact for a pressure that is linear between nodes.
+    kernel (n, n): (2/pi^2) double integral of P/distance = kernel @ P, exact for a pressure that is linear between
+    nodes, as are the integrals over the disc.
     """
 
     r: Array
     face: Array
     volume: Array
     kernel: Array
-    load: Array
+    disc: Disc
 
 
 class Equations(NamedTuple):
@@ -83,7 +82,6 @@ class RadialProblem(NamedTuple):
     """
 
     mesh: Mesh
-    disc: Disc
     oil: Lubricant
     lambda_bar: float
     past: tuple[Mapping[str, Array], ...]
@@ -94,17 +92,6 @@ class RadialProblem(NamedTuple):
     around: Surroundings
     tolerance: float
     ring: Array
-
-
-@exportable
-class RadialStep(NamedTuple):
-    """The new fields, and all numbers of the step in one array, in the order of `NUMBERS`."""
-
-    fields: Mapping[str, Array]
-    numbers: Array
-
-
-NUMBERS = ("approach", "converged", "newton", "load on nodes", "error", *account.INTEGRALS, *account.FRICTION)
 
 
 class RadialSolution(NamedTuple):
@@ -121,8 +108,7 @@ def mesh(r: Floats) -> Mesh:
     require_double()
     face = (r[1:] + r[:-1]) / 2
     ends = np.concatenate([r[:1], face, r[-1:]])
-    fields = r, face, np.diff(ends**2) / 2, elastic_kernel(r), disc_weights(r)
-    return Mesh(*jax.device_put(fields))
+    return Mesh(*jax.device_put((r, face, np.diff(ends**2) / 2, elastic_kernel(r), Disc.of(r))))
 
 
 def disc(r: Floats, b: Floats) -> Floats:
@@ -237,26 +223,25 @@ def equations(
 ) -> Equations:
     """The equations of a level.  past: the oil of the earlier ones, newest first.  uplift: by the oil outside."""
     apart = CIRCLE.gap(mesh.r, 0.0) + uplift - line.value / line.approach_weight
-    stiffness = mesh.kernel + line.load_weight / line.approach_weight * mesh.load
+    stiffness = mesh.kernel + line.load_weight / line.approach_weight * mesh.disc.weights
     return Equations(mesh, oil, lambda_bar, rates[0], jnp.asarray(rates[1:]) @ past, apart, stiffness)
 
 
 @jax.jit
-def solve_ring_step(p: RadialProblem) -> RadialStep:
+def solve_ring_step(p: RadialProblem) -> StepSolution:
     """The fields and the numbers after one step."""
     line, tolerance = p.line.less(p.around.load), p.tolerance * p.rates[0]
     pressures, masses = (jnp.stack([level[name] for level in p.past]) for name in ("P", "mass"))
     eq = equations(p.mesh, p.oil, p.lambda_bar, masses[:2], p.rates, line, p.around.uplift)
     P = jnp.maximum(jnp.tensordot(p.predict_P, pressures, axes=1), 0.0).at[-1].set(p.around.edge[-1])
     s = solve_rings(eq, P, tolerance)
-    load = p.mesh.load @ s.P
-    approach = line.approach(load)
+    approach = line.approach(p.mesh.disc.weights @ s.P)
     oil = ring_oil(eq, s.P, s.H)
-    balance = account_of(p.disc, eq, s.P, s.H, oil, approach)
+    terms = ring_account(eq, s.P, s.H, oil, approach)
     error = ring_film_error(p.ring, p.mesh.volume, oil, jnp.tensordot(p.predict_mass, masses, axes=1), s.P)
-    values = approach, s.size <= tolerance, s.newton, load, error, *balance.numbers
+    values = approach, s.size <= tolerance, s.newton, 0, error, *(terms[name] for name in account.TERMS)
     fields = {"P": s.P, "H": s.H, "mass": oil}
-    return RadialStep(fields, jnp.stack([jnp.asarray(value, s.P.dtype) for value in values]))
+    return StepSolution(fields, jnp.stack([jnp.asarray(value, s.P.dtype) for value in values]))
 
 
 _step_program = Program(solve_ring_step)
@@ -277,17 +262,16 @@ class RadialImpact(Method):
     L = 10).
     """
 
-    def __init__(self, case: Case, closure: Closure | None = None):
+    def __init__(self, case: Case):
         self.mesh = mesh(radii(case.solver.nodes, case.solver.half_width))
         self.lambda_bar = case.parameters.lambda_bar
         self.layer = case.layer
         self.outside = outside.around_circle(np.asarray(self.mesh.r), 0.0 if case.layer else self.lambda_bar)
         self.oil = traceable(case.lubricant)
-        self.closure = closure or NewtonsLaw.of(case.motion)
+        self.closure = NewtonsLaw.of(case.motion)
         self.tolerance = case.solver.tolerance * case.parameters.trapped_film
         self.start_approach = case.schedule.start_approach
         self.coordinates = {"r": np.asarray(self.mesh.r)}
-        self.disc = Disc.of(self.coordinates["r"])
         nodes, rings = case.solver.nodes, RINGS if self.layer is None else RINGS_BESIDE_A_MENISCUS
         self.ring = np.arange(nodes) // -(-nodes // rings)
 
@@ -295,7 +279,7 @@ class RadialImpact(Method):
         """The separated ball approaching with unit speed, under the pressure of the oil that it squeezes."""
         motion = ContactMotion(self.start_approach, 1.0, 0.0, 0.0)
         around, P = self.outside.at(motion), np.asarray(self.outside.at_first(motion))
-        r, kernel, weights = (np.asarray(each) for each in (self.mesh.r, self.mesh.kernel, self.mesh.load))
+        r, kernel, weights = map(np.asarray, (self.mesh.r, self.mesh.kernel, self.mesh.disc.weights))
         H = CIRCLE.gap(r, 0.0) - self.start_approach + kernel @ P + around.uplift
         full = self.oil.density(P) * H
         oil = full if self.layer is None else np.minimum(full, self.layer)
@@ -311,9 +295,8 @@ class RadialImpact(Method):
         # in the rebound the pressure collapses behind the receding edge, and a parabola overshoots
         past = times if levels[0].velocity > 0 else times[:2]
         around = self.outside.at(outside.predicted(levels, T, CIRCLE.hertz_load, 0.0))
-        solution: RadialStep = yield RadialProblem(
+        solution: StepSolution = yield RadialProblem(
             self.mesh,
-            self.disc,
             self.oil,
             self.lambda_bar,
             tuple(level.fields for level in padded(levels)),
@@ -325,17 +308,11 @@ class RadialImpact(Method):
             self.tolerance,
             jax.device_put(self.ring),
         )
-        numbers = dict(zip(NUMBERS, np.asarray(solution.numbers).tolist(), strict=True))
-        approach, load = numbers["approach"], numbers["load on nodes"]
-        velocity = self.closure.velocity(T, rates, approach, approaches)
-        load_rate = float(rates @ [load, *(level.load for level in levels[:2])])
-        terms = account.terms(numbers, velocity, Around(around.load, around.uplift, load_rate), CIRCLE.hertz_load)
-        status = Status.CONVERGED if numbers["converged"] else Status.NEWTON_STALLED  # stalled too if NaN
-        work, error = Work(int(numbers["newton"])), numbers["error"]
-        new = State(T, approach, velocity, solution.fields, status, work, around.load, load, error)
-        return replace(new, record={**self.measure(new), **terms, **{name: numbers[name] for name in account.FRICTION}})
+        numbers = np.asarray(solution.numbers).tolist()
+        new = account.new_level(T, rates, levels, solution.fields, numbers, around, CIRCLE.hertz_load)
+        return replace(new, record={**self.measure(new), **new.record})
 
-    def solve(self, problem: RadialProblem) -> RadialStep:
+    def solve(self, problem: RadialProblem) -> StepSolution:
         """The step's solution, on this device."""
         return _step_program(problem)
 
@@ -343,7 +320,7 @@ class RadialImpact(Method):
         """See `Method.measure`; places are radii."""
         P, H, r = np.asarray(level.P), np.asarray(level.H), self.coordinates["r"]
         X_min, H_min = lowest_point(r, H)
-        F = (float(np.asarray(self.mesh.load) @ P) + level.outside) / CIRCLE.hertz_load
+        F = (float(np.asarray(self.mesh.disc.weights) @ P) + level.outside) / CIRCLE.hertz_load
         films = {"H_c": float(H[0]), "H_min": H_min, "X_min": X_min, "Y_min": 0.0}
         i = int(P.argmax())
         fall = 1 - (P[abs(i - 1)] + P[i + 1]) / (2 * P[i]) if P[i] > 0 else 0.0  # P is even in r
@@ -351,10 +328,9 @@ class RadialImpact(Method):
         return {"F": F, "P_c": float(P[0]), **peak, **films}
 
     def friction(self, level: State) -> Friction:
-        """See `Method.friction`: that of the account, as if the film did not change."""
+        """See `Method.friction`."""
         P, H = jax.device_put((level.P, level.H))
-        friction: Friction = _program(self.mesh, self.disc, self.oil, self.lambda_bar, P, H, level.approach)
-        return friction
+        return _friction_program(self.mesh.disc, self.oil, self.lambda_bar, P, H)
 
     def whole(self, field: Array, odd: bool = False) -> Array:
         """The field itself."""
@@ -368,25 +344,21 @@ def ring_oil(eq: Equations, P: Array, H: Array) -> Array:
     return full - r.at[-1].set(at_rim) / eq.rate
 
 
-def account_of(disc: Disc, eq: Equations, P: Array, H: Array, oil: Array, approach: float) -> Account:
-    """The account after a step.  Nothing slides and nothing rolls."""
-    eps = eq.oil.mobility(P, H, eq.lambda_bar)
+def ring_account(eq: Equations, P: Array, H: Array, oil: Array, approach: float) -> dict[str, Array]:
+    """The account after a step, by name."""
+    friction = ring_friction(eq.mesh.disc, eq.oil, eq.lambda_bar, P, H)
+    eps = Pair(eq.oil.mobility(P, H, eq.lambda_bar))
     deformation = H + approach - CIRCLE.gap(eq.mesh.r, 0.0)
-    heat = disc.of_slopes(Pair(eps), P, eq.oil.enthalpy(P))
     growth = ring_residual(eq, P, H) - eq.rate * (eq.oil.density(P) * H - oil).at[-1].set(0.0)
-    film = Film(P, H, oil, oil, Pair(eps), heat, deformation, growth, 0.0, 0.0)
-    stress, force = jnp.zeros((2, *P.shape)), jnp.zeros(2)
-    friction = Friction(stress, heat, force, force, disc.total(heat) / CIRCLE.hertz_load)
-    return Account(account.integrals(disc, eq.oil, film), friction)
+    film = Film(P, H, oil, oil, eps, friction.loss, deformation, growth, 0.0, 0.0)
+    return account.account_terms(eq.mesh.disc, eq.oil, film, friction)
 
 
-def friction_at_rest(
-    mesh: Mesh, disc: Disc, oil: Lubricant, lambda_bar: float, P: Array, H: Array, approach: float
-) -> Friction:
-    """The friction of a film that does not change."""
-    line = ClosureLine(1.0, 0.0, approach)
-    eq = equations(mesh, oil, lambda_bar, jnp.zeros((1, len(P))), np.zeros(2), line)
-    return account_of(disc, eq, P, H, oil.density(P) * H, approach).friction
+def ring_friction(disc: Disc, oil: Lubricant, lambda_bar: float, P: Array, H: Array) -> Friction:
+    """The friction of a film in which nothing slides and nothing rolls: the heat of the pressure."""
+    heat = disc.of_slopes(Pair(oil.mobility(P, H, lambda_bar)), P, oil.enthalpy(P))
+    force = jnp.zeros(2)
+    return Friction(jnp.zeros((2, *P.shape)), heat, force, force, disc.total(heat) / CIRCLE.hertz_load)
 
 
-_program = Program(jax.jit(friction_at_rest), ANY_SIZE)
+_friction_program = Program(jax.jit(ring_friction), ANY_SIZE)

@@ -21,19 +21,17 @@ Time steps of this length lead to the same film once it is periodic; at omega = 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jax import Array, tree
-from jax.tree_util import register_dataclass
 
 from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.equations import contact, discretise
-from ertel.equations.approach import ClosureLine, NewtonsLaw, balanced
+from ertel.equations.approach import ClosureLine, NewtonsLaw, balanced, rate_of_change
 from ertel.equations.contact import Contact
 from ertel.equations.flow import Flow, OilContent, Rate, flow_aligned, rate_in_time, steady_rate
 from ertel.equations.linearised import LinearFilm, flux_change, linear_film
@@ -49,36 +47,16 @@ from ertel.physics.motion import constant
 from ertel.solvers import nonlinear
 from ertel.solvers.nonlinear import PRECISION, Problem, point_preconditioner
 from ertel.solvers.steady import GridSolution
-from ertel.solvers.transient import FALLING, Transient2D, stacked
+from ertel.solvers.transient import FALLING, Transient2D
 
 NODES_PER_WAVE = 4  # a coarse grid that has fewer is for long waves alone
 # of the linear solves.  Waves mostly take 13 to 20 iterations; each keeps two fields
 REDUCTION, STEP_LIMIT, WAVE_LIMIT = 1e-6, 40, 60
 
 Number = Array | float
+Fields = Mapping[str, Array]
 
 # -- a time step ------------------------------------------------------------------------------------------------------
-
-
-@register_dataclass
-@dataclass(frozen=True)
-class TangentProblem:
-    """The linear system of one step.
-
-    fields: of the solved step.  past, change: fields of the levels before, newest first, and their changes, each of
-    shape (1 or 2, n, n).  rates: weights of the time derivative.  flow: as in `StepProblem`.  shape: as in
-    `tangent_step`.
-    """
-
-    contact: Contact
-    elastic: tuple[DeformationOperator, ...]
-    fields: Mapping[str, Array]
-    past: Mapping[str, Array]
-    change: Mapping[str, Array]
-    rates: Weights
-    line: ClosureLine
-    flow: Flow | None
-    shape: Array
 
 
 def tangent_start(shape: Array) -> State:
@@ -103,48 +81,55 @@ def tangent_step(method: Transient2D, smooth: Sequence[State], changes: Sequence
     approaches = [level.approach for level in changes]
     line = law.line(new.T, rates, approaches, [level.velocity for level in changes])
     before = len(times) - 1
-    problem = TangentProblem(
-        method.contact_at(new.T),
-        method.setting.elastic,
-        new.fields,
-        stacked(smooth[1 : before + 1]),
-        stacked(changes[:before]),
-        rates,
-        line,
-        method.flow(new.T, times[1:]),
-        shape,
+    past, change = (
+        {name: jnp.stack([level.fields[name] for level in levels]) for name in ("P", "H")}
+        for levels in (smooth[1 : before + 1], changes[:before])
     )
-    fields, approach, iterations = _solve_step(problem)
-    velocity = law.velocity(new.T, rates, float(approach), approaches)
+    c, flow = method.contact_at(new.T), method.flow(new.T, times[1:])
+    problem = Problem(
+        c,
+        method.setting.elastic,
+        Rate(rates[0], 0.0),
+        line,
+        1.0,
+        1.0,
+        nonlinear.eliminate_approach,
+        point_preconditioner,
+        FALLING,
+    )
+    fields, approach, iterations = _solve_step(problem, new.fields, past, change, rates, flow, shape)
+    velocity = rate_of_change(rates, float(approach), approaches)
     status = Status.CONVERGED if int(iterations) < STEP_LIMIT else Status.NEWTON_STALLED
     return State(new.T, float(approach), velocity, fields, status, Work(krylov=int(iterations)))
 
 
 @jax.jit
-def _solve_step(p: TangentProblem) -> tuple[dict[str, Array], Array, Array]:
-    """The changes of the fields and of the approach, and the number of Krylov iterations."""
-    c, line, old, change = p.contact, p.line, p.past, p.change
-    P, H = p.fields["P"], p.fields["H"]
+def _solve_step(
+    problem: Problem, fields: Fields, past: Fields, change: Fields, rates: Weights, flow: Flow | None, shape: Array
+) -> tuple[Fields, Array, Array]:
+    """The changes of the fields and of the approach, and the number of Krylov iterations.
+
+    fields: of the solved step.  past, change: P and H of the levels before, newest first, and their changes, each of
+    shape (1 or 2, n, n).  flow: as in `StepProblem`.  shape: as in `tangent_step`.
+    """
+    c, line, P, H = problem.contact, problem.line, fields["P"], fields["H"]
     free = jnp.where(P > 0.0, 1.0, 0.0)
-    _, mass_change = jax.jvp(partial(contact.mass, c), (old["P"], old["H"]), (change["P"], change["H"]))
+    _, mass_change = jax.jvp(partial(contact.mass, c), (past["P"], past["H"]), (change["P"], change["H"]))
     # the mass of the start does not change with the roughness
-    flow = p.flow and p.flow._replace(start=OilContent.without_void(jnp.zeros_like(P)))
-    new, past, *_ = rate_in_time(p.rates, mass_change, flow, c.spacing)
+    flow = flow and flow._replace(start=OilContent.without_void(jnp.zeros_like(P)))
+    rate = rate_in_time(rates, mass_change, flow, c.spacing)
 
     def residual(P: Array, H: Array, past: Array) -> Array:
-        return contact.residual(c, P, H, Rate(new, past))
+        return contact.residual(c, P, H, Rate(rate.new, past))
 
     _, change_of_r = jax.linearize(residual, P, H, jnp.zeros_like(P))
-    problem = Problem(
-        c, p.elastic, Rate(new, past), line, 1.0, 1.0, nonlinear.eliminate_approach, point_preconditioner, FALLING
-    )
     closed = nonlinear.eliminate_approach(problem, P, 0.0)
     inverse = point_preconditioner(problem, P, H, free)
-    given = -line.value / line.approach_weight - p.shape  # the part of dH that no pressure makes
+    given = -line.value / line.approach_weight - shape  # the part of dH that no pressure makes
     dP, iterations = gcr(
         lambda d: free * change_of_r(d, closed.film_change(d), jnp.zeros_like(d)),
         lambda k, r: inverse(r),
-        -free * change_of_r(jnp.zeros_like(P), given, past),
+        -free * change_of_r(jnp.zeros_like(P), given, rate.past),
         REDUCTION,
         STEP_LIMIT,
     )
@@ -176,21 +161,6 @@ class WaveResponse(NamedTuple):
     convolutions: float
 
 
-@register_dataclass
-@dataclass(frozen=True)
-class _WaveProblem:
-    """The steady P and H, what closes the system, and the wave."""
-
-    contact: Contact
-    elastic: tuple[DeformationOperator, ...]
-    P: Array
-    H: Array
-    line: ClosureLine
-    entrainment: Number
-    frequency: Number
-    shape: Array
-
-
 def wave_response(case: Case, film: GridSolution, wave: RoughnessWave) -> WaveResponse:
     """The response of the steady film of a case to a wave, to first order in its height."""
     require_double()
@@ -198,22 +168,28 @@ def wave_response(case: Case, film: GridSolution, wave: RoughnessWave) -> WaveRe
     line = balanced(0.0, case.geometry.hertz_load)._replace(approach_weight=-motion.inertia * wave.frequency**2)
     c = discretise.smooth_contact(case, film.grid)
     elastic = multigrid.deformation_operators(film.grid, case.geometry.compliance, PRECISION)
-    problem = _WaveProblem(c, elastic, film.P, film.H, line, motion.entrainment(0.0), wave.frequency, wave.shape)
-    dP, dH, approach, iterations = _solve_wave(problem)
+    dP, dH, approach, iterations = _solve_wave(c, elastic, film.P, film.H, line, motion.entrainment(0.0), wave)
     k, converged = int(iterations), bool((iterations < WAVE_LIMIT) & jnp.isfinite(approach))
     return WaveResponse(dP, dH, complex(approach), converged, k, 2 * nonlinear.convolutions(film.grid, 0, k))
 
 
 @jax.jit
-def _solve_wave(p: _WaveProblem) -> tuple[Array, Array, Array, Array]:
+def _solve_wave(
+    c: Contact,
+    elastic: tuple[DeformationOperator, ...],
+    P: Array,
+    H: Array,
+    line: ClosureLine,
+    entrainment: Number,
+    wave: RoughnessWave,
+) -> tuple[Array, Array, Array, Array]:
     """P', H', Delta' and the number of Krylov iterations."""
-    turned = partial(flow_aligned, steady_rate(p.entrainment))
-    speed, shape = jnp.abs(p.entrainment), turned(p.shape)
-    P, H, c = turned(p.P), turned(p.H), p.contact
+    turned = partial(flow_aligned, steady_rate(entrainment))
+    P, H, shape, speed = turned(P), turned(H), turned(wave.shape), jnp.abs(entrainment)
     film, flux = linear_film(c, P, H), flux_change(c, P, H)
     free = inside(jnp.where(P > 0.0, 1.0, 0.0), c.even)
-    riding = _Riding(jnp.exp(-1j * p.frequency / speed * c.spacing * jnp.arange(P.shape[1])), speed, p.frequency)
-    inverse = partial(multigrid.precondition, _levels(film, free, p.elastic, riding))
+    riding = _Riding(jnp.exp(-1j * wave.frequency / speed * c.spacing * jnp.arange(P.shape[1])), speed, wave.frequency)
+    inverse = partial(multigrid.precondition, _levels(film, free, elastic, riding))
     weight = nonlinear.LOAD_WEIGHT / c.spacing
     zero, one = jnp.zeros_like(shape), jnp.ones((), shape.dtype)
 
@@ -223,7 +199,7 @@ def _solve_wave(p: _WaveProblem) -> tuple[Array, Array, Array, Array]:
 
     def system(d: tuple[Array, Array]) -> tuple[Array, Array]:
         e, s = d
-        misfit = p.line.approach_weight * s + p.line.load_weight * contact.pressure_load(c, e)
+        misfit = line.approach_weight * s + line.load_weight * contact.pressure_load(c, e)
         return residual(e, contact.deformation(c, e) - s), weight * misfit
 
     lifted = residual(zero, jnp.ones_like(shape))

@@ -19,16 +19,17 @@ from jax import Array
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
-from ertel.case.derived import grid_of
+from ertel.case.definition import grid_of
 from ertel.case.status import Status
-from ertel.equations import contact, discretise
-from ertel.equations.account import Friction, coefficients, steady_account, whole_maps
+from ertel.equations import account, contact, discretise
+from ertel.equations.account import Friction, Moment, whole_maps
 from ertel.equations.approach import balanced
 from ertel.equations.contact import Contact
-from ertel.equations.flow import OilContent, steady_rate
+from ertel.equations.flow import OilContent, steady_rate, wedge
 from ertel.equations.state import measure
 from ertel.numerics import multigrid, newton, stencils
 from ertel.numerics.grid import Extrapolation, Grid, check_coarsening, expected_next, extrapolate
+from ertel.numerics.integrals import Plane
 from ertel.numerics.programs import ANY_SIZE, Program, double_precision
 from ertel.numerics.stencils import folded, unfolded
 from ertel.physics.geometry import ContactMotion, Geometry
@@ -41,7 +42,7 @@ Floats = NDArray[np.float64]
 FIRST_GRID = 33  # nodes a side from which nested iteration starts, or the next that the finest grid allows
 LEAST_FILM = 0.5  # a first guess keeps this fraction of the coarse grid's minimum film thickness
 THICK = 3.0  # film in units of the dry approach, from which the first guess is that of rigid bodies
-TOLERANCE = 1e-8  # tolerance of the steady film from which a transient run starts
+TOLERANCE = 1e-8  # of the residual of the steady film from which a transient run starts
 SETTLING = 5  # solves at most until the film and the oil outside agree; each leaves about a hundredth
 # leaves a tenth of the discretisation error at most (measured, H_c, H_min)
 AS_EXACT_AS_THE_GRID = 0.03
@@ -84,6 +85,11 @@ class GridSolution:
         return measure(self.grid, self.P, self.H)
 
     @property
+    def contact(self) -> Contact:
+        """The surfaces and the oil."""
+        return discretise.contact_of(self.case, self.grid)
+
+    @property
     def fields(self) -> dict[str, Array]:
         """P, H and the oil that is there, as mass, as in a `State`."""
         return {"P": self.P, "H": self.H, "mass": self.content.oil}
@@ -91,11 +97,8 @@ class GridSolution:
     @cached_property
     def content(self) -> OilContent:
         """The oil that is there."""
-        c, motion = discretise.contact_of(self.case, self.grid), self.case.motion
-        content: OilContent = _oil_program(
-            c, self.P, self.H, steady_rate(motion.entrainment(0.0), discretise.layer_of(self.case, self.grid))
-        )
-        return content
+        rate = steady_rate(self.case.motion.entrainment(0.0), discretise.layer_of(self.case, self.grid))
+        return _oil_program(self.contact, self.P, self.H, rate)
 
     @property
     def load(self) -> float:
@@ -104,8 +107,15 @@ class GridSolution:
 
     @cached_property
     def account(self) -> tuple[dict[str, float], Friction]:
-        """The terms of its balances, and its friction."""
-        return steady_account(self.case, self)
+        """The terms of its balances and the coefficients of its friction by name, and its friction."""
+        m, scale = self.case.motion, self.case.geometry.hertz_load
+        U, load = m.entrainment(0.0), m.load(0.0)
+        gap_change = discretise.gap_change(self.case, self.grid, 0.0)
+        moment = Moment(self.approach, U, m.sliding(0.0), gap_change, load, scale)
+        terms, friction = _account_program(Plane.of(self.grid), self.contact, self.P, self.H, self.content, moment)
+        around = discretise.outside_of(self.case, self.grid).at(motion_of(self.case, self.approach))
+        around = around._replace(load=self.outside)
+        return account.in_units(jax.device_get(terms), 0.0, around, scale), friction
 
     @cached_property
     def heat(self) -> Heated | None:
@@ -115,9 +125,8 @@ class GridSolution:
     @property
     def record(self) -> dict[str, float]:
         """Its numbers by name: those of `measure`, of the account, and the work."""
-        terms, friction = self.account
         work = {"newton_iterations": self.newton, "krylov_iterations": self.krylov, "convolutions": self.convolutions}
-        return {**self.measure(), **terms, **coefficients(friction), "residual": self.residual, **work}
+        return {**self.measure(), **self.account[0], "residual": self.residual, **work}
 
     @property
     def maps(self) -> dict[str, Floats]:
@@ -156,32 +165,24 @@ class Rolling:
         return extrapolate(*(s.measure()[name] for s in self.solutions[-2:]))
 
 
-def steady_film(case: Case, precision: str = PRECISION) -> Rolling:
-    """The steady contact with the load and the entrainment of T = 0, on all grids; precision: see `nested`."""
-    return Rolling(tuple(nested(case, precision=precision)))
+def steady_film(case: Case) -> Rolling:
+    """The steady contact with the load and the entrainment of T = 0, on all grids."""
+    return Rolling(tuple(nested(case)))
 
 
-def nested(case: Case, done: Sequence[GridSolution] = (), precision: str = PRECISION) -> Iterator[GridSolution]:
-    """Solutions from the coarsest grid to the case's own; goes on after those that are done.
-
-    precision: the floating-point type of the preconditioner.
-
-    The case's tolerance bounds the residual of Reynolds' equation where its method is "steady".  Raises ValueError
-    where there is no load or no entrainment at T = 0, and so no steady film.
-    """
-    grids, tolerance = grids_of(case), tolerance_of(case)
-    check_steady_motion(case)
-    solutions = list(done)
+def nested(case: Case, done: Sequence[GridSolution] = ()) -> Iterator[GridSolution]:
+    """Solutions from the coarsest grid to the case's own; goes on after those that are done."""
+    grids, solutions = grids_of(case), list(done)
     if not done:
-        compile_ahead(case, precision)
+        compile_ahead(case)
     for grid in reversed(grids[: len(grids) - len(done)]):
         c = discretise.contact_of(case, grid)
         if solutions:
             guess = first_guess(c, solutions[-1], expected_next([s.approach for s in solutions]))
         else:
-            first = solve_on_grid(case, grid, c, *_rough_guess(case, grid), tolerance, precision)
+            first = solve_on_grid(case, grid, c, *_rough_guess(case, grid))
             guess = first.P, first.approach  # with the oil outside of the lubricated contact
-        solution = solve_on_grid(case, grid, c, *guess, tolerance, precision)
+        solution = solve_on_grid(case, grid, c, *guess)
         solutions.append(_judged(solution) if grid is grids[0] else solution)
         yield solutions[-1]
 
@@ -193,11 +194,6 @@ def grids_of(case: Case) -> list[Grid]:
     while min((coarser := grids[-1].coarser()).nodes_x, coarser.nodes_y) >= FIRST_GRID:
         grids.append(coarser)
     return grids
-
-
-def tolerance_of(case: Case) -> float:
-    """The tolerance of the residual: the case's own where it is that of the steady film."""
-    return case.solver.tolerance if case.is_steady else TOLERANCE
 
 
 def _judged(finest: GridSolution) -> GridSolution:
@@ -215,19 +211,10 @@ def settled(case: Case) -> Rolling:
     for _ in range(SETTLING):
         if not s.status.ok or abs(s.approach - before) < TOLERANCE:
             break
-        again = solve_on_grid(case, s.grid, c, s.P, s.approach, TOLERANCE, PRECISION)
+        again = solve_on_grid(case, s.grid, c, s.P, s.approach)
         work = s.newton + again.newton, s.krylov + again.krylov, s.convolutions + again.convolutions
         before, s = s.approach, _judged(replace(again, newton=work[0], krylov=work[1], convolutions=work[2]))
     return Rolling((*coarser, s))
-
-
-def check_steady_motion(case: Case) -> None:
-    """Raise ValueError unless there is a steady film at T = 0."""
-    load, entrainment = case.motion.load(0.0), case.motion.entrainment(0.0)
-    if not load > 0:
-        raise ValueError(f"motion.load = {load} at T = 0: must be above zero, a steady film carries a load")
-    if entrainment == 0:
-        raise ValueError(f"motion.entrainment = {entrainment} at T = 0: must not be zero, a steady film needs a flow")
 
 
 def dry_guess(geometry: Geometry, grid: Grid, load: float) -> tuple[Floats, float]:
@@ -273,28 +260,26 @@ def _from_coarse(c: Contact, coarse: Array, starved: Array) -> Array:
 _refined = Program(jax.jit(_from_coarse), ANY_SIZE)
 
 
-def solve_on_grid(
-    case: Case, grid: Grid, c: Contact, P: Array | Floats, approach: float, tolerance: float, precision: str
-) -> GridSolution:
+def solve_on_grid(case: Case, grid: Grid, c: Contact, P: Array | Floats, approach: float) -> GridSolution:
     """The steady solution on one grid from a first guess of P and the approach; the latter fixes the oil outside."""
     outside = discretise.outside_of(case, grid)
     around = outside.at(motion_of(case, approach))
     gap = jax.device_put(np.asarray(c.gap) + around.uplift)  # NumPy has nothing to compile
-    c, P = replace(c, gap=gap), np.where(outside.is_edge, around.edge, P)
-    s, Delta = _program(problem_of(case, grid, c, around.load, tolerance, precision), P, float(approach))
+    problem, P = problem_of(case, grid, replace(c, gap=gap), around.load), np.where(outside.is_edge, around.edge, P)
+    s, Delta = _program(problem, P, float(approach))
     status = Status.CONVERGED if bool(s.converged) else Status.NEWTON_STALLED
     n, k = int(s.newton), int(s.krylov)
     work = nonlinear.convolutions(grid, n, k)
-    history = tuple((np.asarray(s.history)[: n + 1] * tolerance).tolist())
+    history = tuple((np.asarray(s.history)[: n + 1] * problem.tolerance).tolist())
     return GridSolution(case, grid, s.P, s.H, float(Delta), history[-1], status, n, k, work, history, around.load)
 
 
-def problem_of(case: Case, grid: Grid, c: Contact, outside: float, tolerance: float, precision: str) -> Problem:
+def problem_of(case: Case, grid: Grid, c: Contact, outside: float) -> Problem:
     """The equations of the steady film on one grid.  outside: the load that the oil outside the grid carries."""
-    geometry = case.geometry
+    geometry, tolerance = case.geometry, case.solver.tolerance if case.is_steady else TOLERANCE
     return Problem(
         c,
-        multigrid.deformation_operators(grid, geometry.compliance, precision),
+        multigrid.deformation_operators(grid, geometry.compliance, PRECISION),
         steady_rate(case.motion.entrainment(0.0), discretise.layer_of(case, grid)),
         balanced(case.motion.load(0.0), geometry.hertz_load).less(outside),
         tolerance,
@@ -305,18 +290,32 @@ def problem_of(case: Case, grid: Grid, c: Contact, outside: float, tolerance: fl
     )
 
 
+def _account(
+    space: Plane, c: Contact, P: Array, H: Array, content: OilContent, m: Moment
+) -> tuple[dict[str, Array], Friction]:
+    change = wedge(content, m.U, c.spacing)
+    return account.account(space, c, P, H, m, content.oil, content.passing, change)
+
+
 _oil_program = Program(jax.jit(contact.steady_oil), ANY_SIZE)
+_account_program = Program(jax.jit(_account), ANY_SIZE)
 
 
-def compile_ahead(case: Case, precision: str = PRECISION) -> None:
+def steady_friction(case: Case, s: GridSolution) -> Friction:
+    """The friction of a steady film, of the shape of its grid; the case may slide in another way."""
+    m, space = case.motion, Plane.of(s.grid)
+    c, scale = replace(s, case=case).contact, case.geometry.hertz_load
+    return account.friction_program(space, c, s.P, s.H, m.sliding(0.0), m.load(0.0), scale)
+
+
+def compile_ahead(case: Case) -> None:
     """Compile the programs of a steady film, or load them, in the background: the finest grid's takes the longest."""
 
     @double_precision()  # it holds for one thread
     def compile_all() -> None:
         with suppress(Exception):  # the run itself meets the error, and says so
             for grid in grids_of(case)[:-1]:  # the coarsest one's is needed at once
-                c = discretise.contact_of(case, grid)
-                problem = problem_of(case, grid, c, 0.0, tolerance_of(case), precision)
+                problem = problem_of(case, grid, discretise.contact_of(case, grid), 0.0)
                 _program.ready(problem, np.zeros(grid.shape), 0.0)
 
     Thread(target=compile_all).start()

@@ -14,20 +14,19 @@ from jax.tree_util import register_dataclass
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
-from ertel.case.derived import coarsenings, grid_of
-from ertel.case.status import Status
+from ertel.case.definition import coarsenings, grid_of
 from ertel.equations import account, contact, discretise, outside, state
-from ertel.equations.account import Around, Friction, Moment
-from ertel.equations.approach import Closure, ClosureLine, NewtonsLaw
+from ertel.equations.account import Friction, Moment
+from ertel.equations.approach import ClosureLine, NewtonsLaw
 from ertel.equations.contact import Contact
 from ertel.equations.flow import Flow, OilContent, Rate, rate_in_time
-from ertel.equations.state import Axes, Method, State, Stepping, Work, padded
+from ertel.equations.state import Axes, Method, State, Stepping, StepSolution, Work, padded
 from ertel.numerics import bdf, multigrid, newton, stencils
 from ertel.numerics.bdf import Weights
 from ertel.numerics.grid import Symmetry, check_coarsening
 from ertel.numerics.integrals import Plane
 from ertel.numerics.multigrid import DeformationOperator
-from ertel.numerics.programs import Program, exportable
+from ertel.numerics.programs import Program
 from ertel.numerics.stencils import total, unfolded
 from ertel.physics.geometry import ContactMotion
 from ertel.solvers import nonlinear, steady
@@ -108,31 +107,13 @@ class StepProblem:
     options: newton.Options = field(metadata={"static": True})
 
 
-@exportable
-class StepSolution(NamedTuple):
-    """The new fields, each of shape (n, n), and all numbers of the step in one array, in the order of `NUMBERS`."""
-
-    fields: Mapping[str, Array]
-    numbers: Array
-
-
-SOLVED = ("approach", "converged", "newton", "krylov", "error")
-NUMBERS = (*SOLVED, *account.INTEGRALS, *account.FRICTION)  # of a step, followed by those of `state.extreme_numbers`
-
-
-def stacked(levels: Sequence[State]) -> dict[str, Array]:
-    """The fields of some levels by name, the levels along the first axis."""
-    return {name: jnp.stack([level.fields[name] for level in levels]) for name in levels[0].fields}
-
-
 class Transient2D(Method):
     """The methods "2d" and "transient".
 
-    An impact starts with the bodies apart, rolling from its steady film.  closure is the law for Delta: Newton's law
-    with the case's load and inertia unless another is given.
+    An impact starts with the bodies apart, rolling from its steady film.
     """
 
-    def __init__(self, case: Case, closure: Closure | None = None):
+    def __init__(self, case: Case):
         self.case = case
         self.grid = grid_of(case)
         check_coarsening(self.grid)
@@ -140,7 +121,7 @@ class Transient2D(Method):
         self.contact = jax.device_put(discretise.smooth_contact(case, self.grid))
         self.outside = discretise.outside_of(case, self.grid)
         self.layer = discretise.layer_of(case, self.grid)
-        self.closure = closure or NewtonsLaw.of(case.motion, self.geometry.hertz_load)
+        self.closure = NewtonsLaw.of(case.motion, self.geometry.hertz_load)
         elastic = multigrid.deformation_operators(self.grid, self.geometry.compliance, PRECISION)
         self.coordinates = {"Y": self.grid.y, "X": self.grid.x}
         tolerance = case.solver.tolerance
@@ -161,18 +142,13 @@ class Transient2D(Method):
 
     def start(self) -> State:
         """The separated bodies approaching with unit speed, the oil squeezed; or the steady film at T = 0."""
-        return self._first
-
-    @cached_property
-    def _first(self) -> State:
-        c = self.contact_at(0.0)
         if not self.case.starts_apart:
             s = self._rolling.finest
             work = Work(s.newton, s.krylov, self._rolling.convolutions)
             return State(0.0, s.approach, 0.0, s.fields, s.status, work, s.outside, s.load)
         motion = ContactMotion(self.case.schedule.start_approach, 1.0, 0.0, self.case.motion.entrainment(0.0))
         around, P = self.outside.at(motion), jax.device_put(self.outside.at_first(motion))
-        fields, load = _squeezed(c, P, motion.approach, around.uplift, self.layer)
+        fields, load = _squeezed(self.contact_at(0.0), P, motion.approach, around.uplift, self.layer)
         work = Work(convolutions=1.0)
         return State(0.0, motion.approach, 1.0, fields, work=work, outside=around.load, load=float(load))
 
@@ -209,7 +185,11 @@ class Transient2D(Method):
         approaches = [level.approach for level in levels]
         line = self.closure.line(T, rates, approaches, [level.velocity for level in levels])
         predict = bdf.interpolation_weights(T, times)
-        around, sliding = self.outside.at(self.motion(levels, T)), self.case.motion.sliding(T)
+        motion = outside.predicted(levels, T, self.geometry.hertz_load, self.case.motion.entrainment(T))
+        if not self.case.starts_apart:
+            # with little or no inertia V follows from the film of the same step: extrapolating it is unstable
+            motion = motion._replace(velocity=0.0)
+        around, sliding = self.outside.at(motion), self.case.motion.sliding(T)
         ahead = float(predict @ approaches)
         known = Known(bdf.three(predict), bdf.three(rates), line, ahead, sliding, around.load, around.uplift)
         # the Delta of a light ball that rolls is a small difference of large numbers, so it is not eliminated
@@ -225,28 +205,12 @@ class Transient2D(Method):
             *((nonlinear.eliminate_approach, FALLING) if falls else (nonlinear.approach_as_unknown, ROLLING)),
         )
         numbers = np.asarray(solution.numbers).tolist()
-        named = dict(zip(NUMBERS, numbers, strict=False))
-        measured = self._named(state.named_numbers(self.grid, numbers[len(NUMBERS) :]), around.load)
-        approach, n, k = named["approach"], int(named["newton"]), int(named["krylov"])
-        velocity = self.closure.velocity(T, rates, approach, approaches)
+        extremes = state.named_numbers(self.grid, numbers[len(account.NUMBERS) :])
+        measured = self._named(extremes, around.load)
         load = measured.pop("load")
-        load_rate = float(rates @ [load, *(level.load for level in levels[:2])])
-        beyond = around.load + load - named["load"]  # half a cell around the grid counts as outside
-        terms = account.terms(named, velocity, Around(beyond, around.uplift, load_rate), self.geometry.hertz_load)
-        record = {**measured, **terms, **{name: named[name] for name in account.FRICTION}}
-        status = Status.CONVERGED if named["converged"] else Status.NEWTON_STALLED
-        work = Work(n, k, nonlinear.convolutions(self.grid, n, k))
-        fields = solution.fields
-        return State(T, approach, velocity, fields, status, work, around.load, load, named["error"], record)
-
-    def motion(self, levels: Sequence[State], T: float) -> ContactMotion:
-        """The predicted motion of the new level, for the oil outside.
-
-        The squeeze of a rolling contact is left out there: with little or no inertia V follows from the film of the
-        same step, and extrapolating it from earlier steps is unstable.
-        """
-        motion = outside.predicted(levels, T, self.geometry.hertz_load, self.case.motion.entrainment(T))
-        return motion if self.case.starts_apart else motion._replace(velocity=0.0)
+        new = account.new_level(T, rates, levels, solution.fields, numbers, around, self.geometry.hertz_load, load)
+        work = new.work._replace(convolutions=nonlinear.convolutions(self.grid, new.work.newton, new.work.krylov))
+        return replace(new, work=work, record={**measured, **new.record})
 
     def solve(self, problem: StepProblem) -> StepSolution:
         """The step's solution, on this device."""
@@ -270,7 +234,8 @@ class Transient2D(Method):
         """See `Method.friction`."""
         c, sliding, scale = self.contact_at(level.T), self.case.motion.sliding(level.T), self.geometry.hertz_load
         load = (level.load + level.outside) / scale
-        return account.compiled_friction(self.setting.space, c, level.P, level.H, sliding, load, scale)
+        P, H = jax.device_put((level.P, level.H))
+        return account.friction_program(self.setting.space, c, P, H, sliding, load, scale)
 
     def whole(self, field: Array, odd: bool = False) -> Array:
         """A field of a level on the whole plane."""
@@ -346,18 +311,18 @@ _step_program = Program(solve_step)
 def _numbers(
     p: StepProblem, known: Known, rate: Rate, s: newton.Solution, fields: Mapping[str, Array], approach: Array
 ) -> Array:
-    """The numbers of `NUMBERS` and of `state.extreme_numbers`."""
+    """The numbers of `account.NUMBERS` and of `state.extreme_numbers`."""
     c, mass, setting = p.contact, fields["mass"], p.setting
     U = 0.0 if p.flow is None else p.flow.entrainment
     load = (contact.pressure_load(c, s.P) + known.load_around) / setting.hertz_load
     gap_change = U * setting.gap_slope - p.roughness_change
     passing = mass if p.flow is None else p.flow.passing(mass)
     moment = Moment(approach, U, known.sliding, gap_change, load, setting.hertz_load)
-    balance = account.account(setting.space, c, s.P, s.H, moment, mass, passing, rate.of(mass, c.spacing))
+    terms, _ = account.account(setting.space, c, s.P, s.H, moment, mass, passing, rate.of(mass, c.spacing))
     predicted = _weighted(known.predict, [level["mass"] for level in p.past])
     weight = stencils.inside(s.P, c.even)  # the edge is given
     error = film_error(mass, predicted, weight, THIN * setting.film_scale, c.even, setting.coarsenings)
-    values = approach, s.converged, s.newton, s.krylov, error, *balance.numbers
+    values = approach, s.converged, s.newton, s.krylov, error, *(terms[name] for name in account.TERMS)
     stepped = jnp.stack([jnp.asarray(value, s.P.dtype) for value in values])
     return jnp.concatenate([stepped, state.extreme_numbers(setting.axes, s.P, s.H)])
 

@@ -4,6 +4,7 @@ The case and the summary of a run are read again only when a file has changed, a
 """
 
 import os
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -87,20 +88,17 @@ class Folder:
         """
         for run in numbered(self.root / RUNS / name):
             file = self.root / f"{run.name}.toml"
-            if run.exists():
-                continue
-            try:
-                with file.open("x", encoding="utf-8") as opened:
-                    opened.write(text)
-            except FileExistsError:
-                continue
-            return file, run
+            with suppress(FileExistsError):
+                if not run.exists():
+                    with file.open("x", encoding="utf-8") as opened:
+                        opened.write(text)
+                    return file, run
         raise AssertionError("there is always a next number")
 
 
-def _changed(path: Path) -> int:
+def _changed(run: Path) -> int:
     """The time when a run was last written to."""
-    return max((stamp[0] for stamp in (_stamp(path / CASE), _stamp(path / SUMMARY)) if stamp), default=0)
+    return max((stamp[0] for stamp in _stamps(run) if stamp), default=0)
 
 
 # -- the files of a run -----------------------------------------------------------------------------------------------
@@ -108,14 +106,19 @@ def _changed(path: Path) -> int:
 
 def summary_of(run: Path) -> dict[str, Any] | None:
     """The summary of a run; None where there is none that can be read."""
-    return _summary(run, _stamp(run / SUMMARY))[0]
+    return _read(run, *_stamps(run))[0]
 
 
 def fault_of(run: Path) -> str:
     """The reason why the case or the summary of a run cannot be read; empty where both can, or are not there yet."""
     if in_unicode(run.name) != run.name:
         return "the name of the directory is not UTF-8; rename it"
-    return _case_fault(run, _stamp(run / CASE)) or _summary(run, _stamp(run / SUMMARY))[1]
+    return _read(run, *_stamps(run))[1]
+
+
+def _stamps(run: Path) -> list[Stamp]:
+    """The stamps of case and summary."""
+    return [_stamp(run / CASE), _stamp(run / SUMMARY)]
 
 
 def _stamp(path: Path) -> Stamp:
@@ -127,29 +130,15 @@ def _stamp(path: Path) -> Stamp:
 
 
 @lru_cache(maxsize=2 * MOST)
-def _summary(run: Path, stamp: Stamp) -> tuple[dict[str, Any] | None, str]:
-    """The summary as the file was then, and what is wrong with it."""
+def _read(run: Path, case: Stamp, summary: Stamp) -> tuple[dict[str, Any] | None, str]:
+    """The summary as the files were then, and what is wrong.  Measured surfaces are not read: they are large."""
+    found = None
     try:
-        return read_summary(run), ""
-    except (OSError, ValueError) as error:
-        return None, _message(error)
-
-
-@lru_cache(maxsize=2 * MOST)
-def _case_fault(run: Path, stamp: Stamp) -> str:
-    """The fault of the case as the file was then.  Measured surfaces are not read: they are large."""
-    if stamp is None:
-        return ""
-    try:
-        data = read_toml(run / CASE)
-        if "roughness" not in data:
+        found = read_summary(run)
+        if case and "roughness" not in (data := read_toml(run / CASE)):
             parse_case(data)
-    except (OSError, ValueError) as error:
-        return _message(error)
-    return ""
-
-
-def _message(error: OSError | ValueError) -> str:
-    if isinstance(error, OSError):
-        return f"{Path(error.filename or SUMMARY).name}: {reason_of(error)}"
-    return str(error)
+    except OSError as error:
+        return None, f"{Path(error.filename or SUMMARY).name}: {reason_of(error)}"
+    except ValueError as error:
+        return found, str(error)
+    return found, ""

@@ -1,29 +1,19 @@
 """A new case: the fields that a user fills in, the case that they make, and ertel's answer before it is run.
 
-The values go to ertel as they are written, so that its own messages answer them: a quantity has its unit, "10 mm".  At
-once it is known whether they are a case; all of `ertel check` is there after two seconds, from a process of its own,
-which ends when the case changes again.  A case with measured surfaces is left to that: what reads their files is large.
+The values go to ertel as they are written, so that its own messages answer them: a quantity has its unit, "10 mm".
 """
 
-import asyncio
-import json
 import os
-from asyncio.subprocess import DEVNULL, PIPE
 from collections.abc import Mapping
-from contextlib import suppress
-from dataclasses import dataclass
+from copy import deepcopy
 from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import Any
-
-import tomli_w
+from typing import Any, NamedTuple
 
 from ertel.apps.browser.folder import Folder
-from ertel.apps.browser.processes import ERTEL, messages_in
 from ertel.inputs import materials, oils
 from ertel.inputs.case_files import apply_overrides, parse_case
 from ertel.inputs.templates import GIVEN
-from ertel.results.parameters import parameter_summary
+from ertel.runs.outlook import outlook
 
 OWN, NAMED = "own", "named"  # oils: by values, "own" also in place of its name; from the library
 NEWTONIAN = "newtonian"
@@ -35,18 +25,17 @@ METHODS: Mapping[str, dict[str, str]] = {
     "impact": {"radial": "radial: seconds", "2d": "plane: minutes"},
     "rolling": {"steady": "steady", "transient": "in time"},
 }
-GRIDS: Mapping[str, tuple[int, ...]] = {
-    "radial": (129, 257, 401, 801),
-    "2d": (65, 129, 257, 385, 513),
-    "steady": (65, 129, 257, 513),
-    "transient": (65, 129, 193, 257),
+GRIDS: Mapping[str, tuple[str, ...]] = {
+    "radial": ("129", "257", "401", "801"),
+    "2d": ("65", "129", "257", "385", "513"),
+    "steady": ("65", "129", "257", "513"),
+    "transient": ("65", "129", "193", "257"),
 }
-USUAL = {"radial": "257", "2d": "129", "steady": "129", "transient": "129"}  # nodes: an answer within a minute
+USUAL = 1  # the place in `GRIDS` of a grid that answers within a minute
 DECIDE = ("kind", "given", "oil", "rheology", "method")  # fields on which others depend
 
 
-@dataclass(frozen=True)
-class Field:
+class Field(NamedTuple):
     """A field, which has the name of its key in case files.
 
     section: of the key.  group: of fields on the page.  value: the first one.  when: the choices that show the field,
@@ -83,7 +72,7 @@ FIELDS = {
     "tau0": Field("lubricant", "Oil", "Eyring stress", "5 MPa", "si rolling ree-eyring"),
     "layer": Field("lubricant", "Oil", "Layer of oil on the surfaces", ""),
     "method": Field("solver", "Computation", "Method", "radial"),
-    "nodes": Field("solver", "Computation", "Nodes", USUAL["radial"]),
+    "nodes": Field("solver", "Computation", "Nodes", GRIDS["radial"][USUAL]),
     "until": Field("time", "Computation", "End", "max-approach", "impact", ENDS),
 }
 
@@ -100,14 +89,14 @@ class Form:
         if name == "kind":
             self.choose("method", next(iter(METHODS[value])))
         elif name == "method":
-            self.choose("nodes", USUAL[value])
+            self.choose("nodes", GRIDS[value][USUAL])
 
     def options(self, name: str) -> Mapping[str, str] | None:
         """The values from which a field is chosen, with their labels; None for a text."""
         if name == "method":
             return METHODS[self.values["kind"]]
         if name == "nodes":
-            return {str(nodes): str(nodes) for nodes in GRIDS[self.values["method"]]}
+            return {nodes: nodes for nodes in GRIDS[self.values["method"]]}
         return FIELDS[name].options
 
     def shown(self) -> list[str]:
@@ -137,55 +126,24 @@ def field_of(message: str) -> str | None:
 # -- the answer of ertel -----------------------------------------------------------------------------------------------
 
 
-def at_once(data: Mapping[str, Any], folder: Folder) -> dict[str, Any] | None:
-    """The parameters of the case in plain data, see `parameter_summary`; None where its files must be read first.
-
-    Raises ConfigError with ertel's message, and Outside for files outside the folder.
-    """
-    files = [folder.inside(table["file"]) for table in _with_files(data)]
-    return None if files else parameter_summary(parse_case(data))
+def outlook_of(data: Mapping[str, Any], folder: Folder) -> dict[str, Any]:
+    """The answer of `ertel check` to a case.  Raises ConfigError, and Outside for files outside the folder."""
+    for table in _with_files(data):
+        folder.inside(table["file"])
+    return outlook(parse_case(data, folder.root))
 
 
-async def outlook_of(data: Mapping[str, Any], folder: Folder) -> dict[str, Any]:
-    """The answer of `ertel check --json` to a case.  Raises ValueError with its message where it refuses the case.
-
-    The process ends when the task that waits for it is cancelled.
-    """
-    text = tomli_w.dumps(relocated(data, folder.root))
-    with TemporaryDirectory(prefix="ertel-") as place:
-        file = Path(place) / "case.toml"
-        file.write_text(text, encoding="utf-8")
-        command = (*ERTEL, "check", str(file), "--json")
-        process = await asyncio.create_subprocess_exec(
-            *command, stdin=DEVNULL, stdout=PIPE, stderr=PIPE, env={**os.environ, "JAX_PLATFORMS": "cpu"}
-        )
-        try:
-            answer, errors = await process.communicate()
-        except asyncio.CancelledError:
-            with suppress(ProcessLookupError):
-                process.kill()
-            await process.wait()
-            raise
-    if process.returncode:
-        raise ValueError((messages_in(errors) or ["failed"])[0])
-    outlook: dict[str, Any] = json.loads(answer)
-    return outlook
-
-
-def relocated(data: Mapping[str, Any], before: Path, now: Path | None = None) -> dict[str, Any]:
-    """The plain data of a case whose files were named relative to one folder: now relative to another, or absolute."""
-    if not _with_files(data):
-        return dict(data)
-    tables = [dict(table) if isinstance(table, dict) else table for table in data["roughness"]]
-    for table in _with_files({"roughness": tables}):
-        path = os.path.realpath(before / table["file"])
-        table["file"] = os.path.relpath(path, now) if now else path
-    return {**data, "roughness": tables}
+def relocated(data: Mapping[str, Any], before: Path, now: Path) -> dict[str, Any]:
+    """The plain data of a case whose files were named relative to one folder: now relative to another."""
+    moved = deepcopy(dict(data))
+    for table in _with_files(moved):
+        table["file"] = os.path.relpath(os.path.realpath(before / table["file"]), now)
+    return moved
 
 
 def _with_files(data: Mapping[str, Any]) -> list[dict[str, Any]]:
     """The tables of a case that name a file."""
-    tables = data.get("roughness", [])
+    tables = data.get("roughness")
     if not isinstance(tables, list):
         return []
     return [table for table in tables if isinstance(table, dict) and isinstance(table.get("file"), str)]

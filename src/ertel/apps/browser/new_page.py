@@ -1,18 +1,17 @@
 """The page of a new case: a form, or the text of a case file; beside it the answer of ertel, while it is written."""
 
 import asyncio
-from collections.abc import Iterator
-from contextlib import contextmanager
 from itertools import groupby
 from typing import Any
 
 import tomli_w
-from nicegui import run, ui
+from nicegui import ui
 
 from ertel.apps.browser import form
 from ertel.apps.browser.form import DECIDE, FIELDS, Form, field_of
 from ertel.apps.browser.site import Site, address_of, show_line, show_notes
-from ertel.apps.terminal import reason_of, rough_time
+from ertel.apps.tables import needs
+from ertel.apps.terminal import reason_of
 from ertel.case.rules import plain_name
 from ertel.inputs.case_files import parse_toml, read_text
 from ertel.results.variables import with_prefix
@@ -29,18 +28,16 @@ SHOWN_SCALES = {  # of `parameter_summary`: key, label, unit
     "h_c_least_m": ("central film, at least about", "m"),
     "h_c_most_m": ("central film, at most about", "m"),
 }
-HINTS = {"slide_to_roll": "0", "layer": "flooded", "name": "impact"}
-
-
-def new_page(site: Site, case: str = "") -> None:
-    """The page of a new case; case: a case file in the folder to begin from."""
-    NewCase(site, case)
+HINTS = {"slide_to_roll": "0", "layer": "flooded"}
 
 
 class NewCase:
-    """The form and the text of a new case.  The tab that is open tells which of them counts."""
+    """The page: form and text, of which the tab that is open tells which counts.
 
-    def __init__(self, site: Site, begin_from: str):
+    case: a case file in the folder to begin from.
+    """
+
+    def __init__(self, site: Site, case: str = ""):
         self.site, self.form, self._client = site, Form(), ui.context.client
         self._inputs: dict[str, Any] = {}
         self._asked: asyncio.Task[None] | None = None
@@ -59,17 +56,16 @@ class NewCase:
             with ui.element("div").classes("right"):
                 self._answer = ui.element("div").classes("card answer")
                 with ui.element("div").classes("card launch"):
-                    self._name = ui.input("Name of the run", placeholder=HINTS["name"]).mark("name")
-                    self._name.props("outlined dense stack-label")
-                    self._run = ui.button("Run", icon="play_arrow", on_click=self._start).mark("run")
-                    self._run.props("unelevated no-caps")
+                    self._name = ui.input("Name of the run").props("outlined dense stack-label").mark("name")
+                    self._run = ui.button("Run", icon="play_arrow", on_click=self._start)
+                    self._run.props("unelevated").mark("run")
         self._fields.bind_visibility_from(self._tabs, "value", value="form")
         self._text.bind_visibility_from(self._tabs, "value", value="text")
         self._build()
         self._tabs.on_value_change(self._turned)
         self._tabs.set_value("form")
-        if begin_from:
-            self._begin_from(begin_from)
+        if case:
+            self._begin_from(case)
 
     def _begin_from(self, name: str) -> None:
         try:
@@ -94,29 +90,26 @@ class NewCase:
         self._fields.clear()
         with self._fields:
             with ui.element("div").classes("card choices"):
-                self._choice("kind")
-                self._choice("given")
+                for name in ("kind", "given"):
+                    toggle = ui.toggle(dict(FIELDS[name].options or {}), value=self.form.values[name]).mark(name)
+                    self._watch(name, toggle.props("no-caps unelevated spread"))
             for title, names in groupby(self.form.shown(), key=lambda name: FIELDS[name].group):
                 with ui.element("div").classes("card group"):
                     ui.label(title).classes("eyebrow")
                     with ui.element("div").classes("grid"):
                         for name in names:
-                            self._field(name)
+                            self._inputs[name] = self._field(name)
 
-    def _field(self, name: str) -> None:
+    def _field(self, name: str) -> Any:
         label, value, options = FIELDS[name].label, self.form.values[name], self.form.options(name)
         if options:
             field: Any = ui.select(dict(options), label=label, value=value).props("options-dense")
         else:
             field = ui.input(label, value=value, placeholder=HINTS.get(name, ""))
-        field.props("outlined dense hide-bottom-space").mark(name)
-        field.on_value_change(lambda event: self._set(name, event.value))
-        self._inputs[name] = field
+        return self._watch(name, field.props("outlined dense hide-bottom-space").mark(name))
 
-    def _choice(self, name: str) -> None:
-        options = dict(FIELDS[name].options or {})
-        toggle = ui.toggle(options, value=self.form.values[name]).props("no-caps unelevated spread").mark(name)
-        toggle.on_value_change(lambda event: self._set(name, event.value))
+    def _watch(self, name: str, field: Any) -> Any:
+        return field.on_value_change(lambda event: self._set(name, event.value))
 
     def _set(self, name: str, value: Any) -> None:
         """Take over a value; the form is built again where other fields depend on it."""
@@ -143,38 +136,27 @@ class NewCase:
     async def _ask(self) -> None:
         await self._client.connected()
         await asyncio.sleep(PAUSE)
+        if not self._client.has_socket_connection:  # the page was left
+            return
+        message = None
         try:
             data = parse_toml(self._text.value, "the text") if self._tabs.value == "text" else self.form.data()
-            parameters = await run.io_bound(form.at_once, data, self.site.folder)
-            self._accept(data, parameters)
-            async with self.site.checks:
-                if not self._client.has_socket_connection:  # the page was left
-                    return
-                outlook = await form.outlook_of(data, self.site.folder)
-        except (ValueError, OSError) as error:
-            self._refuse(str(error))
-            return
-        if not self._answer.is_deleted:
-            _show_outlook(self._answer, outlook)
-            self._run.enable()
-
-    def _accept(self, data: dict[str, Any], parameters: dict[str, Any] | None) -> None:
-        """Say that it is a case, or without parameters that it may be one."""
-        if self._answer.is_deleted:  # the page was left
-            return
-        self._mark(None)
-        self._data = data
-        self._run.set_enabled(parameters is not None)
-        self._name.props["placeholder"] = _name_of(data)
-        _show_waiting(self._answer, parameters)
-
-    def _refuse(self, message: str) -> None:
-        """Say what is wrong, also at the field where the form has it."""
+            outlook = await self.site.worker.result_of(form.outlook_of, data, self.site.folder)
+        except ValueError as error:
+            message = str(error)
         if self._answer.is_deleted:
             return
-        self._run.disable()
         self._mark(message)
-        _show_fault(self._answer, message)
+        self._answer.clear()
+        with self._answer:
+            if message:
+                _verdict("Not a case yet", "error_outline", "wrong")
+                ui.label(f"{message}.").classes("fault").mark("fault")
+            else:
+                _show_outlook(outlook)
+                self._data = data
+                self._name.props["placeholder"] = outlook["name"] or outlook["kind"]
+                self._run.enable()
 
     def _mark(self, message: str | None) -> None:
         wrong = field_of(message) if message else None
@@ -185,7 +167,7 @@ class NewCase:
         """Write the case file, run it, and go to its page."""
         if self._asked:
             self._asked.cancel()
-        name = plain_name((self._name.value or "").strip()) or _name_of(self._data)
+        name = plain_name((self._name.value or "").strip()) or self._name.props["placeholder"]
         try:
             path = self.site.processes.start(name, tomli_w.dumps({**self._data, "name": name}))
         except OSError as error:
@@ -194,81 +176,34 @@ class NewCase:
         ui.navigate.to(address_of("/run", name=self.site.folder.name_of(path)))
 
 
-def _name_of(data: dict[str, Any]) -> str:
-    """The name of a case, or the kind of its contact."""
-    contact = data.get("contact")
-    return str(data.get("name") or (contact.get("kind") if isinstance(contact, dict) else "") or HINTS["name"])
-
-
 # -- the answer of ertel -----------------------------------------------------------------------------------------------
 
 
-def _show_fault(place: ui.element, message: str) -> None:
-    """Show a message that refuses a case."""
-    with _cleared(place):
-        _verdict("Not a case yet", "error_outline", "wrong")
-        ui.label(f"{message}.").classes("fault").mark("fault")
-
-
-def _show_waiting(place: ui.element, parameters: dict[str, Any] | None) -> None:
-    """Say that a case is one, with what follows at once, while the rest is computed; None: its files are read first."""
-    with _cleared(place):
-        if parameters:
-            _parameters(parameters)
-        with ui.row().classes("line waiting"):
-            ui.spinner(size="sm")
-            ui.label("grid, memory, time and warnings …" if parameters else "reading the files of the case …")
-
-
-def _show_outlook(place: ui.element, outlook: dict[str, Any]) -> None:
-    """Show the whole answer of `ertel check`."""
-    with _cleared(place):
-        _parameters(outlook["parameters"])
-        ui.separator()
-        grid, time = outlook["grid"], outlook["time"]
-        nodes = f"{grid['nodes']} x {grid['nodes_across']}" if grid["nodes_across"] > 1 else f"{grid['nodes']}, radial"
-        steps = f", {time['steps']} steps" if time["steps"] else ""
-        show_line("nodes", nodes)
-        show_line("cells in the pressure sweep", f"{grid['cells_in_sweep']:.1f}, 10 needed")
-        show_line("memory", f"about {outlook['memory']['needed'] / 1e9:.2g} GB")
-        show_line("time", f"roughly {rough_time(time['seconds'])}{steps}")
-        _films(outlook)
-        show_notes(outlook["warnings"])
-
-
-@contextmanager
-def _cleared(place: ui.element) -> Iterator[None]:
-    """New content in place of the old."""
-    place.clear()
-    with place:
-        yield
+def _show_outlook(outlook: dict[str, Any]) -> None:
+    """The whole answer of `ertel check`."""
+    _verdict("Ready to run", "check_circle", "right-one").mark("ready")
+    parameters, scales = outlook["parameters"], outlook["parameters"].get("si", {})
+    with ui.row().classes("moes"):
+        for symbol in ("M", "L"):
+            with ui.element("div"):
+                ui.label(symbol).classes("symbol")
+                ui.label(f"{parameters[symbol]:.4g}").classes("value").mark(f"value-{symbol}")
+    for key, (label, unit) in SHOWN_SCALES.items():
+        if key in scales:
+            show_line(label, with_prefix(scales[key], unit))
+    ui.separator()
+    for name, value in needs(outlook).items():
+        show_line(name, value)
+    films = [film for film in outlook["films"] if film["central"] is not None and film["inside"]]
+    if films:
+        ui.label("Central film by the formulas").classes("eyebrow")
+    for film in films:
+        in_si = scales and with_prefix(film["central"] * scales["a_m"] ** 2 / scales["R_m"], "m")
+        show_line(film["name"], in_si or f"{film['central']:.4g} a²/R")
+    show_notes(outlook["warnings"])
 
 
 def _verdict(text: str, icon: str, kind: str) -> ui.label:
     with ui.row().classes(f"verdict {kind}"):
         ui.icon(icon)
         return ui.label(text)
-
-
-def _parameters(parameters: dict[str, Any]) -> None:
-    _verdict("Ready to run", "check_circle", "right-one").mark("ready")
-    with ui.row().classes("moes"):
-        for symbol in ("M", "L"):
-            with ui.element("div"):
-                ui.label(symbol).classes("symbol")
-                ui.label(f"{parameters[symbol]:.4g}").classes("value").mark(f"value-{symbol}")
-    scales = parameters.get("si", {})
-    for key, (label, unit) in SHOWN_SCALES.items():
-        if key in scales:
-            show_line(label, with_prefix(scales[key], unit))
-
-
-def _films(outlook: dict[str, Any]) -> None:
-    """The films by the formulas that hold here."""
-    films = [film for film in outlook["films"] if film["central"] is not None and film["inside"]]
-    if films:
-        ui.label("Central film by the formulas").classes("eyebrow")
-    scales = outlook["parameters"].get("si")
-    for film in films:
-        in_si = scales and with_prefix(film["central"] * scales["a_m"] ** 2 / scales["R_m"], "m")
-        show_line(film["name"], in_si or f"{film['central']:.4g} a²/R")

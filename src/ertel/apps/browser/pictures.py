@@ -1,4 +1,4 @@
-"""Pictures for pages: drawn by a process of its own, so that pages answer meanwhile; the last ones are kept.
+"""Pictures for pages, and the outlook on a new case: made by a process of its own, so that pages answer meanwhile.
 
 Neither process imports JAX; matplotlib and xarray are imported by the one that draws, when it begins.
 """
@@ -20,22 +20,29 @@ from multiprocessing import get_context, parent_process
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ertel.results.variables import VARIABLES, is_steady
+from ertel.apps.looking import optics
+from ertel.results.numbers import Number, number, scales_in
+from ertel.results.variables import is_steady
 from ertel.runs.directory import DATA
 
 if TYPE_CHECKING:  # imported in the process that draws
     import xarray as xr
-    from matplotlib.figure import Figure
-
-    from ertel.plots.view import View
 
 INTERFEROGRAM = "interferogram"
-LIGHTS = {"mono": "green light, 532 nm", "two-beam": "two beams", "white": "white light"}
-IN_TIME = ("maps", "profiles", "history", "front", "friction", INTERFEROGRAM, "overview")
-STEADY = ("maps", "midlines", "friction", INTERFEROGRAM, "convergence", "overview")
+FIGURES = {  # in the order of their tabs: label, icon
+    "maps": ("Film and pressure", "blur_circular"),
+    "profiles": ("Mid-line", "show_chart"),
+    "midlines": ("Mid-lines", "show_chart"),
+    "history": ("Motion", "timeline"),
+    "front": ("Front", "open_in_full"),
+    "friction": ("Friction", "local_fire_department"),
+    INTERFEROGRAM: ("Interferogram", "lens_blur"),
+    "convergence": ("Grids", "grid_on"),
+    "overview": ("Overview", "dashboard"),
+}
 STRESSES = ("tau_x", "tau_y", "loss")  # only one figure needs them
 LATEST = ("H_c", "H_min", "P_max", "F", "mu_sliding")  # shown of a run that goes on
-HEAVY = ("ertel.plots", "ertel.runs.arrays")  # imported before they are needed
+HEAVY = ("ertel.plots", "ertel.runs.arrays", "ertel.runs.outlook")  # imported before they are needed
 PICTURES = "/pictures"  # where pages get them
 KEPT = 60  # pictures, of some 0.2 MB each
 KEPT_OPEN = 3  # Datasets
@@ -45,21 +52,21 @@ KEPT_OPEN = 3  # Datasets
 class RunInfo:
     """The facts on a run that a page must know.
 
-    figures: the names of its pictures.  T: the times of its maps in t0, empty for a steady contact; times: the same as
-    text.  events: the maps of events by name.  latest: label, symbol and value of the last step or grid.
+    figures: the names of its pictures.  T: the times of its maps in t0, empty for a steady contact; t0: in s, 0 where
+    it is not known.  events: the maps of events by name.  latest: the values of the last step or grid.
     """
 
     title: str = ""
     figures: tuple[str, ...] = ()
     T: tuple[float, ...] = ()
-    times: tuple[str, ...] = ()
+    t0: float = 0.0
     events: dict[str, int] = field(default_factory=dict)
-    latest: tuple[tuple[str, str, str], ...] = ()
+    latest: tuple[Number, ...] = ()
 
 
 @dataclass(frozen=True)
 class PlotRequest:
-    """A picture.  figure: its name.  at: a time in t0 or an event.  light: of an interferogram, one of `LIGHTS`.
+    """A picture.  figure: its name.  at: a time in t0 or an event.  light: of an interferogram, see `ertel plot`.
 
     dots: per inch.  stamp: of the data, see `stamp_of`.
     """
@@ -73,9 +80,9 @@ class PlotRequest:
     stamp: int = 0
 
     @property
-    def key(self) -> str:
-        """The name of the picture in its address."""
-        return format(hash(self) & (2**64 - 1), "016x")
+    def address(self) -> str:
+        """The address of the picture."""
+        return f"{PICTURES}/{hash(self) & (2**64 - 1):016x}"
 
 
 def stamp_of(run: Path) -> int:
@@ -91,49 +98,35 @@ def stamp_of(run: Path) -> int:
 
 def run_info(run: Path, stamp: int) -> RunInfo:
     """The facts on a run.  Raises ValueError where its data cannot be read."""
-    from ertel.plots.view import View
+    from ertel import plots
     from ertel.results.profiles import events_of
 
     data = _opened(run, stamp, STRESSES)
-    view, title = View(data), str(data.attrs["title"])
-    steady = is_steady(data)
-    missing = {"front" if data.attrs["kind"] != "impact" else "", INTERFEROGRAM if not view.in_si else ""}
-    figures = tuple(name for name in (STEADY if steady else IN_TIME) if name not in missing)
-    if steady:
-        return RunInfo(title, figures, latest=_latest(view))
-    T, time = tuple(float(t) for t in data["frame"].values), view.scale("time")
-    times = tuple(f"{t * time.factor:.3g} {_plain(time.unit)}" for t in T)
-    return RunInfo(title, figures, T, times, dict(events_of(data)), _latest(view))
-
-
-def _latest(view: "View") -> tuple[tuple[str, str, str], ...]:
-    """The last values of a run, without a friction that is zero."""
-    data = view.dataset
+    about, steady = data.attrs, is_steady(data)
+    scales = scales_in({**about, "si": about}) if "R_m" in about else None
+    drawn = {*(plots.STEADY if steady else plots.IN_TIME), *([INTERFEROGRAM] if scales else [])}
+    figures = tuple(name for name in FIGURES if name in drawn and (name != "front" or about["kind"] == "impact"))
     last = {name: float(data[name].values[-1]) for name in LATEST if name in data and data[name].size}
-    return tuple(
-        (VARIABLES[name].long_name, name, _plain(view.with_unit(name, value)))
+    latest = tuple(
+        number(about["kind"], scales, name, value)
         for name, value in last.items()
-        if value or not name.startswith("mu")
+        if value or name != "mu_sliding"  # of a contact that does not slide
     )
-
-
-def _plain(text: str) -> str:
-    """A unit of matplotlib's as plain text."""
-    return text.replace("$", "").replace("^*", "*").replace("^{*2}", "*²").replace("_", "").replace("\\,", " ").strip()
+    if steady:
+        return RunInfo(str(about["title"]), figures, latest=latest)
+    T, t0 = tuple(float(t) for t in data["frame"].values), scales.t0 if scales else 0.0
+    return RunInfo(str(about["title"]), figures, T, t0, dict(events_of(data)), latest)
 
 
 def draw_picture(request: PlotRequest) -> bytes:
     """A picture as a file.  Raises ValueError where there is nothing to draw, or the data cannot be read."""
-    left_out = () if request.figure in ("friction", "overview") else STRESSES
-    data = _opened(request.run, request.stamp, left_out)
-    try:
-        figure = _figure(data, request)
-    except Exception:
-        try:
-            data.copy().load()
-        except Exception as error:  # of zarr, its codecs, the system
-            raise _unreadable(request.run) from error
-        raise
+    from ertel import plots
+
+    data = _opened(request.run, request.stamp, () if request.figure in ("friction", "overview") else STRESSES)
+    if request.figure == INTERFEROGRAM:
+        figure = plots.interferogram(data, request.at, *optics(request.light))
+    else:
+        figure = plots.draw(data, request.figure, request.at)
     content = BytesIO()
     figure.savefig(content, format=request.kind, dpi=request.dots)
     del figure
@@ -141,20 +134,9 @@ def draw_picture(request: PlotRequest) -> bytes:
     return content.getvalue()
 
 
-def _figure(data: "xr.Dataset", request: PlotRequest) -> "Figure":
-    from ertel import plots
-
-    if request.figure != INTERFEROGRAM:
-        return plots.draw(data, request.figure, request.at)
-    from ertel.optics import Monochromatic, Rig, TwoBeams, White
-
-    light = White() if request.light == "white" else Monochromatic()
-    return plots.interferogram(data, request.at, light, TwoBeams() if request.light == "two-beam" else Rig())
-
-
 @lru_cache(maxsize=KEPT_OPEN)
 def _opened(run: Path, stamp: int, left_out: Sequence[str]) -> "xr.Dataset":
-    """The data of a run as they were at a moment; arrays are read when they are needed."""
+    """The data of a run as they were at a moment."""
     import xarray as xr
 
     from ertel.runs.arrays import RegularStore
@@ -163,14 +145,10 @@ def _opened(run: Path, stamp: int, left_out: Sequence[str]) -> "xr.Dataset":
         raise ValueError("nothing is written yet")
     try:
         store = RegularStore(run / DATA, read_only=True)
-        data: xr.Dataset = xr.open_zarr(store, chunks=None, consolidated=True, drop_variables=left_out)
+        data: xr.Dataset = xr.open_zarr(store, chunks=None, consolidated=True, drop_variables=left_out).load()
     except Exception as error:  # of zarr, its codecs, the system
-        raise _unreadable(run) from error
+        raise ValueError(f"the data of this run cannot be read; ertel show {run.name} tells more") from error
     return data
-
-
-def _unreadable(run: Path) -> ValueError:
-    return ValueError(f"the data of this run cannot be read; ertel show {run.name} tells more")
 
 
 def _with_plain_errors(function: Callable[..., Any], *arguments: Any) -> Any:
@@ -182,15 +160,16 @@ def _with_plain_errors(function: Callable[..., Any], *arguments: Any) -> Any:
         return function(*arguments)
     except ValueError as error:
         message = str(error)
-    except Exception as error:  # of zarr, its codecs, xarray, matplotlib: the data are damaged
-        message = f"the data of this run cannot be drawn ({type(error).__name__}); ertel show tells more"
+    except Exception as error:  # of xarray, matplotlib, the system
+        message = f"{type(error).__name__} in the process that draws; ertel show, or ertel check of a case, tells more"
     raise ValueError(message)
 
 
 def _begin() -> None:
-    """End with the app, leave Ctrl-C to it, and import what takes long before it is asked for."""
+    """End with the app, leave Ctrl-C and the accelerator to others, and import what takes long before it is needed."""
     threading.Thread(target=_end_with_the_app, daemon=True).start()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    os.environ["JAX_PLATFORMS"] = "cpu"  # or the outlook would ask the accelerator for its memory
     for name in HEAVY:
         import_module(name)
 
@@ -207,40 +186,35 @@ def _end_with_the_app() -> None:
 
 
 def _process() -> Executor:
-    return ProcessPoolExecutor(1, mp_context=get_context("spawn"), initializer=_begin)
+    return ProcessPoolExecutor(1, get_context("spawn"), _begin)
 
 
-class PlotWorker:
-    """Draws pictures and keeps the last ones by their keys.  make: of the executor that draws."""
+class Worker:
+    """Draws pictures and keeps the last ones by their addresses.  make: the executor of what takes long."""
 
     def __init__(self, make: Callable[[], Executor] = _process):
         self._make, self._executor = make, make()
         self.kept: OrderedDict[str, bytes] = OrderedDict()
 
     def begin(self) -> None:
-        """Start the process that draws, before it is needed."""
+        """Start the other process, before it is needed."""
         self._executor.submit(int)
 
     async def info(self, run: Path) -> RunInfo:
         """The facts on a run.  Raises ValueError where its data cannot be read, or are not there yet."""
-        info: RunInfo = await self._result_of(run_info, run, stamp_of(run))
+        info: RunInfo = await self.result_of(run_info, run, stamp_of(run))
         return info
 
     async def draw(self, request: PlotRequest) -> bytes:
-        """A picture as a file.  Raises ValueError where there is nothing to draw."""
-        if request.key not in self.kept:
-            self.kept[request.key] = await self._result_of(draw_picture, request)
+        """A picture as a file, which then has its address.  Raises ValueError where there is nothing to draw."""
+        if request.address not in self.kept:
+            self.kept[request.address] = await self.result_of(draw_picture, request)
             while len(self.kept) > KEPT:
                 self.kept.popitem(last=False)
-        self.kept.move_to_end(request.key)
-        return self.kept[request.key]
+        self.kept.move_to_end(request.address)
+        return self.kept[request.address]
 
-    async def address(self, request: PlotRequest) -> str:
-        """The address of a picture, which is drawn when this returns.  Raises ValueError where it cannot be."""
-        await self.draw(request)
-        return f"{PICTURES}/{request.key}"
-
-    async def _result_of(self, function: Callable[..., Any], *arguments: Any) -> Any:
+    async def result_of(self, function: Callable[..., Any], *arguments: Any) -> Any:
         """The result from the other process; one that ended, for want of memory perhaps, is started again."""
         loop = asyncio.get_running_loop()
         try:
@@ -252,5 +226,5 @@ class PlotWorker:
             ) from error
 
     def close(self) -> None:
-        """End the process that draws."""
+        """End the other process."""
         self._executor.shutdown(wait=False, cancel_futures=True)

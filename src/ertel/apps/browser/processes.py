@@ -17,6 +17,7 @@ from time import monotonic
 from typing import IO, Any
 
 from ertel.apps.browser.folder import Folder, fault_of, summary_of
+from ertel.apps.terminal import capital, duration
 from ertel.case.status import Status
 from ertel.runs import files
 from ertel.runs.directory import ask_to_stop, is_asked_to_stop, read_progress
@@ -25,6 +26,12 @@ ERTEL = (sys.executable, "-P", "-m", "ertel")  # -P: a file typer.py in the fold
 STOPPED = (0, 130, 143, -signal.SIGTERM)  # exit codes of a run that ended or was asked to
 KILLED = -9
 FLUSH = "2"  # seconds between what a live picture can show
+SAID = "ertel: "  # how a message begins
+
+COMPILING = (
+    "Starting, then compiling: once per machine and grid size, usually 10 to 60 s. "
+    "Later runs on this grid begin after a few seconds."
+)
 
 
 class Phase(Enum):
@@ -58,6 +65,26 @@ class RunStatus:
         """The share of the run that is done."""
         return float(self.progress["done"]) if self.progress else 0.0
 
+    @property
+    def text(self) -> str:
+        """The status in a sentence."""
+        progress = self.progress or {}
+        match self.phase:
+            case Phase.COMPILING:
+                return COMPILING + (f" It began {self.seconds:.0f} s ago." if self.seconds else "")
+            case Phase.STOPPING:
+                return "Stopping: the current step or grid is finished first, then it can be resumed."
+            case Phase.FAILED | Phase.DAMAGED:
+                return capital(self.message)
+        place = f"grid {progress.get('step', 0)}, the coarse ones first"
+        if progress.get("T") is not None:
+            place = f"T = {progress['T']:.3f}, step {progress['step']}"
+        if self.phase is Phase.INTERRUPTED:
+            return f"Interrupted at {place}; it can be resumed." if progress else "Interrupted before its first step."
+        seconds_left = progress.get("seconds_left")
+        left = "" if seconds_left is None else f", about {duration(seconds_left)} left"
+        return f"{self.done:.0%} · {place} · {duration(progress.get('seconds', 0.0))}{left}"
+
 
 @dataclass
 class _Started:
@@ -74,22 +101,15 @@ class _Started:
         return self.process.poll() is None
 
     @property
-    def has_failed(self) -> bool:
-        """True if the process ended by itself, and not well."""
+    def fault(self) -> str:
+        """The last sentence of a process that ended by itself, and not well; empty of any other one."""
         code = self.process.poll()
-        return code is not None and code not in STOPPED and not (self.asked_to_stop and code == KILLED)
-
-    def last_message(self) -> str:
-        """The last sentence that the process said."""
+        if code is None or code in STOPPED or (self.asked_to_stop and code == KILLED):
+            return ""
         self.messages.seek(0)
-        nothing = f"the process ended with code {self.process.returncode} and said nothing"
-        return (messages_in(self.messages.read()[-20_000:]) or [nothing])[-1]
-
-
-def messages_in(text: bytes) -> list[str]:
-    """The messages of ertel in what a process wrote on stderr."""
-    lines = text.decode(errors="replace").splitlines()
-    return [line.removeprefix("ertel: ") for line in lines if line.startswith("ertel: ")]
+        lines = self.messages.read()[-20_000:].decode(errors="replace").splitlines()
+        said = [line.removeprefix(SAID) for line in lines if line.startswith(SAID)]
+        return said[-1] if said else f"the process ended with code {code} and said nothing"
 
 
 class Processes:
@@ -99,7 +119,7 @@ class Processes:
         self.folder, self._command = folder, command
         self._started: dict[Path, _Started] = {}
 
-    # -- started and stopped ------------------------------------------------------------------------------------------
+    # -- asked for ----------------------------------------------------------------------------------------------------
 
     def start(self, name: str, case: str) -> Path:
         """Write a case file and run it; the directory of the run, which the process makes.
@@ -165,43 +185,33 @@ class Processes:
 
     def status(self, run: Path) -> RunStatus:
         """The phase and the progress of a run."""
-        progress, ours = read_progress(run), self._started.get(run)
+        progress, ours, summary = read_progress(run), self._started.get(run), summary_of(run)
+        outcome = str(summary["status"]) if summary else None
         if ours and ours.is_alive:
-            return RunStatus(_phase_of(ours, progress), progress, seconds=monotonic() - ours.since)
-        if ours and ours.has_failed and not _outcome(run):
-            return RunStatus(Phase.FAILED, progress, ours.last_message())
-        if not _outcome(run) and files.is_locked(run):
-            return RunStatus(_phase_elsewhere(run, progress), progress)
-        fault = fault_of(run)
-        return RunStatus(Phase.DAMAGED, progress, fault) if fault else _ended(run, progress)
+            begun = progress is not None and progress["process"] == ours.process.pid
+            return RunStatus(_active(begun, ours.asked_to_stop), progress, seconds=monotonic() - ours.since)
+        if outcome is None and files.is_locked(run):  # a process of another program, perhaps on another machine
+            begun = progress is not None and progress["status"] == Status.RUNNING.value
+            return RunStatus(_active(begun, is_asked_to_stop(run)), progress)
+        if ours and outcome is None and (fault := ours.fault):
+            return RunStatus(Phase.FAILED, progress, fault)
+        if fault := fault_of(run):
+            return RunStatus(Phase.DAMAGED, progress, fault)
+        return _ended(outcome or (progress or {}).get("status"), progress)
 
 
-def _phase_of(ours: _Started, progress: Mapping[str, Any] | None) -> Phase:
-    if ours.asked_to_stop:
+def _active(begun: bool, asked_to_stop: bool) -> Phase:
+    """The phase of a run that a process works on."""
+    if asked_to_stop:
         return Phase.STOPPING
-    is_its = progress is not None and progress["process"] == ours.process.pid
-    return Phase.RUNNING if is_its else Phase.COMPILING
+    return Phase.RUNNING if begun else Phase.COMPILING
 
 
-def _phase_elsewhere(run: Path, progress: Mapping[str, Any] | None) -> Phase:
-    """The phase of a run that a process of another program, perhaps on another machine, works on."""
-    if is_asked_to_stop(run):
-        return Phase.STOPPING
-    return Phase.RUNNING if progress and progress["status"] == Status.RUNNING.value else Phase.COMPILING
-
-
-def _ended(run: Path, progress: Mapping[str, Any] | None) -> RunStatus:
+def _ended(status: str | None, progress: Mapping[str, Any] | None) -> RunStatus:
     """The status of a run that no process works on."""
-    status = _outcome(run) or (progress or {}).get("status")
     if status == Status.CONVERGED.value:
         return RunStatus(Phase.FINISHED, progress)
     if status in (Status.INTERRUPTED.value, Status.RUNNING.value, None):
         return RunStatus(Phase.INTERRUPTED, progress)
     known = [each for each in Status if each.value == status]
     return RunStatus(Phase.FAILED, progress, f"{status}; {known[0].advice}" if known else str(status))
-
-
-def _outcome(run: Path) -> str | None:
-    """The status in the summary of a run."""
-    summary = summary_of(run)
-    return str(summary["status"]) if summary else None

@@ -8,67 +8,44 @@ from time import monotonic
 from nicegui import ui
 
 from ertel.apps.browser.folder import summary_of
-from ertel.apps.browser.pictures import INTERFEROGRAM, LIGHTS, PlotRequest, RunInfo, stamp_of
-from ertel.apps.browser.processes import Phase, RunStatus
-from ertel.apps.browser.site import (
-    LABELS,
-    Canvas,
-    Site,
-    Slider,
-    address_of,
-    pretty,
-    sentence,
-    show_card,
-    show_line,
-    show_notes,
-)
+from ertel.apps.browser.pictures import FIGURES, INTERFEROGRAM, PlotRequest, RunInfo, stamp_of
+from ertel.apps.browser.processes import Phase
+from ertel.apps.browser.site import LABELS, Canvas, Site, Slider, address_of, show_line, show_notes, show_number
 from ertel.apps.terminal import reason_of
 from ertel.results.numbers import key_numbers
 from ertel.runs.directory import CASE
 from ertel.runs.files import content_of
 
-TABS = {
-    "maps": ("Film and pressure", "blur_circular"),
-    "profiles": ("Mid-line", "show_chart"),
-    "midlines": ("Mid-lines", "show_chart"),
-    "history": ("Motion", "timeline"),
-    "front": ("Front", "open_in_full"),
-    "friction": ("Friction", "local_fire_department"),
-    INTERFEROGRAM: ("Interferogram", "lens_blur"),
-    "convergence": ("Grids", "grid_on"),
-    "overview": ("Overview", "dashboard"),
-}
+LIGHTS = {"mono": "green light, 532 nm", "two-beam": "two beams", "white": "white light"}
 LIVE = 3.0  # seconds between two live pictures, at least
-STEPS = 200  # of the slider
 NARROW = {"film": "Film", "pressure": "Pressure"}  # figures of one panel, that stand beside each other
-WIDE = {name: TABS[name][0] for name in ("profiles", "history", "friction", INTERFEROGRAM)}  # one above the other
-COMPILING = (
-    "Starting, then compiling: once per machine and grid size, usually 10 to 60 s. "
-    "Later runs on this grid begin after a few seconds."
-)
-
-
-def run_page(site: Site, name: str = "") -> None:
-    """The page of a run."""
-    try:
-        path = site.find(name)
-    except ValueError as error:
-        ui.label(f"{error}.").classes("alert")  # begins with a name
-        return
-    RunPage(site, path)
+WIDE = {name: FIGURES[name][0] for name in ("profiles", "history", "friction", INTERFEROGRAM)}  # one above the other
 
 
 class RunPage:
-    """The elements of the page, renewed each second."""
+    """The page of a run, renewed each second."""
 
-    def __init__(self, site: Site, path: Path):
-        self.site, self.path = site, path
-        self.name = site.folder.name_of(path)
+    def __init__(self, site: Site, name: str = ""):
+        self.site = site
+        try:
+            self.path = site.find(name)
+        except ValueError as error:
+            ui.label(f"{error}.").classes("alert")  # begins with a name
+            return
+        self.name = site.folder.name_of(self.path)
         self._info = RunInfo()
         self._stamp, self._drawn = 0, 0.0
-        self._status = site.processes.status(path)
-        self._head()
-        self._numbers = ui.element("div").classes("numbers")
+        self._status = site.processes.status(self.path)
+        with ui.row().classes("head"):
+            with ui.element("div"):
+                ui.label(self.path.name).classes("title")
+                self._under = ui.label().classes("under")
+            ui.space()
+            self._show_phase()
+            self._downloads()
+        self._show_progress()
+        with ui.element("div").classes("numbers"):
+            self._show_numbers()
         with ui.element("div").classes("card pictures"):
             with ui.row().classes("tools"):
                 self._tabs = ui.tabs(on_change=self._show)
@@ -77,30 +54,11 @@ class RunPage:
                 self._light = ui.select(LIGHTS, value="mono", on_change=self._show).mark("light")
                 self._light.props("dense borderless options-dense")
                 self._light.bind_visibility_from(self._tabs, "value", value=INTERFEROGRAM)
-            self._canvas = Canvas(site.plots)
+            self._canvas = Canvas(site.worker)
             self._slider = Slider(self._show)
-        self._notes = ui.element("div").classes("notes")
-        self._show_status()
+        with ui.element("div").classes("notes"):
+            self._show_warnings()
         ui.timer(1.0, self._look)
-
-    # -- built once ---------------------------------------------------------------------------------------------------
-
-    def _head(self) -> None:
-        processes = self.site.processes
-        with ui.row().classes("head"):
-            with ui.element("div"):
-                ui.label(self.path.name).classes("title")
-                self._under = ui.label().classes("under")
-            ui.space()
-            self._chip = ui.element("div").classes("chip")
-            self._stop = ui.button("Stop", icon="stop", on_click=lambda: self._order(processes.stop)).mark("stop")
-            self._stop.props("outline no-caps color=accent")
-            resume = ui.button("Resume", icon="play_arrow", on_click=lambda: self._order(processes.resume))
-            self._resume = resume.props("unelevated no-caps").mark("resume")
-            self._downloads()
-        with ui.element("div").classes("card progress") as self._going:
-            self._bar = ui.linear_progress(value=0.0, show_value=False).props("size=6px rounded")
-            self._message = ui.label().classes("news")
 
     def _downloads(self) -> None:
         with ui.button(icon="download").props("flat round aria-label='Download'").mark("download"):
@@ -129,7 +87,7 @@ class RunPage:
     async def _download(self, kind: str) -> None:
         request = self._request(kind, dots=200)
         try:
-            content = await self.site.plots.draw(request)
+            content = await self.site.worker.draw(request)
         except ValueError as error:
             ui.notify(str(error))
             return
@@ -158,19 +116,16 @@ class RunPage:
         stamp, now, is_active = stamp_of(self.path), monotonic(), self._status.phase.is_active
         if stamp == self._stamp or (self._info.figures and is_active and now - self._drawn < LIVE):
             return
-        message = ""
         try:
-            info = await self.site.plots.info(self.path)
+            info = await self.site.worker.info(self.path)
         except ValueError as error:  # between two writes, or damaged; the next look tells
-            message = str(error)
-        if self._numbers.is_deleted:  # the page was left
+            if not (self._info.figures or is_active or self._under.is_deleted):
+                self._stamp = stamp
+                self._canvas.say(str(error))
             return
-        if not message:
+        if not self._under.is_deleted:  # the page was not left
             self._stamp, self._drawn = stamp, now
             self._take_over(info)
-        elif not (self._info.figures or is_active):
-            self._stamp = stamp
-            self._canvas.say(message)
 
     def _take_over(self, info: RunInfo) -> None:
         """Show new data, at the moment that was chosen.
@@ -186,14 +141,14 @@ class RunPage:
         self._info = info
         self._slider.fill(info, best if follows else self._slider.index)
         self._under.set_text(info.title if info.title != self.path.name else self.name)
-        self._fill_numbers()
+        self._show_numbers.refresh()
         self._show()
 
     def _fill_tabs(self, info: RunInfo) -> None:
         self._tabs.clear()
         with self._tabs:
             for figure in info.figures:
-                label, icon = TABS[figure]
+                label, icon = FIGURES[figure]
                 ui.tab(figure, label, icon).mark(f"tab-{figure}")
         if self._tabs.value not in info.figures:
             self._tabs.set_value(info.figures[0])
@@ -209,121 +164,94 @@ class RunPage:
         return PlotRequest(self.path, figure, self._slider.at, light, kind, dots, self._stamp)
 
     def _renew(self) -> None:
-        status = self.site.processes.status(self.path)
-        if status != self._status:
-            self._status = status
-            self._show_status()
+        before, self._status = self._status, self.site.processes.status(self.path)
+        if self._status.phase is not before.phase:
+            self._show_phase.refresh()
+        if self._status != before:
+            self._show_progress.refresh()
+            self._show_numbers.refresh()
+            self._show_warnings.refresh()
 
-    def _show_status(self) -> None:
-        status, phase = self._status, self._status.phase
+    @ui.refreshable_method
+    def _show_phase(self) -> None:
+        """The phase, and what can be done in it."""
+        phase = self._status.phase
         word, icon = LABELS[phase]
-        self._chip.classes(replace=f"chip {phase.value}").clear()
-        with self._chip:
+        with ui.element("div").classes(f"chip {phase.value}"):
             ui.icon(icon)
             ui.label(word).mark("phase")
-        self._stop.set_visibility(phase.is_active)
-        self._stop.set_text("Stop now" if phase is Phase.STOPPING else "Stop")
-        self._resume.set_visibility(not phase.is_active and phase is not Phase.FINISHED)
-        self._going.set_visibility(phase is not Phase.FINISHED)
-        waits = phase is Phase.COMPILING
-        self._bar.props(add="indeterminate" if waits else "", remove="" if waits else "indeterminate")
-        self._bar.set_value(status.done)
-        self._message.set_text(message_of(status))
-        self._fill_numbers()
+        if phase.is_active:
+            word, order = "Stop now" if phase is Phase.STOPPING else "Stop", self.site.processes.stop
+            button = ui.button(word, icon="stop", on_click=lambda: self._order(order)).mark("stop")
+            button.props("outline color=accent")
+        elif phase is not Phase.FINISHED:
+            order = self.site.processes.resume
+            button = ui.button("Resume", icon="play_arrow", on_click=lambda: self._order(order)).mark("resume")
+            button.props("unelevated")
 
-    def _fill_numbers(self) -> None:
+    @ui.refreshable_method
+    def _show_progress(self) -> None:
+        status = self._status
+        if status.phase is not Phase.FINISHED:
+            with ui.element("div").classes("card progress"):
+                bar = ui.linear_progress(value=status.done, show_value=False).props("size=6px rounded")
+                if status.phase is Phase.COMPILING:
+                    bar.props("indeterminate")
+                ui.label(status.text).classes("news")
+
+    @ui.refreshable_method
+    def _show_numbers(self) -> None:
         """The key numbers of the summary, or the last values of a run that goes on."""
         summary = summary_of(self.path)
         numbers = key_numbers(summary) if summary else []
-        cards = [(n.long_name, n.symbol, n.text, n.text_in_si, n.text_of_error) for n in numbers]
-        if not cards and self._info.T:  # those of the first grids of a steady contact mean nothing
-            cards = [(*texts, "", "") for texts in self._info.latest]
-        self._numbers.clear()
-        with self._numbers:
-            for card in cards:
-                show_card(*card)
-        self._notes.clear()
-        with self._notes:
-            show_notes((summary or {}).get("warnings", []))
+        if not numbers and self._info.T:  # those of the first grids of a steady contact mean nothing
+            numbers = list(self._info.latest)
+        for number in numbers:
+            show_number(number)
 
-
-def message_of(status: RunStatus) -> str:
-    """The status of a run in a sentence."""
-    progress = status.progress or {}
-    match status.phase:
-        case Phase.COMPILING:
-            return COMPILING + (f" It began {status.seconds:.0f} s ago." if status.seconds else "")
-        case Phase.STOPPING:
-            return "Stopping: the current step or grid is finished first, then it can be resumed."
-        case Phase.FAILED | Phase.DAMAGED:
-            return sentence(status.message).removesuffix(".")
-    place = f"grid {progress.get('step', 0)}, the coarse ones first"
-    if progress.get("T") is not None:
-        place = f"T = {progress['T']:.3f}, step {progress['step']}"
-    if status.phase is Phase.INTERRUPTED:
-        return f"Interrupted at {place}; it can be resumed." if progress else "Interrupted before its first step."
-    seconds_left = progress.get("seconds_left")
-    left = "" if seconds_left is None else f", about {_duration(seconds_left)} left"
-    return f"{status.done:.0%} · {place} · {_duration(progress.get('seconds', 0.0))}{left}"
-
-
-def _duration(seconds: float) -> str:
-    return f"{seconds:.0f} s" if seconds < 90 else f"{seconds / 60:.0f} min"
+    @ui.refreshable_method
+    def _show_warnings(self) -> None:
+        show_notes((summary_of(self.path) or {}).get("warnings", []))
 
 
 # -- two runs ----------------------------------------------------------------------------------------------------------
 
 
-def compare_page(site: Site, a: str = "", b: str = "") -> None:
-    """Two runs side by side."""
-    names = [entry.name for entry in site.entries()]
-    if not names:
-        ui.label("There is no run in this folder yet.").classes("alert")
-        return
-    first = a if a in names else names[0]
-    others = [name for name in names if name != first]
-    Comparison(site, names, [first, b if b in names else (others or [first])[0]])
-
-
 class Comparison:
-    """Two runs, one figure, one time."""
+    """The page of two runs side by side: one figure, one time."""
 
-    def __init__(self, site: Site, names: list[str], chosen: list[str]):
+    def __init__(self, site: Site, a: str = "", b: str = ""):
         self.site = site
-        self._begun = False
+        names = [entry.name for entry in site.entries()]
+        if not names:
+            ui.label("There is no run in this folder yet.").classes("alert")
+            return
+        first = a if a in names else names[0]
+        second = b if b in names else next((name for name in names if name != first), first)
         with ui.row().classes("head"):
             ui.label("Two runs side by side").classes("title")
             ui.space()
             self._figure = ui.toggle({**NARROW, **WIDE}, value="film", on_change=self._show).classes("choice")
             self._figure.props("no-caps unelevated dense")
-        with ui.element("div").classes("card moment-card") as self._when, ui.row().classes("moment"):
-            ui.icon("schedule")
-            self._slider = ui.slider(min=0, max=STEPS, value=STEPS, on_change=self._show).mark("slider")
-            self._label = ui.label().classes("time")
+        with ui.element("div").classes("card moment-card") as self._when:
+            self._slider = Slider(self._show)
         with ui.element("div").classes("pair") as self._pair:
-            self._sides = [_Side(self, names, name) for name in chosen]
+            self._sides = [_Side(self, names, name) for name in (first, second)]
 
-    def show(self) -> None:
-        """Show both pictures; begin at maximum approach, where one of the runs has it."""
+    def begin(self) -> None:
+        """Take over the times of both runs, when both are known, from maximum approach on where one of them has it."""
         known = [side.info for side in self._sides if side.info]
-        maxima = [info.T[info.events["max-approach"]] for info in known if "max-approach" in info.events]
-        if len(known) == len(self._sides) and maxima and not self._begun:
-            self._begun = True
-            self._slider.set_value(round(STEPS * maxima[0] / self._end))
+        if len(known) == len(self._sides):
+            T = sorted({t for info in known for t in info.T})
+            events = {event: T.index(info.T[map_]) for info in reversed(known) for event, map_ in info.events.items()}
+            self._when.set_visibility(bool(T))
+            self._slider.fill(RunInfo(T=tuple(T), events=events), events.get("max-approach", max(len(T) - 1, 0)))
         self._show()
 
-    @property
-    def _end(self) -> float:
-        """The T at which the slider ends; 0 for two steady contacts."""
-        return max((side.info.T[-1] for side in self._sides if side.info and side.info.T), default=0.0)
-
     def _show(self) -> None:
-        T = self._end * self._slider.value / STEPS if self._end else None
-        self._when.set_visibility(T is not None)
-        self._label.set_text("" if T is None else f"T = {T:.3f}")
         self._pair.classes(replace="pair wide" if self._figure.value in WIDE else "pair")
         for side in self._sides:
-            side.show(self._figure.value, T)
+            side.show(self._figure.value, self._slider.T)
 
 
 class _Side:
@@ -336,14 +264,14 @@ class _Side:
         with ui.element("div").classes("card side"):
             self._name = ui.select(names, value=chosen, on_change=self._choose).props("dense outlined")
             self._numbers = ui.element("div").classes("lines")
-            self._canvas = Canvas(page.site.plots)
+            self._canvas = Canvas(page.site.worker)
         ui.timer(0.05, self._choose, once=True)
 
     async def _choose(self) -> None:
         """Take over the run that was chosen."""
         try:
             run = self._page.site.folder.run(self._name.value)
-            info = await self._page.site.plots.info(run)
+            info = await self._page.site.worker.info(run)
         except ValueError as error:
             ui.notify(str(error))
             return
@@ -354,8 +282,8 @@ class _Side:
         self._numbers.clear()
         with self._numbers:
             for number in key_numbers(summary) if summary else []:
-                show_line(number.long_name, number.text_in_si or pretty(number.text))
-        self._page.show()
+                show_line(number.about.long_name, number.text_in_si or number.text)
+        self._page.begin()
 
     def show(self, figure: str, T: float | None) -> None:
         """Show a figure, at the map next to a time."""

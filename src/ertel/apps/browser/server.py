@@ -30,10 +30,10 @@ from starlette.responses import HTMLResponse, PlainTextResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from ertel.apps.browser.folder import Folder
-from ertel.apps.browser.new_page import new_page
-from ertel.apps.browser.pictures import PlotWorker
+from ertel.apps.browser.new_page import NewCase
+from ertel.apps.browser.pictures import Worker
 from ertel.apps.browser.processes import Processes
-from ertel.apps.browser.run_pages import compare_page, run_page
+from ertel.apps.browser.run_pages import Comparison, RunPage
 from ertel.apps.browser.site import LOGO, Site, frame, home_page
 
 LOOPBACK = "127.0.0.1"
@@ -48,7 +48,7 @@ HEADERS = {
 # No redirection: browsers send no strict cookie after one that another page began, such as that of `doorway`.
 ENTRANCE = '<!doctype html><title>ertel</title><meta http-equiv="refresh" content="0; url=/"><a href="/">ertel</a>'
 DOORWAY = '<!doctype html><title>ertel</title><meta http-equiv="refresh" content="0; url={address}">'
-PAGES: dict[str, Callable[..., Any]] = {"/": home_page, "/new": new_page, "/run": run_page, "/compare": compare_page}
+PAGES: dict[str, Callable[..., Any]] = {"/": home_page, "/new": NewCase, "/run": RunPage, "/compare": Comparison}
 
 
 # -- who is answered --------------------------------------------------------------------------------------------------
@@ -143,10 +143,10 @@ def serve(folder: Path, port: int, show: bool, ready: Callable[[str], None]) -> 
         raise ValueError(f"--port {port}: is taken, perhaps by this app in another terminal; choose another port")
     token = token_urlsafe()
     address = f"http://{LOOPBACK}:{port}/?{TOKEN}={token}"
-    site = Site(Folder.at(folder), Processes(Folder.at(folder)), PlotWorker())
+    site = Site(Folder.at(folder), Processes(Folder.at(folder)), Worker())
     site.serve_pictures()
-    app.on_startup(site.plots.begin)
-    app.on_shutdown(site.plots.close)
+    app.on_startup(site.worker.begin)
+    app.on_shutdown(site.worker.close)
     app.on_startup(lambda: ready(address))
     app.add_middleware(Guard, port=port, token=token)
     with suppress(KeyboardInterrupt), doorway(site.folder.root, address) as page:

@@ -2,7 +2,7 @@
 
 import asyncio
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -12,10 +12,12 @@ from fastapi import Response
 from nicegui import app, background_tasks, ui
 
 from ertel.apps.browser.folder import Folder, in_unicode, summary_of
-from ertel.apps.browser.pictures import PICTURES, PlotRequest, PlotWorker, RunInfo
+from ertel.apps.browser.pictures import PICTURES, PlotRequest, RunInfo, Worker
 from ertel.apps.browser.processes import Phase, Processes, RunStatus
+from ertel.apps.terminal import capital
+from ertel.results.numbers import Number
+from ertel.results.variables import with_prefix
 
-CHECKS = 2  # processes of `ertel check` at a time, of some 300 MB each
 TALL = ("history", "overview")  # figures of two rows
 SECONDS = 2.0  # between two looks at the folder
 LOGO = (
@@ -32,6 +34,9 @@ LABELS = {
     Phase.FAILED: ("failed", "error"),
     Phase.DAMAGED: ("cannot be read", "broken_image"),
 }
+
+
+ui.button.default_props("no-caps")
 
 
 @dataclass(frozen=True)
@@ -55,23 +60,17 @@ class Site:
 
     folder: Folder
     processes: Processes
-    plots: PlotWorker
-    checks: asyncio.Semaphore = field(default_factory=lambda: asyncio.Semaphore(CHECKS))
-
-    # -- pictures -----------------------------------------------------------------------------------------------------
+    worker: Worker
 
     def serve_pictures(self) -> None:
-        """Answer requests for pictures."""
-        app.get(PICTURES + "/{key}")(self._picture)
+        """Answer requests for the pictures that pages were given the addresses of."""
 
-    async def _picture(self, key: str) -> Response:
-        """A picture that a page was given the address of."""
-        content = self.plots.kept.get(key)
-        if content is None:
-            return Response("no such picture", 404)
-        return Response(content, media_type="image/png", headers={"Cache-Control": "max-age=600"})
-
-    # -- runs ---------------------------------------------------------------------------------------------------------
+        @app.get(PICTURES + "/{name}")
+        def picture(name: str) -> Response:
+            content = self.worker.kept.get(f"{PICTURES}/{name}")
+            if content is None:
+                return Response("no such picture", 404)
+            return Response(content, media_type="image/png", headers={"Cache-Control": "max-age=600"})
 
     def entries(self) -> list[Entry]:
         """The runs of the folder, those that go on first, then the latest."""
@@ -110,26 +109,18 @@ def frame(site: Site, pages: dict[str, Callable[..., Any]]) -> None:
             ui.html(LOGO, sanitize=False)
             ui.label("ertel")
         root = in_unicode(str(site.folder.root))
-        ui.label(_shortened(site.folder.root)).classes("where").tooltip(f"The folder of this app: {root}")
+        ui.label(root.replace(f"{Path.home()}/", "~/", 1)).classes("where").tooltip(f"The folder of this app: {root}")
         ui.space()
-        new = ui.button("New case", icon="add", on_click=lambda: ui.navigate.to("/new"))
-        new.props("unelevated no-caps").mark("new")
-        ui.button("Compare", icon="vertical_split", on_click=lambda: ui.navigate.to("/compare")).props("flat no-caps")
+        ui.button("New case", icon="add", on_click=lambda: ui.navigate.to("/new")).props("unelevated").mark("new")
+        ui.button("Compare", icon="vertical_split", on_click=lambda: ui.navigate.to("/compare")).props("flat")
         close = ui.button(icon="power_settings_new", on_click=lambda: _closing(site)).tooltip("Close the app")
         close.props("flat round dense aria-label='Close the app'").mark("close")
     ui.sub_pages(pages, data={"site": site}).classes("page")
 
 
-def _shortened(path: Path) -> str:
-    """A path with ~ for the home directory, its beginning left out where it is long."""
-    home = Path.home()
-    text = in_unicode(f"~/{path.relative_to(home)}" if path.is_relative_to(home) else str(path))
-    return text if len(text) < 44 else f"…{text[-42:]}"
-
-
 def _list(site: Site) -> None:
     """The list of runs, which is renewed when something changes."""
-    known: list[Entry] = []
+    known = site.entries()
 
     @ui.refreshable
     def rows() -> None:
@@ -145,7 +136,6 @@ def _list(site: Site) -> None:
             known[:] = found
             rows.refresh()
 
-    known[:] = site.entries()
     rows()
     ui.timer(SECONDS, look)
 
@@ -181,10 +171,10 @@ def _closing(site: Site) -> None:
         else:
             ui.label("No run that was started here goes on.")
         with ui.row().classes("actions"):
-            ui.button("Cancel", on_click=dialog.close).props("flat no-caps")
+            ui.button("Cancel", on_click=dialog.close).props("flat")
             if going:
-                ui.button("Stop the runs and close", on_click=lambda: close(True)).props("outline no-caps")
-            ui.button("Close", on_click=lambda: close(False)).props("unelevated no-caps")
+                ui.button("Stop the runs and close", on_click=lambda: close(True)).props("outline")
+            ui.button("Close", on_click=lambda: close(False)).props("unelevated")
 
 
 # -- the first page ---------------------------------------------------------------------------------------------------
@@ -223,8 +213,8 @@ def _offer(icon: str, title: str, text: str, target: str) -> None:
 class Canvas:
     """A picture.  While one is drawn, only the last request waits; those in between are left out."""
 
-    def __init__(self, plots: PlotWorker):
-        self._plots = plots
+    def __init__(self, worker: Worker):
+        self._worker = worker
         self._wanted: PlotRequest | None = None
         self._shown: PlotRequest | None = None
         self._drawing: asyncio.Task[None] | None = None
@@ -244,16 +234,16 @@ class Canvas:
     async def _draw(self) -> None:
         self._waits.set_visibility(True)
         while self._wanted is not None and self._wanted != self._shown:
-            request = self._shown = self._wanted
-            source, message = "", ""
+            request, message = self._wanted, ""
+            self._shown = request
             try:
-                source = await self._plots.address(request)
+                await self._worker.draw(request)
             except ValueError as error:
                 message = str(error)
             if self._image.is_deleted:  # the page was left
                 return
-            if source:
-                self._image.props["src"] = source
+            if not message:
+                self._image.props["src"] = request.address
                 self._image.classes(replace="tall" if request.figure in TALL else "")
             self.say(message)
         self._waits.set_visibility(False)
@@ -288,6 +278,11 @@ class Slider:
         return named[0] if named else self._info.T[self.index]
 
     @property
+    def T(self) -> float | None:
+        """The time of the map; None of a steady contact."""
+        return self._info.T[self.index] if self._info.T else None
+
+    @property
     def index(self) -> int:
         """The number of the map."""
         return min(int(self._slider.value), max(len(self._info.T) - 1, 0))
@@ -306,13 +301,14 @@ class Slider:
         with self._events:
             for event, map_ in info.events.items():
                 button = ui.button(event.replace("-", " "), on_click=lambda map_=map_: self._slider.set_value(map_))
-                button.props("flat dense no-caps")
+                button.props("flat dense")
         self._slider.set_value(index)
         self._label_time()
 
     def _label_time(self) -> None:
         if self._info.T:
-            self._label.set_text(f"{self._info.times[self.index]}  ·  T = {self._info.T[self.index]:.3f}")
+            T, t0 = self._info.T[self.index], self._info.t0
+            self._label.set_text((f"{with_prefix(T * t0, 's')}  ·  " if t0 else "") + f"T = {T:.3f}")
 
     def _moved(self) -> None:
         self._label_time()
@@ -329,15 +325,15 @@ class Slider:
 # -- numbers and sentences --------------------------------------------------------------------------------------------
 
 
-def show_card(label: str, symbol: str, text: str, text_in_si: str = "", text_of_error: str = "") -> None:
+def show_number(number: Number) -> None:
     """A key number as a card."""
-    more = [pretty(text)] if text_in_si else []
-    more += [f"± {text_of_error}"] if text_of_error else []
+    more = [pretty(number.text)] if number.text_in_si else []
+    more += [f"± {number.text_of_error}"] if number.text_of_error else []
     with ui.element("div").classes("number"):
-        ui.label(label).classes("what")
+        ui.label(number.about.long_name).classes("what")
         with ui.row().classes("known"):
-            ui.label(text_in_si or pretty(text)).classes("value")
-            ui.html(_symbol(symbol), sanitize=False).classes("symbol")
+            ui.label(number.text_in_si or pretty(number.text)).classes("value")
+            ui.html(_symbol(number.about.symbol), sanitize=False).classes("symbol")
         ui.label("  ".join(more)).classes("also")
 
 
@@ -346,7 +342,7 @@ def show_line(label: str, value: str) -> None:
     with ui.row().classes("line"):
         ui.label(label)
         ui.space()
-        ui.label(value).classes("value")
+        ui.label(pretty(value)).classes("value")
 
 
 def show_notes(warnings: Sequence[str]) -> None:
@@ -359,7 +355,7 @@ def show_notes(warnings: Sequence[str]) -> None:
 
 def sentence(text: str) -> str:
     """A message of ertel as a sentence."""
-    return f"{text[0].upper()}{text[1:]}." if text else ""
+    return f"{capital(text)}." if text else ""
 
 
 def _symbol(name: str) -> str:

@@ -1,0 +1,283 @@
+"""`ertel sweep`, `traction` and `fit`: what they print and write, their exit codes, how they go on, what is refused."""
+
+import csv
+import json
+import re
+import signal
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from app_runs import ROLLING, refused
+from cases import LEFT, SMALL_IMPACT, ertel_, names
+from matplotlib.figure import Figure
+
+import ertel
+from ertel.case.status import Status
+from ertel.results.fit_result import FitResult
+from ertel.results.study_result import StudyResult
+from ertel.runs.directory import STOP, ask_to_stop
+from ertel.runs.drive import drive
+from ertel.runs.files import StoreError
+from ertel.runs.store import RunStore
+
+STUDY = """
+[contact]
+M = [20, 40]
+L = 5
+[solver]
+method = "radial"
+nodes = 17
+[time]
+until = 0.02
+tolerance = 0.1
+"""
+FIT = """
+case = "drop.toml"
+[unknowns]
+"lubricant.eta0" = { bounds = ["5 mPa*s", "1 Pa*s"], prior = ["20 mPa*s", "1 mPa*s"] }
+[[measurements]]
+file = "pressure.csv"
+"""
+SWEEP, FITTED = ("sweep", "loads.toml", "--jobs", "1"), ("fit", "film.toml", "--jobs", "1")
+TRACTION = ("traction", "ball.toml", "--slide-to-roll", "0:0.04:3")
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """A working directory with a study, a case for a traction curve, and a fit."""
+    monkeypatch.chdir(tmp_path)
+    drop = SMALL_IMPACT.replace("nodes = 33", 'method = "radial"\nnodes = 17').replace("0.01", "0.1\nuntil = 0.02")
+    files = {"loads.toml": STUDY, "drop.toml": drop, "film.toml": FIT}
+    files |= {"ball.toml": ROLLING.replace("nodes = 65", "nodes = 33")}
+    files |= {"pressure.csv": "t_us,p_c_kPa,sigma_kPa\n0.5,10,1e6\n"}
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    return tmp_path
+
+
+@pytest.fixture
+def empty_pictures(monkeypatch):
+    """What is drawn is tested with studies and fits."""
+    for result in (StudyResult, FitResult):
+        monkeypatch.setattr(result, "plot", lambda self: Figure())
+
+
+@pytest.fixture
+def interrupted(monkeypatch):
+    """Run a command and interrupt it after its first run; what it prints."""
+    finish = RunStore.finish
+
+    def finish_and_interrupt(store, summary):
+        finish(store, summary)
+        signal.raise_signal(signal.SIGINT)
+
+    def ended(*command):
+        with monkeypatch.context() as patch:
+            patch.setattr(RunStore, "finish", finish_and_interrupt)
+            done = ertel_(*command, code=130)
+        assert done.stderr.splitlines()[-1] == "ertel: interrupted; the same command continues"
+        return done.stdout
+
+    return ended
+
+
+def rows(path):
+    with path.open() as file:
+        return list(csv.DictReader(file))
+
+
+# -- sweep ------------------------------------------------------------------------------------------------------------
+
+
+def test_a_study_from_its_file_to_its_table(here):
+    done = ertel_(*SWEEP)
+    assert done.stderr == "2 runs, 2 of them to do\n"
+    title, head, *table, said, film, start, mass, stored = done.stdout.splitlines()
+    assert title == "loads" and head.split()[0] == "M" and [row.split()[0] for row in table] == ["20", "40"]
+    assert said == "2 runs: 2 converged; 2 with warnings" and "warnings" in head.split()  # 17 nodes are few
+    for warning in (film, start, mass):
+        assert warning.startswith("Warning: runs/") and warning.endswith("(and 1 other run)")
+    assert stored == "Stored in sweeps/loads, with sweep.zarr and sweep.csv"  # too short for key numbers to draw
+    directory = rows(here / "sweeps/loads/sweep.csv")[0]["directory"]
+    assert ertel_("show", f"sweeps/loads/{directory}").stdout.startswith("loads: M = 20, L = 5 (radial")
+    again = ertel_(*SWEEP, "--json", "--set", "contact.M=[40, 60]")
+    assert again.stderr == "2 runs, 1 of them to do\n"
+    found = [(run["M"], run["status"]) for run in json.loads(again.stdout)["runs"]]
+    assert found == [(40.0, "converged"), (60.0, "converged")]
+    picture = here / "sweeps/loads/sweep.png"
+    picture.write_text("of numbers that are no longer there")
+    ertel_(*SWEEP, "-q")
+    assert not picture.exists()
+
+
+@pytest.mark.parametrize("where", ["study", "run"])
+def test_a_file_stops_a_study_as_ctrl_c_does(here, monkeypatch, where):
+    """In the directory of the study it stops all runs, in that of a run this one."""
+    original, study = RunStore.__call__, here / "sweeps/loads"
+
+    def take(self, step):
+        original(self, step)
+        if step.state.counts.steps == 1 and not (study / "asked").exists():
+            (study / "asked").touch()
+            ask_to_stop(study if where == "study" else self.directory)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(RunStore, "__call__", take)
+        done = ertel_(*SWEEP, code=130)
+    assert done.stderr.splitlines()[-1] == "ertel: interrupted; the same command continues"
+    other = "1 missing" if where == "study" else "1 converged"
+    assert "1 interrupted" in done.stdout and other in done.stdout
+    ask_to_stop(study)  # of before: it says nothing
+    assert "2 runs: 2 converged" in ertel_(*SWEEP).stdout
+    assert not list(study.rglob(STOP))
+
+
+def test_a_part_gathers_nothing(here):
+    done = ertel_(*SWEEP, "--part", "2/2", "--out", "study")
+    assert done.stderr == "2 runs, 1 of them to do in part 2 of 2\n" and done.stdout == ""
+    assert names(here / "study") == {"runs"} and len(names(here / "study/runs")) == 1
+    assert ertel_(*SWEEP, "--out", "study").stderr == "2 runs, 1 of them to do\n"
+
+
+def test_runs_that_fail_are_named_and_the_others_go_on(here):
+    ertel_(*SWEEP, "-q")
+    broken = sorted((here / "sweeps/loads/runs").iterdir())[0]
+    (broken / "case.toml").write_text("[contact]\nM = 1\nL = 1\n")
+    done = ertel_(*SWEEP, "--set", "contact.M=[20, 40, 60]", code=1)
+    assert "3 runs: 2 converged, 1 failed" in done.stdout
+    last = done.stderr.splitlines()[-1]
+    assert last.startswith(f"ertel: 1 of 3 runs failed: runs/{broken.name}; ertel show sweeps/loads/runs/")
+
+
+# -- traction ---------------------------------------------------------------------------------------------------------
+
+
+def test_a_curve_is_printed_and_stored_and_shown_by_the_same_command(here, monkeypatch):
+    curve = here / "traction" / "ball"
+    text = ertel_(*TRACTION).stdout
+    for part in ("3 points over the slide-to-roll ratio", "mu_r", "h_c (nm)", "Film: solved once", "traction/ball"):
+        assert part in text
+    assert names(curve) == LEFT | {"runs", "traction.zarr", "traction.csv", "traction.png"}
+    assert [float(row["slide_to_roll"]) for row in rows(curve / "traction.csv")] == [0.0, 0.02, 0.04]
+    assert (curve / "traction.png").read_bytes().startswith(b"\x89PNG")
+    [run] = (curve / "runs").iterdir()
+    monkeypatch.setattr("ertel.runs.store.drive", None)  # nothing is solved again
+    assert ertel_(*TRACTION).stdout == text
+    data = json.loads(ertel_(*TRACTION, "--json").stdout)
+    assert [point["slide_to_roll"] for point in data["points"]] == [0.0, 0.02, 0.04]
+    assert data["points"][0]["mu_sliding"] == 0.0
+    assert ertel_(*TRACTION, "--quiet").output == ""
+    checkpoint = run / "checkpoint.npz"
+    checkpoint.write_bytes(checkpoint.read_bytes().replace(b"newton", b"nawton"))
+    assert "checkpoint.npz: is damaged (its checksum does not agree)" in ertel_(*TRACTION, code=2).stderr
+
+
+def test_an_interrupted_curve_goes_on(here, interrupted, empty_pictures):
+    command = ("traction", "ball.toml", "--mean-speed", "0.5:2 m/s:2:log", "--set", "contact.slide_to_roll=0.02")
+    ertel_(*command, "--out", "whole", "-q")
+    assert "1 points over the mean speed, not complete" in interrupted(*command, "--out", "cut")
+    assert [row["status"] for row in rows(here / "cut" / "traction.csv")] == ["converged", "missing"]
+    ertel_(*command, "--out", "cut", "-q")
+    found, whole = (rows(here / name / "traction.csv") for name in ("cut", "whole"))
+    assert found == whole
+    assert [float(row["mean_speed_m_per_s"]) for row in found] == pytest.approx([0.5, 2.0])
+
+
+def test_a_curve_with_other_values_keeps_the_films_that_it_shares(here, empty_pictures):
+    def loads(values):
+        ertel_("traction", "ball.toml", "--load", values, "--out", "curve", "-q")
+        table = rows(here / "curve" / "traction.csv")
+        for row in table:
+            assert ertel.open(here / "curve" / row["directory"]).case.contact.load == float(row["load_N"])
+        return [float(row["load_N"]) for row in table], len(names(here / "curve" / "runs"))
+
+    assert loads("3:5 N:2") == ([3.0, 5.0], 2)
+    assert loads("3:5 N:3") == ([3.0, 4.0, 5.0], 3)
+    (here / "curve" / "notes.txt").write_text("beside a curve there may be other files")
+    before = (here / "curve" / "traction.csv").read_text()
+    assert loads("4,5") == ([4.0, 5.0], 3)  # the table is of the last request, and the films are kept
+    assert all(line in before for line in (here / "curve" / "traction.csv").read_text().splitlines())
+
+
+def test_a_film_that_does_not_converge_fails(here, monkeypatch):
+    monkeypatch.setattr("ertel.runs.store.drive", lambda *each: replace(drive(*each), status=Status.NEWTON_STALLED))
+    result = ertel_(*TRACTION, code=1)
+    assert "failed: the film did not converge at slide_to_roll = 0, 0.02, 0.04" in result.stderr
+
+
+# -- fit --------------------------------------------------------------------------------------------------------------
+
+
+def test_a_fit_is_printed_and_stored_and_goes_on(here, monkeypatch, interrupted, empty_pictures):
+    place = here / "fits" / "film"
+    interrupted(*FITTED)
+    assert names(place) - LEFT == {"runs"} and len(names(place / "runs")) == 1
+    text = ertel_(*FITTED).stdout
+    for part in ("fit of drop", "20 mPa*s", "5 %", "the prior does, to 5 %", "with fit.zarr, fit.csv and fit.png"):
+        assert part in text
+    assert names(place) == LEFT | {"runs", "fit.zarr", "fit.csv", "fit.png"}
+    monkeypatch.setattr("ertel.runs.store.drive", None)  # nothing is computed again
+    [unknown] = json.loads(ertel_(*FITTED, "--json").stdout)["unknowns"]
+    assert unknown["value"] == pytest.approx(0.02, rel=1e-3) and unknown["unit"] == "Pa*s"
+
+
+@pytest.mark.parametrize(
+    ("file", "before", "after", "code", "said"),
+    [
+        ("film.toml", "eta0", "eta", 2, "unknown key"),
+        ("film.toml", "pressure.csv", "missing.csv", 2, "missing.csv"),
+        ("pressure.csv", "0.5,10,1e6", "1e3,1,0.1", 1, "the fit cannot begin"),
+    ],
+)
+def test_a_fit_that_cannot_be_done_is_refused_in_a_sentence(here, file, before, after, code, said):
+    (here / file).write_text((here / file).read_text().replace(before, after))
+    assert said in refused(*FITTED, "--quiet", code=code)
+
+
+# -- refused ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("command", "file"),
+    [(SWEEP, "sweep.csv"), *((TRACTION, name) for name in ("case.toml", "traction.csv", "traction.json"))],
+)
+def test_files_of_the_user_are_left_alone(here, command, file):
+    """Also a curve of an earlier version, which is traction.json."""
+    (here / "mine").mkdir()
+    (here / "mine" / file).write_text("mine")
+    complaint = f"{here / 'mine'}: holds other files ({file}); give a new or empty directory, or that of an earlier"
+    assert f"--out {complaint}" in refused(*command, "--out", "mine")
+    if command is SWEEP:
+        with pytest.raises(StoreError, match=re.escape(f"directory {complaint} study")):
+            ertel.sweep("loads.toml", "mine")
+    assert names(here / "mine") == {file} and (here / "mine" / file).read_text() == "mine"
+
+
+def test_a_study_may_have_other_files_beside_it(here):
+    (here / "study/runs").mkdir(parents=True)  # as a killed one leaves it
+    ertel_(*SWEEP, "-q", "--out", "study")
+    (here / "study/notes.txt").write_text("mine")
+    ertel_(*SWEEP, "-q", "--out", "study")
+
+
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        ("sweep loads.toml --set contact.M=20", "the study has one case only: give a list"),
+        ("sweep loads.toml --set contact.M=[20,'x']", 'contact.M = "x": must be a number (in the case with contact.M'),
+        ("sweep loads.toml --set sweep.mode=grid", 'sweep.mode = "grid": allowed: product, zip'),
+        ("sweep loads.toml --part 3/2", "--part 3/2: must be I/N"),
+        ("sweep loads.toml --scheduler tcp://a:1 --scheduler-file b", "scheduler = "),
+        ("sweep loads.toml --jobs 0", "Invalid value for '--jobs'"),
+        ("traction ball.toml", "give exactly one of slide_to_roll, mean_speed, load; got none"),
+        ("traction ball.toml --slide-to-roll 0:1:3 --load 1:2:3", "got slide_to_roll and load"),
+        ("traction ball.toml --slide-to-roll 0:1", 'slide_to_roll = "0:1": must be FIRST:LAST:NUMBER'),
+        ("traction ball.toml --slide-to-roll 0:1:3 --film two", 'film = "two": allowed: each, once'),
+        ("traction drop.toml --slide-to-roll 0:1:3", "a traction curve is of a steady contact"),
+        ("traction ball.toml --slide-to-roll 0:1:3 --set solver.nodes=66", "solver.nodes = 66: must be"),
+    ],
+)
+def test_wrong_input_is_one_sentence_and_runs_nothing(here, command, said):
+    assert said in refused(*command.split(), "-q")
+    assert not list(Path().glob("*/*/runs/*"))
