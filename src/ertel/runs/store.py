@@ -53,10 +53,10 @@ LARGEST_CHECKPOINT = 4 * 10**9  # bytes: of 4097 x 4097 nodes a map has 0.13 GB,
 class RunStore:
     """The directory of one run.  `create` makes one and `open` opens one; it is an observer of its run.
 
-    flush_interval: seconds between flushes, of which a killed run loses at most so many; None: those of the data.
+    flush_interval: seconds between flushes, of which a killed run loses at most so many.
     """
 
-    flush_interval: float | None = None
+    flush_interval = 5.0
 
     def __init__(self, directory: Path, case: Case, run: Run | None = None):
         self.directory, self.case, self._run = directory, case, run
@@ -148,8 +148,7 @@ class RunStore:
         if result.record:  # a run that gives up ends with a result that has none
             self._records.append(result.record)
         self._frames.extend(result.frames)
-        interval = self._arrays.flush_interval if self.flush_interval is None else self.flush_interval
-        if time.monotonic() - self._flushed > interval:
+        if time.monotonic() - self._flushed > self.flush_interval:
             self.flush()
 
     def flush(self) -> None:
