@@ -120,7 +120,8 @@ def within_memory(case: Case) -> Iterator[None]:
 
 def _finish(run: RunStore, others: Mapping[str, Run], options: RunOptions) -> None:
     """Continue a run to its end and report; exit with a code if it did not reach its end."""
-    run.flush_interval = options.flush
+    if options.flush is not None:
+        run.flush_interval = options.flush
     to_continue = f"to continue: ertel resume {in_shell(run.directory)}{' --error' if others else ''}"
     with interruptible() as stop:
         with writing_to(run.directory, to_continue):
