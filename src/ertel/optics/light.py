@@ -70,14 +70,8 @@ def weights(lamp: Lamp) -> tuple[Array, Array]:
     """The share of each wavelength of a lamp in linear sRGB, for an eye that has adapted to the lamp.
 
     X, Y and Z are divided by those of the lamp itself, so that a surface that reflects everything is white (1, 1, 1)
-    under any lamp.
-
-    Returns
-    -------
-    wavelengths : array of shape (81,)
-        In m.
-    weights : array of shape (81, 3)
-        Their sum over the wavelengths is 1 in each channel, to the four digits of sRGB's matrix.
+    under any lamp: the sum over the wavelengths is 1 in each channel, to the four digits of sRGB's matrix.  The
+    wavelengths (m) have the shape (81,), the weights (81, 3).
     """
     wavelengths, functions = observer()
     seen = lamp.power(wavelengths)[:, None] * functions

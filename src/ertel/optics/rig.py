@@ -129,14 +129,8 @@ Beams = tuple[Complex, Complex, Complex]  # amplitudes: top, then second ratio^j
 def seen_through(indices: Sequence[Complex], thicknesses: Sequence[Complex], wavelength: ArrayLike) -> Moebius:
     """The view from the first medium of a reflection just below the last interface: the product of all maps.
 
-    Parameters
-    ----------
-    indices : sequence of complex arrays that broadcast
-        n + ik of each medium, from the first (no thickness) through the layers to the last (no thickness).
-    thicknesses : sequence of arrays that broadcast
-        Of the layers between them, in m; two fewer than indices.
-    wavelength : array
-        In m.
+    indices: n + ik of each medium, from the first through the layers to the last.  thicknesses: of the layers between
+    them, in m; two fewer.  wavelength: in m.  All broadcast.
     """
     a, b, c, d = 1.0, 0.0, 0.0, 1.0
     for upper, lower, thickness in zip(indices[:-1], indices[1:], [*thicknesses, 0.0], strict=True):

@@ -72,16 +72,8 @@ class LimitingStress:
 class NamedOil:
     """An oil with its data against temperature.
 
-    Parameters
-    ----------
-    name, text : str
-        The name by which case files call it, and what it is.
-    viscosity, density : Sourced
-        Viscosity and density at ambient pressure against temperature.
-    pressure : Sourced
-        The rule that gives alpha and the pressure laws at a temperature.
-    shear, limiting_stress, thermal : Sourced or None
-        Shear thinning, limiting shear stress, and thermal data.
+    name, text: the name by which case files call it, and what it is.  viscosity, density: at ambient pressure.
+    pressure: the rule that gives alpha and the pressure laws at a temperature.
     """
 
     name: str
