@@ -43,6 +43,8 @@ nodes = 33
 [time]
 tolerance = 0.01
 """  # a case file, whose last section goes on
+RADIAL = {"name": "small", "contact": {"M": 200, "L": 10}, "solver": {"method": "radial", "nodes": 33}}
+SHORT_FALL = parse_case({**RADIAL, "time": {"tolerance": 0.01, "until": 0.15}, "output": {"interval": 0.05}})
 BARUS_LIMIT = 1e-12  # an L at which Barus' oil is isoviscous to round-off, and needs no compilation of its own
 
 
@@ -84,15 +86,10 @@ def march(method: Method, step: float, steps: int) -> list[State]:
     return levels
 
 
-def course_with(case: Case, method: Method) -> TransientRun:
-    """A run in time by a method that may not be the case's own."""
-    return TransientRun(case, method)
-
-
 def steps_of(case: Case, method: Method, start: Step | None = None) -> list[Step]:
     """All accepted time steps of a run."""
     seen: list[Step] = []
-    drive(course_with(case, method), [seen.append], start)
+    drive(TransientRun(case, method), [seen.append], start)
     return seen
 
 
@@ -110,7 +107,8 @@ def python(
     kept = {name: value for name, value in os.environ.items() if not name.startswith(without)}
     environment = {**kept, "PYTHONPATH": str(Path(ertel.__path__[0]).parent), **variables}
     command = [sys.executable, *arguments]
-    done = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=cwd, timeout=300, check=False)
+    pipes = {"stdin": subprocess.DEVNULL, "capture_output": True}
+    done = subprocess.run(command, **pipes, text=True, env=environment, cwd=cwd, timeout=300, check=False)
     assert done.returncode == 0, done.stderr
     return done
 

@@ -6,6 +6,7 @@ import time
 import warnings
 from contextlib import suppress
 from pathlib import Path
+from types import SimpleNamespace
 
 import jax
 import pytest
@@ -201,7 +202,8 @@ def test_a_known_error_is_not_computed_again(ball, monkeypatch):
 
 
 def test_a_comparison_that_fails_is_told(here, monkeypatch):
-    monkeypatch.setattr(running, "_summary_of", lambda *_: {"status": "Newton iteration stalled"})
+    failed = SimpleNamespace(summary={"status": "Newton iteration stalled"})
+    monkeypatch.setattr(running.Recorder, "result", lambda *_: failed)
     assert "no error is estimated" in refused("run", *STEADY, "--error", code=0)
 
 

@@ -1,5 +1,7 @@
 """A case writes itself, knows its digest, and refuses what makes no sense, whichever way it was made."""
 
+from collections.abc import Iterator
+from contextlib import suppress
 from copy import deepcopy
 from dataclasses import dataclass, fields, replace
 from math import inf, nan
@@ -9,7 +11,9 @@ import pytest
 
 from ertel.case.case import Case
 from ertel.case.conditions import Conditions
+from ertel.case.definition import SECTIONS
 from ertel.case.sections import SOLVERS, Drive, Output, Solver, Time
+from ertel.physics.fluidity import ReeEyring
 from ertel.physics.lubricant import Barus, Oil
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Oscillation, Polyline, constant
 from ertel.physics.registry import DENSITY_LAWS, SHAPES, VISCOSITY_LAWS
@@ -41,119 +45,88 @@ def test_the_name_and_where_the_oils_data_come_from_change_no_result() -> None:
     assert case.digest == other.digest
 
 
-TWO_BALLS = {"radius_1": "0.02 m", "radius_2": "0.03 m"}
 STEEL = {"E1": "2e11 Pa", "nu1": 0.3, "E2": "2e11 Pa", "nu2": 0.3}
 WAVE = {"shape": "waviness", "amplitude": 0.1, "wavelength_x": 0.5, "wavelength_y": 0.7, "front": 1.0, "ramp": 0.5}
 RINGS = {"shape": "rings", "amplitude": 0.1, "wavelength": 0.5}
 SPOT = {"shape": "spot", "radius": 0.3, "height": 0.1}
 CAVITY = {"shape": "spot", "radius": 0.3, "depth": 0.1}
-LUBRICANT = {"eta0": "0.04 Pa*s", "alpha": "2.2e-08 1/Pa"}
 DROPPED = {"radius": "0.01 m", "ball_density": "7850 kg/m^3", "drop_height": "0.1 m", "E_prime": "2e11 Pa"}
+TWO_BALLS = {"radius_1": "0.02 m", "radius_2": "0.03 m", "mass": "0.03 kg", "speed": "0.1 m/s", **STEEL}
 TWO_SPEEDS = {"E_prime": "2e11 Pa", "load": "40.0 N", "speed_1": "0.6 m/s", "speed_2": "0.4 m/s"}
 REDUCED = {"radius_x": "0.01 m", "radius_y": "0.02 m"}
-SADDLE = {"radius_x_1": "0.01 m", "radius_y_1": "0.01 m", "radius_y_2": "-0.02 m"}
+PAIRS = {"radius_x_1": "0.01 m", "radius_y_1": "0.01 m", "radius_x_2": "0.1 m", "radius_y_2": "-0.02 m"}
+OF_OIL = {"temperature": "313.0 K", "conductivity": "0.15 W/(m*K)", "beta": "0.04 1/K"}
+OF_STEEL = {"density": "7850 kg/m^3", "heat_capacity": "460 J/(kg*K)", "conductivity": "47 W/(m*K)"}
+THERMAL = OF_OIL | {f"{key}_{number}": value for number in (1, 2) for key, value in OF_STEEL.items()}
 
 
-def rolls(**contact: Any) -> dict[str, Any]:
-    return {"contact": {"kind": "rolling", **contact}} | ({"lubricant": LUBRICANT} if "load" in contact else {})
+def in_si(kind: str, **contact: Any) -> dict[str, Any]:
+    return {"contact": {"kind": kind, **contact}, "lubricant": {"eta0": "0.04 Pa*s", "alpha": "2.2e-08 1/Pa"}}
 
 
-Change = tuple[dict[str, Any], dict[str, Any]]
-CHANGES_OF: list[Change] = [
-    (
-        {"contact": dict(MOES), "roughness": [WAVE, RINGS, SPOT]},
-        {
-            "contact.M": 201.0,
-            "contact.L": 11.0,
-            "lubricant.viscosity": "barus",
-            "lubricant.density": "incompressible",
-            "lubricant.eta0": "0.05 Pa*s",  # z of Roelands' law follows from it
-            "lubricant.alpha": "2e-08 1/Pa",
-            "lubricant.p0": "2e+08 Pa",
-            "lubricant.z": 0.6,
-            "lubricant.layer": 0.1,
-            "lubricant.layer_1": 0.1,
-            "lubricant.layer_2": 0.1,
-            "solver.nodes": 129,
-            "solver.half_width": 3.0,
-            "solver.half_width_y": 4.0,
-            "solver.inlet": 2.5,
-            "solver.tolerance": 1e-4,
-            "solver.fold": False,
-            "motion.load": 0.5,
-            "motion.entrainment": 0.5,
-            "motion.slide_to_roll": 0.5,
-            "time.start_approach": -2.0,
-            "time.until": 1.0,
-            "time.tolerance": 1e-4,
-            "time.step": 0.01,
-            "output.interval": 0.2,
-            **{f"roughness.0.{key}": 0.6 for key in ("amplitude", "wavelength_x", "wavelength_y")},
-            **{f"roughness.0.{key}": 0.6 for key in ("phase_x", "phase_y")},
-            **{"roughness.0.front": 2.0, "roughness.0.ramp": 0.6, "roughness.0.surface": 2},
-            **{f"roughness.1.{key}": 0.6 for key in ("amplitude", "wavelength", "phase", "x", "y")},
-            **{f"roughness.2.{key}": 0.6 for key in ("radius", "height", "x", "y")},
-        },
-    ),
-    ({"contact": dict(MOES)}, {"contact.radius_ratio": 0.5, "contact.kind": "rolling", "solver.method": "radial"}),
-    (rolls(**MOES, radius_ratio=0.5), {"contact.entrainment_angle": "30.0 deg"}),
-    (rolls(**MOES), {"solver.method": "transient", "motion.inertia": 0.5}),
-    ({"contact": dict(MOES), "roughness": [CAVITY]}, {"roughness.0.depth": 0.2}),
-    ({"contact": {"lambda_bar": 0.01, "alpha_bar": 20.0}}, {"contact.lambda_bar": 0.02, "contact.alpha_bar": 21.0}),
-    (
-        {"contact": {**TWO_BALLS, **STEEL, "mass": "0.03 kg", "speed": "0.1 m/s"}, "lubricant": LUBRICANT},
-        {
-            **{"contact.radius_1": "0.021 m", "contact.radius_2": "0.031 m", "contact.mass": "0.031 kg"},
-            **{"contact.E1": "2.1e11 Pa", "contact.nu1": 0.31, "contact.E2": "2.1e11 Pa", "contact.nu2": 0.31},
-            **{"contact.speed": "0.11 m/s", "contact.mean_speed": "0.1 m/s"},
-        },
-    ),
-    (
-        {"contact": {**DROPPED, "mean_speed": "0.1 m/s"}, "lubricant": LUBRICANT},
-        {
-            **{"contact.radius": "0.011 m", "contact.ball_density": "7900 kg/m^3", "contact.drop_height": "0.11 m"},
-            **{"contact.E_prime": "2.1e11 Pa", "contact.slide_to_roll": 0.5},
-        },
-    ),
-    (
-        rolls(**TWO_SPEEDS, radius="0.01 m"),
-        {
-            **{"contact.load": "41.0 N", "contact.speed_1": "0.7 m/s", "contact.speed_2": "0.5 m/s"},
-            "lubricant.rheology": {"law": "ree-eyring", "tau0": "5000000.0 Pa"},
-        },
-    ),
-    (rolls(**TWO_SPEEDS, **REDUCED), {f"contact.{key}": "0.015 m" for key in REDUCED}),
-    (rolls(**TWO_SPEEDS, **SADDLE), {f"contact.{key}": "0.015 m" for key in (*SADDLE, "radius_x_2")}),
+BASES: list[dict[str, Any]] = [  # every field is given in one of them, or has a default
+    {"contact": MOES, "roughness": [WAVE, RINGS, SPOT], "time": {"until": 1.0, "step": 0.01}},
+    {"contact": MOES, "roughness": [CAVITY], "motion": {"load": 0.5, "entrainment": 0.5, "slide_to_roll": 0.5}},
+    {"contact": MOES, "lubricant": {"layer": 0.1, "z": 0.6}, "solver": {"inlet": 2.5}},
+    {"contact": MOES, "lubricant": {"layer_1": 0.1, "layer_2": 0.05}, "solver": {"half_width_y": 4.0}},
+    {"contact": {"lambda_bar": 0.01, "alpha_bar": 20.0}},
+    {"contact": {"kind": "rolling", **MOES, "radius_ratio": 0.5, "entrainment_angle": "20.0 deg"}},
+    {"contact": {"kind": "rolling", **MOES}, "solver": {"method": "transient"}, "motion": {"inertia": 0.5}},
+    in_si("impact", **TWO_BALLS, mean_speed="0.1 m/s", slide_to_roll=0.5),
+    in_si("impact", **DROPPED),
+    in_si("rolling", **TWO_SPEEDS, radius="0.01 m") | {"thermal": THERMAL},
+    in_si("rolling", **TWO_SPEEDS, **REDUCED),
+    in_si("rolling", **TWO_SPEEDS, **PAIRS),
 ]
-CHANGES = [(data, place, value) for data, changes in CHANGES_OF for place, value in changes.items()]
+OTHERS: dict[str, Any] = {
+    **{"nodes": 129, "method": "radial", "half_width_y": 6.0, "until": 2.0, "surface": 2, "inlet_factor": "none"},
+    **{"density": "incompressible", "rheology": {"law": "ree-eyring", "tau0": "5000000.0 Pa"}},
+}
 
 
-def changed(data: dict[str, Any], place: str, value: Any) -> dict[str, Any]:
-    """The data with another value at a place: section.key, or roughness.number.key."""
-    *path, key = place.split(".")
-    data = deepcopy(data)
-    found: Any = data
-    for part in path:
-        found = found[int(part)] if part.isdigit() else found.setdefault(part, {})
-    found[key] = value
-    return data
+def other(key: str, value: Any) -> Any:
+    """Another value for a key of a case."""
+    if isinstance(value, bool):
+        return not value
+    if key == "viscosity":
+        return {"roelands": "barus", "houpert": "exponential"}[value]
+    if key in OTHERS:
+        return OTHERS[key]
+    number, _, unit = str(value).partition(" ")
+    changed = 1.01 * float(number) + 0.001 * (not unit)
+    return f"{changed!r} {unit}" if unit else changed
 
 
-@pytest.mark.parametrize(("data", "place", "value"), CHANGES, ids=[f"{place}={value}" for _, place, value in CHANGES])
-def test_whatever_changes_a_result_changes_the_digest(data, place, value) -> None:
-    case, other = Case.from_data(data), Case.from_data(changed(data, place, value))
-    assert case != other
-    assert case.digest != other.digest
+def changes(data: dict[str, Any]) -> Iterator[tuple[str, Case]]:
+    """Each key of a case, section.key, with the case that has another value there; what is refused is left out."""
+    written = Case.from_data(data).to_data()
+    for name in written.keys() - {"schema", "name"}:
+        for number in range(len(written[name]) if name == "roughness" else 1):
+            data = deepcopy(written)
+            table = data[name][number] if name == "roughness" else data[name]
+            for key, value in list(table.items()):
+                if key not in ("kind", "shape"):
+                    table[key] = other(key, value)
+                    with suppress(ValueError):
+                        yield f"{name}.{key}", Case.from_data(data)
+                    table[key] = value
+
+
+@pytest.mark.parametrize("data", BASES, ids=str)
+def test_whatever_changes_a_result_changes_the_digest(data) -> None:
+    case = Case.from_data(data)
+    for place, changed in changes(data):
+        assert case != changed, place
+        assert case.digest != changed.digest, place
 
 
 def test_no_field_was_forgotten() -> None:
-    """Every field of every record of a case is among the changes above."""
-    sections: dict[str, Any] = {"contact": Conditions, "lubricant": Oil, "solver": Solver}
-    sections |= {"motion": Drive, "time": Time, "output": Output}
-    wanted = {f"{name}.{f.name}" for name, record in sections.items() for f in fields(record)}
-    assert wanted - {place for _, place, _ in CHANGES} == {"lubricant.reference"}
-    of_shapes = {f.name for shape in (Waviness, RingWaviness, Spot) for f in fields(shape)} | {"surface"}
-    assert of_shapes == {place.split(".")[2] for _, place, _ in CHANGES if place.startswith("roughness")}
+    """Every field of every record of a case is among the changes above, and so is the kind of contact."""
+    wanted = {f"{name}.{f.name}" for name, section in SECTIONS.items() for f in fields(section.record)}
+    wanted |= {f"roughness.{f.name}" for shape in (Waviness, RingWaviness, Spot) for f in fields(shape)}
+    found = {place for data in BASES for place, _ in changes(data)}
+    assert (wanted | {"roughness.surface"}) - found == {"contact.kind", "lubricant.reference"}
+    assert impact().digest != rolling().digest
 
 
 def test_a_law_by_name_and_its_record_are_two_ways_of_saying() -> None:
@@ -314,6 +287,9 @@ REFUSED: list[Refusal] = [
     # oil
     (PHYSICAL, {"oil": Oil(alpha=2e-8)}, "lubricant.eta0: missing"),
     (PHYSICAL, {"oil": Oil(eta0=0.04)}, "lubricant.alpha: missing"),
+    (PHYSICAL, {"oil": replace(OIL, rheology=ReeEyring(-1.0))}, 'lubricant.rheology.tau0 = "-1.0 Pa": must be finite'),
+    (PHYSICAL, {"oil": replace(OIL, viscosity=Barus(-1.0))}, 'lubricant.viscosity.alpha = "-1.0 1/Pa": must be finite'),
+    (PHYSICAL, {"oil": replace(OIL, layer=-1.0)}, "lubricant.layer = -1.0: must be a finite number above zero"),
     (PHYSICAL, {"oil": replace(OIL, eta0=6e-5)}, "lubricant.eta0 = 6e-05 Pa s: Roelands' law needs"),
     (impact(), {"contact": Conditions(M=200.0, L=0.0)}, "contact.L = 0: must be above zero with lubricant.viscosity"),
     (impact(), {"oil": Oil(viscosity="isoviscous")}, "contact.L = 10.0: must be 0 or left out with lubricant.visc"),

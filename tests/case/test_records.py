@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from ertel.case.case import READER, Case
-from ertel.case.records import checked, data_of, feature_data, named, oil_data, scaled, scaled_all, show
+from ertel.case.records import checked, data_of, named, oil_data, scaled, scaled_all, show
 from ertel.case.sections import Drive, Output, Solver, Time
-from ertel.physics.lubricant import Barus, DowsonHigginson, Isoviscous, Oil, Roelands, Viscosity
+from ertel.physics.lubricant import Barus, Oil, Viscosity
 from ertel.physics.motion import Oscillation, Polyline, constant
 from ertel.physics.scales import Scales
-from ertel.physics.surfaces import Feature, RingWaviness, Spot, Waviness
+from ertel.physics.surfaces import Feature, Spot, Waviness
 from ertel.physics.units import DURATION, LENGTH, Amount, Quantity
 
 SCALES = Scales(R=0.01, E_prime=2e11, a=2e-4, p_h=1e9, t0=4e-5)
@@ -93,41 +93,12 @@ def test_times_of_a_signal_rise() -> None:
         READER.signal([[1.0, 1.0], [0.0, 2.0]], "motion.load")
 
 
-OILS = [
-    Oil(),
-    Oil(0.04, 2e-8, "barus", "incompressible"),
-    Oil(eta0=0.02, p0=2e8, z=0.6, reference="a data sheet"),
-    Oil(0.04, None, Roelands(2e-8, 0.6, 2e8), DowsonHigginson(6e8)),
-    Oil(viscosity=Isoviscous(), density="incompressible"),
-]
-
-
-@pytest.mark.parametrize("oil", OILS, ids=str)
-def test_an_oil_reads_back(oil) -> None:
-    assert READER.record(Oil, oil_data(oil), "lubricant") == oil
-    assert READER.record(Oil, oil_data(oil), "lubricant").reference == oil.reference
-
-
 def test_a_law_with_data_of_its_own_is_a_table() -> None:
     assert oil_data(Oil(viscosity=Barus(2e-8)))["viscosity"] == {"law": "barus", "alpha": "2e-08 1/Pa"}
     with pytest.raises(ValueError, match=r'^oil\.viscosity\.law = "tar"; allowed: .*isoviscous, barus, roelands'):
         READER.law({"law": "tar"}, Viscosity, "oil.viscosity")
     with pytest.raises(ValueError, match=r'^oil\.viscosity\.alpha = "-2e-08 1/Pa": must be finite and above zero'):
         READER.law({"law": "barus", "alpha": "-2e-8 1/Pa"}, Viscosity, "oil.viscosity")
-
-
-FEATURES = [
-    Feature(Waviness(0.1, 0.5, inf, 1.0, 0.0, -2.0, 0.5)),
-    Feature(Waviness(Quantity(1e-8, "m"), wavelength_y=Quantity(1e-4, "m")), 2),
-    Feature(RingWaviness(-0.1, 0.5, 0.3, -1.0, Quantity(-1e-4, "m")), 2),
-    Feature(Spot(0.3, depth=0.2, x=-3.0, y=1.0)),
-    Feature(Spot(Quantity(5e-5, "m"), Quantity(-2e-8, "m"))),
-]
-
-
-@pytest.mark.parametrize("feature", FEATURES, ids=str)
-def test_a_feature_reads_back(feature) -> None:
-    assert READER.feature(feature_data(feature), "roughness[1]") == feature
 
 
 @pytest.mark.parametrize(

@@ -33,8 +33,7 @@ def case_of(contact: dict, **sections: dict) -> ertel.Case:
 )
 def test_the_worked_example_in_three_ways(radii: dict) -> None:
     case = case_of({**ROLLING, **radii})
-    assert (case.scales.a, case.scales.p_h) == pytest.approx((139.690e-6, 846.615e6), rel=4e-6)
-    assert (case.parameters.M_BH, case.parameters.L_BH) == pytest.approx((185.188, 8.96790), rel=4e-6)
+    assert (case.scales.a, case.parameters.M_BH) == pytest.approx((139.690e-6, 185.188), rel=4e-6)
     assert case.parameters.radius_ratio == pytest.approx(0.2)
 
 
@@ -154,26 +153,12 @@ def answer(command: str, **radii: str) -> dict:
     return json.loads(ertel_(command, *words, "--json").stdout)
 
 
-def test_params_of_the_worked_example() -> None:
+def test_params_and_films_of_the_worked_example() -> None:
     content = answer("params", radius_x_1="10 mm", radius_y_1="20 mm", radius_y_2="-33.333333333 mm")
     named = {"lambda_bar": 0.01039991, "alpha_bar": 18.62553, "M": 512.567, "L": 10.21061}
     named |= {"M_BH": 185.188, "L_BH": 8.96790, "radius_ratio": 0.2, "kappa": 0.345999}
     assert {name: content[name] for name in named} == pytest.approx(named, rel=4e-6)
     si = {"a_m": 139.690e-6, "a_y_m": 403.729e-6, "p_h_Pa": 846.615e6, "delta_m": 2.60564e-6}
     assert {name: content["si"][name] for name in si} == pytest.approx(si, rel=4e-6)
-
-
-def test_films_of_the_worked_example() -> None:
-    content = answer("film", **REDUCED)
-    films = {row["name"]: row["si"] for row in content["films"]}
+    films = {row["name"]: row["si"] for row in answer("film", **REDUCED)["films"]}
     assert films["Nijenbanning-Venner-Moes"]["h_c_m"] == pytest.approx(203.69e-9, abs=5e-12)
-    assert films["Hamrock-Dowson"]["h_min_m"] == pytest.approx(151.39e-9, abs=5e-12)
-
-
-def test_films_at_an_angle() -> None:
-    """R_e at 90 degrees is R_y: the film of a slender contact is thinner, though its radius is larger."""
-    films = []
-    for angle in ("0 deg", "60 deg", "90 deg"):
-        content = answer("film", **REDUCED, entrainment_angle=angle)
-        films.append({row["name"]: row["si"]["h_c_m"] for row in content["films"]}["Chittenden et al."])
-    assert films[0] > films[1] > films[2]

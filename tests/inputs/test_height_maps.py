@@ -241,7 +241,9 @@ def test_how_many_points_were_filled_is_said_and_stays_with_the_case(tmp_path) -
     for name, heights in case.maps.items():  # as in a run directory
         (tmp_path / name).write_bytes(heights.to_bytes())
     again = parse_case(case.to_data(), tmp_path)
-    assert again == case
+    assert again == case == Case.from_data(case.to_data(), case.maps)
+    with pytest.raises(ValueError, match=r"^roughness\[1\].file = .*: its heights are not given with the case$"):
+        Case.from_data(case.to_data())
     assert case_warnings(again) == case_warnings(case)
     with pytest.raises(ConfigError, match=r"^roughness\[1\].filled = 3: is counted as the file is read; leave it out"):
         read(tmp_path, file="disc.nc", filled=3)
@@ -369,15 +371,6 @@ def test_a_case_depends_on_the_heights_and_not_on_the_path(tmp_path) -> None:
         cases[folder] = load_case(tmp_path / folder / "case.toml", ['name="same"'])
     assert cases["here"] == cases["there"] != cases["other"]
     assert cases["here"].digest == cases["there"].digest != cases["other"].digest
-
-
-def test_a_case_reads_back_with_its_maps(tmp_path) -> None:
-    written(tmp_path / "disc.nc", WAVE)
-    table = {**DISC, "cutoff": "20 um", "angle": "30 deg", "x": "-1 mm", "surface": 2}
-    case = parse_case({**CONTACT, "roughness": [table]}, tmp_path)
-    assert Case.from_data(case.to_data(), case.maps) == case
-    with pytest.raises(ValueError, match=r"^roughness\[1\].file = .*: its heights are not given with the case$"):
-        Case.from_data(case.to_data())
 
 
 def test_a_numpy_array_has_its_rows_along_y_whatever_its_file_is_called(tmp_path) -> None:

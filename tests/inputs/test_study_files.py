@@ -124,8 +124,11 @@ def test_a_file_with_overrides(tmp_path):
             {"M": {"from": 1, "to": 2, "num": 3}},
             r"^contact.M.num = 3: unknown key; did you mean number",
         ),
-        ({"M": {"from": 1, "to": 2, "number": 1}}, "^contact.M.number = 1: must be a whole number from 2 to 1000"),
-        ({"M": {"from": 1, "to": 2, "number": 2.5}}, "^contact.M.number = 2.5: must be a whole number"),
+        (
+            {"M": {"from": 1, "to": 2, "number": 1}},
+            "^contact.M = .* number = 1 .*: the number of values must be a whole number from 2 to 1000",
+        ),
+        ({"M": {"from": 1, "to": 2, "number": 2.5}}, "^contact.M = .* number = 2.5 .*must be a whole number"),
         ({"M": {"from": 0, "to": 2, "number": 3, "spacing": "log"}}, "must both be above zero, or both below"),
         ({"M": {"from": 1, "to": 2, "number": 3, "spacing": "cubic"}}, '^contact.M.spacing = "cubic": allowed: linear'),
         ({"M": {"from": "a", "to": 2, "number": 3}}, '"a" must be a number, with or without a unit'),
@@ -146,7 +149,7 @@ def test_other_units_at_the_ends_are_refused():
 @pytest.mark.parametrize(
     ("sweep", "message"),
     [
-        ({"mode": "grid"}, '^sweep.mode = "grid": allowed: product, zip'),
+        ({"mode": "grid"}, '^sweep.mode = "grid": allowed: .product. or .zip.'),
         ({"modes": "zip"}, '^sweep.modes = "zip": unknown key; did you mean mode'),
         ("zip", r'^sweep = "zip": must be a section, \[sweep\]'),
         ({"mode": "zip"}, '^sweep.mode = "zip": all must have equally many .* contact.M 2, contact.L 3'),

@@ -1,8 +1,6 @@
 """The section [thermal]: completed from the library, given values win, and one sentence for what is wrong."""
 
 import re
-import tomllib
-from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -50,23 +48,6 @@ def test_numbers_do_without_names():
     found = case_of({**ALL, "inlet_factor": "none", "viscosity": "exponential"}, ELASTIC, NUMBERS).thermal
     assert found.bodies[0] == found.bodies[1]
     assert (found.viscosity, found.inlet_factor) == ("exponential", "none")
-
-
-def test_the_resolved_section_is_written_and_reads_back():
-    case = case_of({"temperature_1": "60 degC"})
-    written = ertel.to_toml(case)
-    assert "[thermal]" in written and 'temperature_1 = "333.15 K"' in written and "beta" in written
-    again = parse_case(tomllib.loads(written))
-    assert again == case
-    assert again.digest == case.digest != case_of({}).digest
-    exact = replace(case, thermal=replace(case.thermal, temperature_1=1000 / 3))  # of any number of digits
-    assert parse_case(tomllib.loads(ertel.to_toml(exact))) == exact
-
-
-def test_off_when_absent():
-    case = parse_case({"contact": {**CONTACT, **BODIES}, "lubricant": NAMED})
-    assert case.thermal is None
-    assert "thermal" not in case.to_data()
 
 
 def test_python_and_case_files_mean_the_same():

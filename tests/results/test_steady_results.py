@@ -16,7 +16,7 @@ from ertel.results.dataset import assemble_steady
 from ertel.results.diagnostics import thermal_warnings
 from ertel.results.numbers import html_table, lines
 from ertel.results.variables import TEMPERATURES, to_si
-from ertel.runs.arrays import ReplacedData
+from ertel.runs.store import RunStore
 from ertel.solvers import steady
 from ertel.solvers.heat import heated
 
@@ -118,6 +118,6 @@ def test_account_and_heat_are_computed_once_for_a_grid(
 
     for name in ("_account_program", "heated"):
         monkeypatch.setattr(steady, name, counted(name, getattr(steady, name)))
-    monkeypatch.setattr(ReplacedData, "flush_interval", flush_interval)
+    monkeypatch.setattr(RunStore, "flush_interval", flush_interval)
     ertel.run(case_of(thermal=DATA), tmp_path / "run")
     assert calls == {"_account_program": 2, "heated": 1 if flush_interval else 2}  # grids of 33 and 65 nodes

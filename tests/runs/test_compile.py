@@ -1,13 +1,19 @@
-"""JAX: that it computes right, that its cache mends itself, and that nobody needs it to learn its version."""
+"""JAX: that it computes right; its cache, which mends itself, belongs to its user and is filled ahead."""
 
+import json
 import os
+import subprocess
 import warnings
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
-from cases import python
+from cases import ertel_, python
 
+import ertel
 from ertel.runs import compile
+from ertel.runs.batch import usual_cases
+from ertel.runs.drive import watch
 
 WRONG_SUMS = """
 import jax
@@ -112,29 +118,43 @@ def test_the_cache_has_a_folder_per_processor_and_version(place, monkeypatch, tm
 # -- who may write to the cache ---------------------------------------------------------------------------------------
 
 CACHE = """
+import os
 import warnings
+import jax
+jax.jit(lambda x: x + 1)(1.0)  # JAX decides about its cache here
+import numpy as np
 import ertel
+from ertel.numerics.programs import Program
+ertel.simulate(ertel.impact(M=20, L=5, method="radial", nodes=17, until=0.02))
+print(jax.config.jax_compilation_cache_dir, os.listdir())
 with warnings.catch_warnings(record=True) as said:
     warnings.simplefilter("always")
-    directory = ertel.cache()
-import jax
-print(directory)
+    print(ertel.cache())
+Program(jax.jit(lambda x: 2.0 * x))(np.ones(3))
 print(jax.config.jax_compilation_cache_dir)
 print([f"{each.category.__name__}: {each.message}" for each in said])
 """
 STRANGER = 65534
 
 
-def cache_below(home: Path) -> list[str]:
-    """What `ertel.cache()` returns, the directory that JAX then has, and the warnings; XDG_CACHE_HOME is `home`."""
-    return python("-c", CACHE, without=("JAX_COMPILATION_CACHE",), XDG_CACHE_HOME=str(home)).stdout.splitlines()
+def as_a_user(cache: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """A process with optimised programs and a cache of its own."""
+    return python(*arguments, without=("JAX_COMP", "JAX_PERS", "XLA_"), cwd=cache, XDG_CACHE_HOME=str(cache))
 
 
-def test_the_cache_is_made_for_its_user_alone(place, tmp_path):
-    assert cache_below(tmp_path) == [str(place), str(place), "[]"]
+def test_the_cache_is_made_for_its_user_alone_when_he_wishes_it(place, tmp_path):
+    assert as_a_user(tmp_path, "-c", CACHE).stdout.splitlines() == ["None []", str(place), str(place), "[]"]
+    assert list(place.glob("*-cache"))
     assert place.stat().st_mode & 0o777 == place.parent.stat().st_mode & 0o777 == 0o700
     (place / "a-cache").touch(mode=0o666)  # nobody else can reach it
     assert is_safe(place)
+
+
+def test_the_cache_of_python_users_may_be_in_a_directory_of_their_choice(tmp_path):
+    own = str(tmp_path / "own")
+    chosen = f'import jax; jax.config.update("jax_compilation_cache_dir", {own!r}); import ertel; ertel.cache()'
+    code = f"{chosen}; print(jax.config.jax_compilation_cache_dir)"
+    assert as_a_user(tmp_path, "-c", code).stdout.strip() == own
 
 
 def is_safe(directory: Path) -> bool:
@@ -154,7 +174,7 @@ def test_a_cache_to_which_others_may_write_is_not_used(place, tmp_path):
     place.mkdir(parents=True)
     place.chmod(0o777)
     assert is_refused(place, place)
-    directory, of_jax, warned = cache_below(tmp_path)
+    _, directory, of_jax, warned = as_a_user(tmp_path, "-c", CACHE).stdout.splitlines()
     assert directory == of_jax == "None" and f"RuntimeWarning: compiled programs are not kept: {place}" in warned
     place.chmod(0o755)
     (place / "a-cache").touch()
@@ -181,3 +201,62 @@ def test_commands_say_that_a_cache_is_not_used(tmp_path):
     assert said.startswith(f"ertel: warning: compiled programs are not kept: {tmp_path} belongs to another user, or")
     assert said.count("\n") == 1
     assert list(tmp_path.glob("*-cache")) == list((tmp_path / "ertel").iterdir()) == []
+
+
+# -- compiling ahead ---------------------------------------------------------------------------------------------------
+
+ROLLING = '[contact]\nkind = "rolling"\nM = 100\nL = 5\n[solver]\nnodes = 17\n'
+IMPACT = (
+    '[contact]\nM = 20\nL = 5\n[solver]\nmethod = "2d"\nnodes = 17\n[time]\ntolerance = 0.01\nuntil = "max-approach"\n'
+)
+RUN = """
+import json, sys
+import jax
+from pathlib import Path
+from ertel.apps.cli import app
+events = []
+jax.monitoring.register_event_listener(lambda event, **_: events.append(event.rpartition("/")[2]))
+jax.monitoring.register_event_duration_secs_listener(
+    lambda event, seconds, **more: events.append(f"{event.rpartition('/')[2]} {more.get('fun_name')}")
+)
+for name in sys.argv[1:]:
+    app(["run", name, "--out", name + ".run", "--quiet"], standalone_mode=False)
+print(json.dumps(events))
+"""
+
+
+def test_a_run_after_the_warm_up_compiles_nothing_and_traces_no_solver(tmp_path):
+    for name, text in (("rolling.toml", ROLLING), ("impact.toml", IMPACT)):
+        (tmp_path / name).write_text(text)
+    told = as_a_user(tmp_path, "-m", "ertel", "warm-up", "rolling.toml", "impact.toml").stderr.splitlines()
+    assert [line.partition(":")[0] for line in told[:2]] == ["1/2  rolling", "2/2  impact"]
+    events = json.loads(as_a_user(tmp_path, "-c", RUN, "rolling.toml", "impact.toml").stdout.splitlines()[-1])
+    assert "cache_hits" in events
+    assert "cache_misses" not in events
+    traced = {name for event, _, name in (event.partition(" ") for event in events) if event == "jaxpr_trace_duration"}
+    assert {"exported_solve", "exported_solve_step"} <= traced and not {"solve", "solve_step"} & traced
+    optimised = ertel.open(tmp_path / "impact.toml.run").summary["max_approach"]
+    plain = ertel.simulate(ertel.load_case(tmp_path / "impact.toml"))
+    assert plain.summary["max_approach"] == pytest.approx(optimised, rel=1e-8)
+
+
+def test_the_usual_grids_are_those_of_the_documents():
+    cases = list(usual_cases())
+    assert [(case.kind, case.solver.method, case.solver.nodes) for case in cases] == [
+        ("rolling", "steady", 257),
+        ("impact", "2d", 129),
+        ("impact", "2d", 257),
+        ("impact", "radial", 401),
+    ]
+
+
+def test_a_change_without_a_case_is_refused():
+    done = ertel_("warm-up", "--set", "solver.nodes=33", code=2)
+    assert done.stderr == "ertel: --set solver.nodes=33: needs a case file; without one the usual grids are compiled\n"
+
+
+def test_the_progress_bar_says_what_takes_the_time(monkeypatch):
+    said = []
+    bars = SimpleNamespace(add_task=lambda name, total, message: said.append((name, message)))
+    watch(bars, SimpleNamespace(case=SimpleNamespace(name="ball", kind="impact")))
+    assert said == [("ball", "compiling (once per machine and grid size)")]

@@ -1,50 +1,48 @@
-"""Names of run directories, also of several processes at once, and directories that will not do."""
+"""Run directories: their names, also of several processes at once, those that will not do, and their locks."""
 
+import errno
 import os
+import shutil
+import signal
+import subprocess
+import sys
 import threading
+import warnings
 from pathlib import Path
 
 import pytest
-from cases import stop_after
+from cases import SHORT_FALL, names, stop_after
 
 import ertel
-from ertel.inputs.case_files import parse_case
+from ertel.runs import files
 from ertel.runs.arrays import AppendedData
 from ertel.runs.directory import Taken
 from ertel.runs.files import StoreError
 from ertel.runs.store import RunStore, changes, compute
 
-pytestmark = pytest.mark.filterwarnings("ignore:the film is not resolved", "ignore:the oil outside the domain")
-DATA = {"name": "small", "contact": {"M": 200, "L": 10}, "solver": {"method": "radial", "nodes": 33}}
-CASE = parse_case({**DATA, "time": {"tolerance": 0.01, "until": 0.15}, "output": {"interval": 0.05}})
-
-
 # -- names ------------------------------------------------------------------------------------------------------------
 
 
 def test_the_next_free_name(tmp_path):
-    taken = [RunStore.create_unused(CASE, tmp_path / "runs").directory.name for _ in range(3)]
-    assert taken == ["small", "small-2", "small-3"]
-    assert sorted(path.name for path in (tmp_path / "runs").iterdir()) == taken
+    taken = [RunStore.create_unused(SHORT_FALL, tmp_path / "runs").directory.name for _ in range(3)]
+    assert taken == ["small", "small-2", "small-3"] == sorted(names(tmp_path / "runs"))
 
 
-@pytest.mark.filterwarnings("ignore:Consolidated metadata is currently not part")  # filters are not those of a thread
 def test_many_runs_at_once_take_different_names(tmp_path):
     """Of four, two were refused."""
     together, made = threading.Barrier(4), []
 
     def make():
         together.wait()
-        made.append(RunStore.create_unused(CASE, tmp_path).directory)
+        made.append(RunStore.create_unused(SHORT_FALL, tmp_path).directory)
 
     threads = [threading.Thread(target=make) for _ in range(4)]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    assert sorted(path.name for path in made) == ["small", "small-2", "small-3", "small-4"]
-    assert sorted(tmp_path.iterdir()) == sorted(made)
-    assert all(RunStore.open(path).case == CASE for path in made)
+    assert sorted(path.name for path in made) == ["small", "small-2", "small-3", "small-4"] == sorted(names(tmp_path))
+    assert all(RunStore.open(path).case == SHORT_FALL for path in made)
 
 
 def test_a_name_that_is_taken_at_the_last_moment(tmp_path, monkeypatch):
@@ -57,10 +55,10 @@ def test_a_name_that_is_taken_at_the_last_moment(tmp_path, monkeypatch):
         return rename(self, target)
 
     monkeypatch.setattr(Path, "rename", late)
-    assert RunStore.create_unused(CASE, tmp_path).directory == tmp_path / "small-2"
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["small", "small-2"]
+    assert RunStore.create_unused(SHORT_FALL, tmp_path).directory == tmp_path / "small-2"
+    assert names(tmp_path) == {"small", "small-2"}
     with pytest.raises(Taken, match="small: exists already"):
-        RunStore.create(tmp_path / "small", CASE)
+        RunStore.create(tmp_path / "small", SHORT_FALL)
 
 
 def test_a_path_is_a_path(tmp_path, monkeypatch):
@@ -70,11 +68,11 @@ def test_a_path_is_a_path(tmp_path, monkeypatch):
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     monkeypatch.chdir(tmp_path / "here")
     for path in ("run::1", "~/run", "s3:/bucket/run", "memory:/run"):
-        compute(RunStore.create(Path(path), CASE), [stop_after(1)])
+        compute(RunStore.create(Path(path), SHORT_FALL), [stop_after(1)])
         summary = compute(RunStore.open(Path(path)))
         assert ertel.open(path).summary == summary
         assert (tmp_path / "here" / path / "run.zarr").is_dir()
-    assert list((tmp_path / "home").iterdir()) == []
+    assert names(tmp_path / "home") == set()
 
 
 def test_directories_say_what_changed():
@@ -88,19 +86,19 @@ def test_directories_say_what_changed():
 def test_existing_output_is_left_alone(tmp_path):
     (tmp_path / "run").mkdir()
     (tmp_path / "run" / "precious").write_text("data")
-    for target, said in (("run", "run: exists already"), ("run/precious", ""), ("run/precious/run", "")):
+    for target, said in (("run", "exists already"), ("run/precious", "precious: "), ("run/precious/run", "run: ")):
         with pytest.raises(StoreError, match=said):
-            RunStore.create(tmp_path / target, CASE)
+            RunStore.create(tmp_path / target, SHORT_FALL)
     assert [path.name for path in tmp_path.rglob("*")] == ["run", "precious"]
 
 
 def test_an_empty_directory_will_do_where_it_is_named(tmp_path):
     """A move onto an empty directory replaces it, so another name is found where none is given."""
     (tmp_path / "small").mkdir()
-    assert RunStore.create_unused(CASE, tmp_path).directory == tmp_path / "small-2"
-    assert list((tmp_path / "small").iterdir()) == []
-    RunStore.create(tmp_path / "small", CASE)
-    assert RunStore.open(tmp_path / "small").case == CASE
+    assert RunStore.create_unused(SHORT_FALL, tmp_path).directory == tmp_path / "small-2"
+    assert names(tmp_path / "small") == set()
+    RunStore.create(tmp_path / "small", SHORT_FALL)
+    assert RunStore.open(tmp_path / "small").case == SHORT_FALL
 
 
 def test_failure_while_making_leaves_nothing(tmp_path, monkeypatch):
@@ -109,8 +107,8 @@ def test_failure_while_making_leaves_nothing(tmp_path, monkeypatch):
 
     monkeypatch.setattr(AppendedData, "create", full)
     with pytest.raises(StoreError, match="run: cannot write there, no space left on device"):
-        RunStore.create(tmp_path / "run", CASE)
-    assert list(tmp_path.iterdir()) == []
+        RunStore.create(tmp_path / "run", SHORT_FALL)
+    assert names(tmp_path) == set()
 
 
 @pytest.mark.parametrize("missing", ["case.toml", "run.zarr"])
@@ -122,11 +120,152 @@ def test_not_a_run(tmp_path, missing):
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs a POSIX system")
-@pytest.mark.parametrize("name", ["summary.json", "checkpoint.npz"])
-def test_a_pipe_is_not_waited_for(tmp_path, name):
+@pytest.mark.parametrize(("name", "read"), [("summary.json", RunStore.summary), ("checkpoint.npz", RunStore.item)])
+def test_a_pipe_is_not_waited_for(tmp_path, name, read):
     """Reading it would never end."""
-    run = RunStore.create(tmp_path / "run", CASE)
+    run = RunStore.create(tmp_path / "run", SHORT_FALL)
     os.mkfifo(tmp_path / "run" / name)
-    read = run.summary if name == "summary.json" else run.item
     with pytest.raises(OSError, match=f"not a regular file: .*{name}"):
-        read()
+        read(run)
+
+
+# -- locks: one process at a time, on systems that cannot do everything ------------------------------------------------
+
+locking = pytest.mark.skipif(files.fcntl is None, reason="no locks on this system")
+
+
+@locking
+def test_the_lock_keeps_others_out_and_is_given_back(tmp_path):
+    """Also where case.toml is replaced, as an editor does when it saves."""
+    run = RunStore.create(tmp_path / "run", SHORT_FALL)
+    with run.alone(), run.alone():
+        second = RunStore.open(tmp_path / "run")
+        with pytest.raises(StoreError, match="run: another process is computing this run"), second.alone():
+            pytest.fail("two at once")
+        path = tmp_path / "run" / "case.toml"
+        (tmp_path / "new").write_text(path.read_text())
+        (tmp_path / "new").replace(path)
+        with pytest.raises(StoreError, match="another process is computing this run"):
+            compute(RunStore.open(tmp_path / "run"))
+    with second.alone():
+        pass
+
+
+def asked(path: Path) -> bool:
+    """Whether the lock of a file or a directory is given to whoever asks for it, and at once given back."""
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        files.fcntl.flock(handle, files.fcntl.LOCK_SH | files.fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    finally:
+        os.close(handle)
+    return True
+
+
+@locking
+def test_a_file_is_locked_and_those_who_ask_are_in_nobodys_way(tmp_path):
+    """NFS does not pass the lock of a directory to the server, so that other machines did not see it.
+
+    Reading the file keeps the lock of this process; one of `lockf` would be lost here.
+    """
+    file = tmp_path / files.LOCK
+    assert not files.is_locked(tmp_path) and not files.is_locked(tmp_path / "none")
+    assert not file.exists()
+    file.touch()
+    asking = os.open(file, os.O_RDONLY)
+    files.fcntl.flock(asking, files.fcntl.LOCK_SH)  # what `is_locked` does
+    assert not files.is_locked(tmp_path)
+    threading.Timer(0.05, os.close, [asking]).start()
+    with files.locked(tmp_path):
+        assert files.is_locked(tmp_path)
+        file.read_bytes()
+        assert not asked(file) and asked(tmp_path)
+    assert asked(file)
+    directory = os.open(tmp_path, os.O_RDONLY)
+    files.fcntl.flock(directory, files.fcntl.LOCK_EX)
+    assert not files.is_locked(tmp_path)
+    with files.locked(tmp_path):
+        assert files.is_locked(tmp_path)
+    os.close(directory)
+
+
+DIES = """
+import os, pathlib, sys
+from ertel.runs import files
+with files.locked(pathlib.Path(sys.argv[1])):
+    os.kill(os.getpid(), 9)
+"""
+
+
+@locking
+def test_the_file_is_not_the_lock(tmp_path):
+    """A process that was killed leaves it behind, and a copy of the run has one."""
+    with files.locked(tmp_path):
+        copy = Path(shutil.copytree(tmp_path, tmp_path / "copy"))
+        assert files.is_locked(tmp_path) and not files.is_locked(copy)
+    assert subprocess.run([sys.executable, "-c", DIES, copy]).returncode == -signal.SIGKILL
+    assert (copy / files.LOCK).exists() and not files.is_locked(copy)
+    inode = (copy / files.LOCK).stat().st_ino
+    with files.locked(copy):
+        assert files.is_locked(copy)
+    assert (copy / files.LOCK).stat().st_ino == inode and (copy / files.LOCK).read_bytes() == b""
+
+
+@locking
+@pytest.mark.parametrize("make", [os.mkfifo, os.mkdir, lambda path: path.symlink_to("other")])
+def test_something_else_in_the_place_of_the_lock(tmp_path, make):
+    """A pipe must not be waited for, and a link not followed."""
+    make(tmp_path / files.LOCK)
+    assert not files.is_locked(tmp_path)
+    said = r"\.lock: is not a regular file, so that .* delete it$"
+    with pytest.raises(StoreError, match=said), files.locked(tmp_path):
+        pytest.fail("not locked")
+    assert not (tmp_path / "other").exists()
+
+
+def refusing(monkeypatch, place, name, number, when=lambda *arguments: True):
+    """Let a function of the system fail with an error number."""
+    system = getattr(place, name)
+
+    def call(*arguments, **options):
+        if when(*arguments):
+            raise OSError(number, os.strerror(number))
+        return system(*arguments, **options)
+
+    monkeypatch.setattr(place, name, call)
+
+
+@locking
+@pytest.mark.parametrize("kept", [False, True])
+def test_a_directory_that_may_only_be_read(tmp_path, monkeypatch, kept):
+    """It is asked as others are.  Whoever computes there all the same is warned, unless the lock file can be read."""
+    if kept:
+        (tmp_path / files.LOCK).touch()
+    refusing(monkeypatch, os, "open", errno.EROFS, lambda path, flags, *_: flags & (os.O_RDWR | os.O_CREAT))
+    assert not files.is_locked(tmp_path)
+    with warnings.catch_warnings(record=True) as said, files.locked(tmp_path):
+        assert files.is_locked(tmp_path) is kept
+    assert len(said) == (0 if kept else 1)
+    assert all(f"{tmp_path}: cannot be locked (read-only" in str(each.message) for each in said)
+
+
+@locking
+def test_a_lock_file_that_cannot_be_made(tmp_path, monkeypatch):
+    refusing(monkeypatch, os, "open", errno.ENOSPC)
+    with pytest.raises(OSError, match=os.strerror(errno.ENOSPC)), files.locked(tmp_path):
+        pytest.fail("not locked")
+
+
+@locking
+@pytest.mark.parametrize("number", [errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EBADF])
+def test_a_file_system_without_locks(tmp_path, monkeypatch, number):
+    """It is said once, and the run goes on."""
+    refusing(monkeypatch, files.fcntl, "flock", number)
+    run = RunStore.create(tmp_path / "run", SHORT_FALL)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        compute(run, [stop_after(1)])
+        assert compute(run)["status"] == "converged"
+    (ours,) = [str(warning.message) for warning in said if "locked" in str(warning.message)]
+    assert ours.startswith(f"{run.directory}: cannot be locked ({os.strerror(number).lower()})")

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cases import course_with, impact, march
+from cases import impact, march
 
 from ertel.case.case import Case
 from ertel.case.status import Status
@@ -23,7 +23,7 @@ from ertel.solvers.transient import Transient2D
 
 def simulated(case: Case, method: Method) -> Result:
     """A run in memory with a method that is not the case's own."""
-    run = course_with(case, method)
+    run = TransientRun(case, method)
     recorder = Recorder(run)
     return recorder.result(drive(run, [recorder]))
 

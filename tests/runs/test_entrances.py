@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import ertel
+from ertel.inputs.studies import parse_study
 
 DATA = {"contact": {"M": 200, "L": 10}, "solver": {"method": "radial", "nodes": 33}, "time": {"until": 0.05}}
 WRONG = [None, 5, [], b"case.toml"]
@@ -68,10 +69,18 @@ def test_a_case_in_the_wrong_place_is_named_in_one_line():
         ertel.simulate_batch([case, 5])
 
 
-@pytest.mark.parametrize("jobs", [1.5, "2", 0])
-def test_jobs(jobs):
-    with pytest.raises(ertel.ConfigError, match=r"^jobs = .*: must be one or more, a whole number$"):
-        ertel.sweep({**DATA, "contact": {"M": [20, 30], "L": 5}}, "nowhere", jobs=jobs)
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        *(({"jobs": jobs}, "^jobs = .*: must be one or more, a whole number$") for jobs in (1.5, "2", 0)),
+        ({"scheduler": "a:1", "scheduler_file": "b"}, '^scheduler = "a:1": give it, or scheduler_file, not both$'),
+        ({"tls": "keys.pem"}, "^tls = keys.pem: only with scheduler or scheduler_file"),
+    ],
+)
+def test_who_does_the_runs(options, said, tmp_path):
+    with pytest.raises(ertel.ConfigError, match=said):
+        ertel.sweep({**DATA, "contact": {"M": [20, 30], "L": 5}}, tmp_path / "nowhere", **options)
+    assert not (tmp_path / "nowhere").exists()
 
 
 # -- NumPy ------------------------------------------------------------------------------------------------------------
@@ -83,18 +92,16 @@ NUMPY = {
 }
 
 
-def own(record) -> bool:
-    """Whether a record has no number of NumPy."""
-    return not any(isinstance(getattr(record, item.name), np.generic) for item in fields(record))
-
-
 def test_numbers_of_numpy_in_plain_data():
     case = ertel.parse_case(NUMPY)
-    assert case == ertel.parse_case(DATA)
-    assert case.digest == ertel.parse_case(DATA).digest
+    assert case == ertel.parse_case(DATA) and case.digest == ertel.parse_case(DATA).digest
     points = [(np.int64(0), np.float32(1)), (np.float64(1), np.int64(2))]
     signal = ertel.parse_case({"contact": {"M": 20, "L": 5}, "motion": {"load": points}})
     assert signal.motion.load(0.5) == 1.5
+    number = {"from": np.int64(100), "to": np.int64(200), "number": np.int64(2)}
+    for M in (list(np.array([100, 200])), number):
+        study = parse_study({**NUMPY, "contact": {"M": M, "L": np.int64(10)}})
+        assert [case.contact.M for case in study.cases] == [100, 200]
 
 
 def test_numbers_of_numpy_in_records():
@@ -107,10 +114,10 @@ def test_numbers_of_numpy_in_records():
         )
         for whole, number in ((int, float), (np.int64, np.float32))
     )
-    assert given == plain
-    assert given.digest == plain.digest
+    assert given == plain and given.digest == plain.digest
     assert ertel.to_toml(given) == ertel.to_toml(plain)
-    assert own(given.solver) and own(given.time) and own(given.roughness[0]) and own(given.roughness[0].shape)
+    for record in (given.solver, given.time, given.roughness[0], given.roughness[0].shape):
+        assert not any(isinstance(getattr(record, item.name), np.generic) for item in fields(record))
 
 
 def test_numbers_of_numpy_are_judged_as_others_are():
@@ -118,12 +125,3 @@ def test_numbers_of_numpy_are_judged_as_others_are():
         ertel.Case(contact=ertel.parse_case(DATA).contact, solver=ertel.Solver("radial", nodes=np.float32(33.5)))
     with pytest.raises(ertel.ConfigError, match=r"contact\.M = .*"):
         ertel.parse_case({**DATA, "contact": {"M": np.bool_(True), "L": 5}})
-
-
-def test_a_study_of_numpy():
-    from ertel.inputs.studies import parse_study
-
-    number = {"from": np.int64(100), "to": np.int64(200), "number": np.int64(2)}
-    for M in (list(np.array([100, 200])), number):
-        study = parse_study({**NUMPY, "contact": {"M": M, "L": np.int64(10)}})
-        assert [case.contact.M for case in study.cases] == [100, 200]

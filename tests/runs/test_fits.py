@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from dying import killed
+from stored_runs import killed
 
 import ertel
 from ertel.case.case import Case

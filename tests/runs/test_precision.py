@@ -44,35 +44,25 @@ def swept():
     return found.dataset.newton_iterations.values.tolist()
 
 
-def on_the_plane():
-    return final(ertel.simulate(ertel.impact(**IMPACT)))
-
-
-def radial():
-    oil = ertel.Oil(0.02, 2e-8, viscosity=OfJax(2e-8))
-    case = {"radius": 0.01, "ball_density": 7850, "speed": 0.01, "E_prime": 2.2e11, "oil": oil}
-    return final(ertel.simulate(ertel.impact(**case, method="radial", nodes=65, until=0.5, time_tolerance=0.05)))
-
-
-def steady():
-    return final(ertel.simulate(ertel.rolling(**ROLLING)))
-
-
 def batch():
     found = ertel.simulate_batch([ertel.impact(**{**IMPACT, "M": M, "until": 0.3}) for M in (20, 25)])
     return [value for result in found for value in final(result)]
 
 
-def respond():
-    wave = ertel.Feature(ertel.Waviness(amplitude=0.01, wavelength_x=1.0))
-    data = ertel.respond(ertel.impact(**IMPACT), [[wave]])
-    return data.dH.values.ravel().tolist()
-
-
-def respond_in_rolling():
-    wave = ertel.Feature(ertel.Waviness(amplitude=0.01, wavelength_x=1.0))
-    data = ertel.respond_in_rolling(ertel.rolling(**ROLLING, motion={"slide_to_roll": 0.5}), [[wave]])
-    return data.dH_amplitude.values.ravel().tolist()
+ball = {"radius": 0.01, "ball_density": 7850, "speed": 0.01, "E_prime": 2.2e11}
+oil = ertel.Oil(0.02, 2e-8, viscosity=OfJax(2e-8))
+radial = ertel.impact(**ball, oil=oil, method="radial", nodes=65, until=0.5, time_tolerance=0.05)
+waves = [[ertel.Feature(ertel.Waviness(amplitude=0.01, wavelength_x=1.0))]]
+sliding = ertel.rolling(**ROLLING, motion={"slide_to_roll": 0.5})
+FOUND = {
+    "on_the_plane": lambda: final(ertel.simulate(ertel.impact(**IMPACT))),
+    "radial": lambda: final(ertel.simulate(radial)),
+    "swept": swept,
+    "steady": lambda: final(ertel.simulate(ertel.rolling(**ROLLING))),
+    "batch": batch,
+    "respond": lambda: ertel.respond(ertel.impact(**IMPACT), waves).dH.values.ravel().tolist(),
+    "respond_in_rolling": lambda: ertel.respond_in_rolling(sliding, waves).dH_amplitude.values.ravel().tolist(),
+}
 """
 
 IN_A_PROCESS = """
@@ -88,7 +78,7 @@ set_before, told_before = dict(jax.config.values), dict(os.environ)
 {runs}
 filters = list(warnings.filters)
 import ertel.runs.store, ertel.runs.batch, ertel.runs.traction  # all that computes
-found = {{name: globals()[name]() for name in {names}}}
+found = {{name: FOUND[name]() for name in {names}}}
 said = {{
     "jax": [name for name in set_before if set_before[name] != jax.config.values[name]],
     "environment": [name for name in os.environ if told_before.get(name) != os.environ[name]],
@@ -122,7 +112,7 @@ def here() -> dict:
     """The same functions in this process, all of which computes in double precision."""
     found = {"__name__": __name__}
     exec(RUNS, found)
-    return found
+    return found["FOUND"]
 
 
 EACH = [*((name, QUICK) for name in QUICK), *(pytest.param(name, SLOW, marks=pytest.mark.slow) for name in SLOW)]

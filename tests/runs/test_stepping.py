@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cases import OIL, course_with, rolled, steps_of
+from cases import OIL, rolled, steps_of
 
 from ertel.case.case import Case
 from ertel.case.sections import SOLVERS, Drive, Output, Time
@@ -16,7 +16,7 @@ from ertel.numerics import bdf
 from ertel.physics.motion import Oscillation, Polyline, Signal
 from ertel.physics.scales import Parameters
 from ertel.results.variables import BUDGET, FRICTION
-from ertel.runs.drive import Recorder, drive
+from ertel.runs.drive import Recorder, TransientRun, drive
 
 PULSE = Polyline(((0.0, 1.0), (1.0, 1.0), (1.02, 3.0), (1.04, 1.0)))
 
@@ -119,7 +119,7 @@ def test_a_short_period_bounds_the_step() -> None:
 @pytest.mark.parametrize("step", [None, 0.05])
 def test_the_last_map_is_kept_once(interval: float, step: float | None) -> None:
     case = rolling(Time(until=1.5, step=step), Output(interval=interval))
-    run = course_with(case, LikeTheLoad(case))
+    run = TransientRun(case, LikeTheLoad(case))
     recorder = Recorder(run)
     drive(run, [recorder])
     frames = recorder.frames

@@ -8,86 +8,34 @@ import subprocess
 import sys
 import textwrap
 import warnings
-from functools import cache
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import pytest
 import xarray as xr
-from cases import LEFT, names, physics, stop_after
-from dying import killed
+from cases import LEFT, RADIAL, SHORT_FALL, names, physics, python, stop_after
+from stored_runs import CASES, killed, of_no_process
 
 import ertel
-from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.inputs.case_files import load_case, parse_case
 from ertel.runs import arrays, files
 from ertel.runs.arrays import ReplacedData
-from ertel.runs.drive import TransientRun, method_of, simulate
+from ertel.runs.drive import TransientRun
 from ertel.runs.files import StoreError
-from ertel.runs.stepping import StepLimits
 from ertel.runs.store import RunStore, compute
 from ertel.solvers import steady
 
-pytestmark = pytest.mark.filterwarnings(
-    "ignore:the film is not resolved", "ignore:the oil outside the domain", "ignore:H_min is uncertain"
-)
-OWN = ("wall_s", "compilations", "date_created")  # of the process
-BALL = {"name": "small", "contact": {"M": 200, "L": 10}}
-RADIAL = {**BALL, "solver": {"method": "radial", "nodes": 33}}
-SHORT = parse_case({**RADIAL, "time": {"tolerance": 0.01, "until": 0.15}, "output": {"interval": 0.05}})
-NINE_STEPS = {"time": {"tolerance": 0.01, "until": 0.2}, "output": {"interval": 0.05}}
-CASES = {
-    "impact": parse_case({**BALL, "solver": {"nodes": 33}, **NINE_STEPS}),
-    "radial": parse_case({**RADIAL, **NINE_STEPS}),
-    "steady": parse_case({"name": "small", "contact": {"kind": "rolling", "M": 20, "L": 10}, "solver": {"nodes": 65}}),
-}
 
-
-class Kind(NamedTuple):
-    """A kind of run: its case, and its result in memory."""
-
-    case: Case
-    whole: ertel.Result
-
-    def is_whole(self, run: RunStore) -> bool:
-        """Whether a stored run is the one in memory."""
-        xr.testing.assert_identical(physics(run.dataset()), physics(self.whole.dataset))
-        summary = run.summary()
-        return summary is not None and of_no_process(summary) == of_no_process(self.whole.summary)
-
-
-def of_no_process(values):
-    return {key: value for key, value in values.items() if key not in OWN}
-
-
-@pytest.fixture(scope="module")
-def kinds():
-    return {name: Kind(case, simulate(case)) for name, case in CASES.items()}
-
-
-@pytest.fixture(params=CASES)
+@pytest.fixture(params=["impact", "radial", "steady"])
 def kind(request, kinds):
     return kinds[request.param]
-
-
-@pytest.fixture
-def impact(kinds):
-    return kinds["impact"]
 
 
 @pytest.fixture(scope="module")
 def grids():
     """The solutions of the steady contact."""
     return list(steady.nested(CASES["steady"]))
-
-
-@pytest.fixture(scope="module")
-def begun(tmp_path_factory):
-    """Runs that have not started; to copy one takes a fifth of the time in which it is made."""
-    place = tmp_path_factory.mktemp("begun")
-    return {name: RunStore.create(place / name, case).directory for name, case in CASES.items()}
 
 
 # -- a whole run ------------------------------------------------------------------------------------------------------
@@ -127,7 +75,7 @@ def test_a_flush_writes_once_however_many_steps_there_are(tmp_path, monkeypatch)
         append(path, arrays)
 
     monkeypatch.setattr(arrays, "append", counting)
-    summary = compute(RunStore.create(tmp_path / "run", SHORT))
+    summary = compute(RunStore.create(tmp_path / "run", SHORT_FALL))
     assert sum(appended) == summary["steps"] > len(appended)
 
 
@@ -145,23 +93,19 @@ def test_nothing_computed_yet(tmp_path, kind):
 
 
 @pytest.mark.parametrize(("name", "steps"), [("impact", 1), ("impact", 2), ("radial", 5), ("steady", 1)])
-def test_resumed_equals_uninterrupted(tmp_path, kinds, name, steps):
-    kind, run = kinds[name], RunStore.create(tmp_path / "run", CASES[name])
-    first = compute(run, [stop_after(steps)])
-    assert first["status"] == "interrupted"
-    assert xr.open_zarr(tmp_path / "run" / "run.zarr").sizes["grid" if name == "steady" else "time"] == steps
-    again, checkpoint = RunStore.open(tmp_path / "run"), np.load(tmp_path / "run" / "checkpoint.npz")
-    assert compute(again)["wall_s"] > float(checkpoint["store_seconds"]) > 0
-    assert kind.is_whole(again)
-
-
-def test_resumed_many_times(tmp_path, impact):
-    RunStore.create(tmp_path / "run", impact.case)
-    for _ in range(100):
+def test_resumed_as_often_as_need_be_equals_uninterrupted(tmp_path, kinds, name, steps):
+    kind, seconds, rows = kinds[name], 0.0, "grid" if name == "steady" else "time"
+    RunStore.create(tmp_path / "run", kind.case)
+    for number in range(1, 100):
         run = RunStore.open(tmp_path / "run")
-        if compute(run, [stop_after(3)])["status"] == "converged":
+        summary = compute(run, [stop_after(steps)])
+        assert summary["wall_s"] > seconds
+        if summary["status"] == "converged":
             break
-    assert impact.is_whole(run)
+        assert summary["status"] == "interrupted"
+        assert xr.open_zarr(tmp_path / "run" / "run.zarr").sizes[rows] == number * steps
+        seconds = float(np.load(tmp_path / "run" / "checkpoint.npz")["store_seconds"])
+    assert kind.is_whole(run) and number > 1
 
 
 def deaths():
@@ -190,10 +134,10 @@ def deaths():
 
 
 @pytest.mark.parametrize(("name", "place", "function", "when", "count"), list(deaths()))
-def test_death_at_any_moment(tmp_path, monkeypatch, kinds, grids, begun, name, place, function, when, count):
+def test_death_at_any_moment(tmp_path, monkeypatch, kinds, grids, name, place, function, when, count):
     if name == "steady":
         monkeypatch.setattr(steady, "nested", lambda case, done: iter(grids[len(done) :]))
-    run = RunStore.open(Path(shutil.copytree(begun[name], tmp_path / "run")))
+    run = RunStore.open(Path(shutil.copytree(kinds[name].begun, tmp_path / "run")))
     with killed(monkeypatch, place, function, when, count):
         compute(run, [lambda result: run.flush()])
     xr.open_zarr(arrays.present(tmp_path / "run" / "run.zarr")).load()  # a whole, if shorter, run
@@ -227,17 +171,16 @@ def test_killed_process(tmp_path, name):
             store.compute(run, [tell])
     """
     environment = {**os.environ, "PYTHONPATH": str(Path(ertel.__path__[0]).parent)}
-    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
-    start = [sys.executable, "-c", textwrap.dedent(program)]
+    start = ["-c", textwrap.dedent(program)]
     whole, broken = (RunStore.create(tmp_path / place, CASES[name]) for place in ("whole", "broken"))
-    with subprocess.Popen([*start, broken.directory], **pipes, env=environment) as process:
+    command = [sys.executable, *start, broken.directory]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment) as process:
         assert process.stdout is not None
         for _ in range(3):
             process.stdout.readline()
         process.kill()
     before = RunStore.open(broken.directory).summary_so_far()["steps"]
-    both = [broken.directory, whole.directory]
-    subprocess.run([*start, *both], env=environment, check=True, stdin=subprocess.DEVNULL, capture_output=True)
+    python(*start, str(broken.directory), str(whole.directory))
     assert 0 < before < whole.summary()["steps"]
     assert of_no_process(broken.summary()) == of_no_process(whole.summary())
     xr.testing.assert_identical(physics(broken.dataset()), physics(whole.dataset()))
@@ -259,7 +202,7 @@ def test_a_steady_run_that_ended_is_not_computed_again_without_its_summary(tmp_p
 
 def test_a_run_that_has_ended_meanwhile_is_left_alone(tmp_path):
     """A second process saw it running, and would have deleted its summary."""
-    run = RunStore.create(tmp_path / "run", SHORT)
+    run = RunStore.create(tmp_path / "run", SHORT_FALL)
     second = RunStore.open(tmp_path / "run")
     assert second.summary() is None
     summary = compute(run)
@@ -272,66 +215,36 @@ def test_a_run_that_has_ended_meanwhile_is_left_alone(tmp_path):
     assert RunStore.open(tmp_path / "run").summary() == {**summary, "error_estimate": None}
 
 
-def ends():
-    """Runs by how they end: at a time, at an event, and by giving up."""
-    event = parse_case({**RADIAL, "time": {"tolerance": 0.02, "until": "max-approach"}})
-    limits = StepLimits(first=0.03, smallest=0.02)
-    return {"time": (SHORT, None), "event": (event, None), "given up": (SHORT, limits)}
+ENDS = ("ends at a time", "ends at an event", "gives up")
 
 
-class Ended(NamedTuple):
-    """A run that has ended: its course, its summary and its data, and the directory as it was before it started."""
-
-    course: TransientRun
-    summary: dict
-    data: xr.Dataset
-    begun: Path
-
-
-@pytest.fixture(scope="module")
-def ended(tmp_path_factory):
-    """A function that gives the run with an end."""
-
-    @cache
-    def run(end):
-        case, limits = ends()[end]
-        course, place = TransientRun(case, method_of(case), limits), tmp_path_factory.mktemp("ended")
-        store = RunStore.create(place / "run", case, course)
-        begun = Path(shutil.copytree(place / "run", place / "begun"))
-        return Ended(course, compute(store), store.dataset(), begun)
-
-    return run
-
-
-@pytest.mark.parametrize("end", ends())
-def test_a_run_that_has_ended_keeps_what_it_has(ended, end):
-    course, summary, data, _ = ended(end)
-    assert summary["status"] == (Status.STEP_TOO_SMALL if course.limits.smallest == 0.02 else Status.CONVERGED).value
+@pytest.mark.parametrize("name", ENDS)
+def test_a_run_that_has_ended_keeps_what_it_has(kinds, name):
+    run = RunStore.open(kinds[name].finished)
+    summary, data = run.summary(), run.dataset()
+    assert summary["status"] == (Status.STEP_TOO_SMALL if name == "gives up" else Status.CONVERGED).value
     assert 0 < data.sizes["time"] == summary["steps"]
-    assert data.attrs["status"] == summary["status"]
+    assert data.attrs["status"] == summary["status"] and kinds[name].is_whole(run)
 
 
 CUTS = [(RunStore, "summarise"), (RunStore, "finish"), (arrays, "update_attributes"), (files, "sealed")]
-QUICK = [*(("event", name) for _, name in CUTS), ("time", "summarise"), ("given up", "finish")]
-EACH_CUT = [
-    pytest.param(end, *cut, marks=[] if (end, cut[1]) in QUICK else pytest.mark.slow) for end in ends() for cut in CUTS
-]
+QUICK = [*((ENDS[1], name) for _, name in CUTS), (ENDS[0], "summarise"), (ENDS[2], "finish")]
 
 
-@pytest.mark.parametrize(("end", "place", "name"), EACH_CUT)
-def test_a_cut_between_the_last_checkpoint_and_the_summary(ended, tmp_path, monkeypatch, end, place, name):
+@pytest.mark.parametrize(
+    ("end", "place", "name"),
+    [pytest.param(end, *cut, marks=[] if (end, cut[1]) in QUICK else pytest.mark.slow) for end in ENDS for cut in CUTS],
+)
+def test_a_cut_between_the_last_checkpoint_and_the_summary(kinds, tmp_path, monkeypatch, end, place, name):
     """A resumed run stepped past its end: restitution changed after an event, and a time raised an error."""
-    course, summary, data, begun = ended(end)
-    run = RunStore(Path(shutil.copytree(begun, tmp_path / "run")), course.case, course)
+    run = RunStore(Path(shutil.copytree(kinds[end].begun, tmp_path / "run")), CASES[end], kinds[end].run)
     with killed(monkeypatch, place, name):
         compute(run)
     (tmp_path / "run" / "summary.json").unlink(missing_ok=True)
     seen = []
     again = RunStore.open(tmp_path / "run")
-    assert of_no_process(compute(again, [lambda item: seen.append(item.record)])) == of_no_process(summary)
-    assert not any(seen)
-    xr.testing.assert_identical(physics(again.dataset()), physics(data))
-    assert of_no_process(again.dataset().attrs) == of_no_process(data.attrs)
+    compute(again, [lambda item: seen.append(item.record)])
+    assert kinds[end].is_whole(again) and not any(seen)
 
 
 # -- the disk ---------------------------------------------------------------------------------------------------------
@@ -346,7 +259,7 @@ def test_all_is_on_the_disk_before_the_checkpoint_counts_on_it(tmp_path, monkeyp
         fsync(handle)
 
     monkeypatch.setattr(os, "fsync", record)
-    run = RunStore.create(tmp_path / "run", SHORT)
+    run = RunStore.create(tmp_path / "run", SHORT_FALL)
     compute(run)
     last = {inode: place for place, inode in enumerate(synced)}
     inode = {path: path.stat().st_ino for path in (tmp_path / "run").rglob("*")}
@@ -361,30 +274,30 @@ def test_all_is_on_the_disk_before_the_checkpoint_counts_on_it(tmp_path, monkeyp
     assert last[inode[tmp_path / "run" / "summary.json"]] > checkpoint
 
 
-def failing(number):
+def refuse_to_sync(monkeypatch, number):
     def fsync(handle):
         raise OSError(number, os.strerror(number))
 
-    return fsync
+    monkeypatch.setattr(os, "fsync", fsync)
 
 
 def test_a_system_that_cannot_sync(tmp_path, monkeypatch):
-    monkeypatch.setattr(os, "fsync", failing(errno.EINVAL))
-    assert compute(RunStore.create(tmp_path / "run", SHORT))["status"] == "converged"
+    refuse_to_sync(monkeypatch, errno.EINVAL)
+    assert compute(RunStore.create(tmp_path / "run", SHORT_FALL))["status"] == "converged"
 
 
-def test_a_disk_that_fails_loses_nothing(tmp_path, monkeypatch):
-    whole, run = simulate(SHORT), RunStore.create(tmp_path / "run", SHORT)
+def test_a_disk_that_fails_loses_nothing(tmp_path, monkeypatch, kinds):
+    run = RunStore.create(tmp_path / "run", SHORT_FALL)
     compute(run, [stop_after(2)])
     for number in (errno.ENOSPC, errno.EIO):
         with monkeypatch.context() as patch:
-            patch.setattr(os, "fsync", failing(number))
+            refuse_to_sync(patch, number)
             with pytest.raises(OSError, match=os.strerror(number)):
                 compute(run)
         assert not list((tmp_path / "run").rglob("*.partial"))
     again = RunStore.open(tmp_path / "run")
-    assert compute(again)["steps"] == whole.summary["steps"]
-    xr.testing.assert_identical(physics(again.dataset()), physics(whole.dataset))
+    compute(again)
+    assert kinds[ENDS[0]].is_whole(again)
 
 
 # -- ertel.run and ertel.open -----------------------------------------------------------------------------------------
@@ -406,7 +319,7 @@ def test_run_takes_up_what_was_interrupted_and_reads_what_is_done(tmp_path, impa
 
 
 def test_run_refuses_the_directory_of_another_case(tmp_path):
-    RunStore.create(tmp_path / "run", SHORT)
+    RunStore.create(tmp_path / "run", SHORT_FALL)
     other = parse_case({**RADIAL, "contact": {"M": 300, "L": 10}})
     with pytest.raises(StoreError, match=r"run: holds another case \(contact\.M 200\.0 → 300\.0"):
         ertel.run(other, tmp_path / "run")

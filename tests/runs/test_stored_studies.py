@@ -10,11 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from cases import names
 
 import ertel
 from ertel.case.case import Case
-from ertel.case.records import ConfigError
 from ertel.inputs.studies import load_study, parse_study
 from ertel.results.numbers import scalars
 from ertel.results.study_result import StudyResult
@@ -23,20 +21,18 @@ from ertel.runs.batch import STEPS, program_of
 from ertel.runs.store import RunStore
 from ertel.runs.studies import gather as gathered
 from ertel.runs.studies import has_compiled, left_of, run_directory, run_study, write_study
-from ertel.runs.workers import LocalWorker, StopSignal
+from ertel.runs.workers import LocalWorker
 
 BALL = {"radius": "10 mm", "mass": "32.6726 g", "E_prime": "226.37 GPa"}
-OIL = {"eta0": "10 mPa*s", "alpha": "22 / GPa"}
+OIL = {"alpha": "22 / GPa"}
 
 
 def study_of(until: float = 0.02, mode: str = "product", **varying: Any) -> dict[str, Any]:
     """Impacts that are over at once."""
-    speeds = varying.get("speed", ["0.1 m/s", "0.2 m/s"])
-    viscosities = varying.get("eta0", ["10 mPa*s", "20 mPa*s"])
     return {
         "name": "balls",
-        "contact": {**BALL, "speed": speeds},
-        "lubricant": {**OIL, "eta0": viscosities},
+        "contact": {**BALL, "speed": varying.get("speed", ["0.1 m/s", "0.2 m/s"])},
+        "lubricant": {**OIL, "eta0": varying.get("eta0", ["10 mPa*s", "20 mPa*s"])},
         "solver": {"method": "radial", "nodes": 17},
         "time": {"until": until, "tolerance": 0.1},
         "sweep": {"mode": mode},
@@ -128,15 +124,6 @@ def test_a_stopped_study_goes_on_to_the_same_numbers(tmp_path):
     assert np.array_equal(found, wanted)
 
 
-def test_a_wish_to_stop_reaches_other_processes_by_a_file(tmp_path):
-    asked: list[bool] = []
-    stop = StopSignal(tmp_path / "stop", lambda: bool(asked))
-    elsewhere = pickle.loads(pickle.dumps(stop))
-    assert not stop() and not elsewhere()
-    asked.append(True)
-    assert not elsewhere() and stop() and elsewhere()
-
-
 def test_a_run_that_cannot_be_done_is_a_value(tmp_path):
     study = parse_study(study_of())
     broken = run_directory(tmp_path, study.cases[1])
@@ -193,12 +180,6 @@ def test_the_bars_say_what_the_runs_write_of_their_progress(tmp_path, monkeypatc
     assert compiled[: STEPS + 1] == [False] * (STEPS + 1) and compiled[STEPS + 2]
 
 
-def test_one_scheduler_is_enough(tmp_path):
-    with pytest.raises(ConfigError, match=r'^scheduler = "tcp://a:1": give it, or scheduler_file, not both'):
-        ertel.sweep(study_of(), tmp_path, scheduler="tcp://a:1", scheduler_file="b")
-    assert names(tmp_path) == set()
-
-
 def test_runs_of_one_program_differ_in_numbers_only():
     one, other = (program_of(case) for case in parse_study(study_of(eta0="10 mPa*s")).cases)
     assert one == other
@@ -230,18 +211,20 @@ def test_a_measured_surface_goes_with_its_case_to_another_process(tmp_path):
     assert tuple(arrived) == study.cases and arrived[0] != arrived[1]
 
 
-ROLLING = {
-    **{"kind": "rolling", "M": 200.0, "L": 10.0, "H_c": 0.5, "H_min": 0.3, "P_max": 1.0, "nodes": 65, "wall_s": 1.0},
-    **{"H_c_error": 0.01, "H_c_extrapolated": 0.51, "H_min_error": None, "H_min_extrapolated": None},
-}
-
-
 def test_errors_stand_beside_their_numbers():
-    found = scalars(ROLLING)
+    steady = {
+        "kind": "rolling",
+        "M": 200.0,
+        "L": 10.0,
+        "H_c": 0.5,
+        "H_c_error": 0.01,
+        "H_c_extrapolated": 0.51,
+        "H_min": 0.3,
+    }
+    found = scalars({**steady, "H_min_error": None, "H_min_extrapolated": None})
     assert found["H_c_error"].value == 0.01 and "H_min_error" not in found
-    assert found["H_c_error"].attributes == {
-        "long_name": "estimated error of the central film thickness", "units": "1", "in_units_of": "a^2/R"
-    }  # fmt: skip
+    about = {"long_name": "estimated error of the central film thickness", "units": "1", "in_units_of": "a^2/R"}
+    assert found["H_c_error"].attributes == about
 
 
 def test_a_run_that_was_killed_is_not_said_to_run(tmp_path):

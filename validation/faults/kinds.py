@@ -24,7 +24,7 @@ from ertel.inputs.case_files import load_case
 from ertel.inputs.studies import load_study
 from ertel.numerics.programs import Program
 from ertel.results.summary import comparisons
-from ertel.runs import arrays, workers
+from ertel.runs import workers
 from ertel.runs.drive import drive, run_of
 from ertel.runs.store import RunStore, compute, open_run
 
@@ -128,8 +128,8 @@ def kinds(directory: Path, names: list[str]) -> dict[str, Kind]:
 
 
 def flush_every(seconds: float) -> None:
-    """How often runs in time are written, here and in the children."""
-    arrays.AppendedData.flush_interval = seconds
+    """How often runs are written, here and in the children."""
+    RunStore.flush_interval = seconds
 
 
 def record(chosen: dict[str, Kind]) -> None:

@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 from textwrap import wrap
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -151,11 +151,7 @@ def check(case_file: CaseFile, set_: Set = None, as_json: Json = False) -> None:
     content = outlook(case)
     if as_json:
         print_json(content)
-    else:
-        _print_outlook(case, content)
-
-
-def _print_outlook(case: "Case", content: dict[str, Any]) -> None:
+        return
     from ertel.apps import tables
     from ertel.results.parameters import formula_films
 

@@ -1,6 +1,6 @@
 """Commands that look at runs: `ertel ls` at many, `compare` at two, `show`, `plot` and `export` at one."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -11,10 +11,7 @@ from ertel.apps.arguments import Json, RunDirectory, figures, path_argument, pat
 from ertel.apps.terminal import BAD_INPUT, bad_input, leave, print_json, print_path, say, shown
 
 if TYPE_CHECKING:  # these take long to import
-    import xarray as xr
-
     from ertel.optics import Light, Rig
-    from ertel.results.numbers import Compared, Difference
     from ertel.runs.directory import Listed
 
 Moment = Annotated[
@@ -57,22 +54,18 @@ def _as_data(run: "Listed", folder: Path) -> dict[str, Any]:
 def _print_runs(runs: "Sequence[Listed]", folder: Path) -> None:
     from ertel.apps.tables import print_rows
     from ertel.results.numbers import SHOWN
-    from ertel.results.variables import name_in_si
+    from ertel.results.variables import name_in_si, with_prefix
 
     there = {name for run in runs for name in run.numbers}
     names = ["M", "L", *(name for name in SHOWN if there & {name, name_in_si(name)})]
-    print_rows([("run", "case", "status", "written", *names), *(_row(run, folder, names) for run in runs)], left=4)
-
-
-def _row(run: "Listed", folder: Path, names: Sequence[str]) -> list[str]:
-    """A run in the list, with its numbers of these names."""
-    from ertel.results.variables import name_in_si, with_prefix
-
-    case = f"{run.case.name or run.case.kind}, {run.case.solver.method}" if run.case else ""
-    status = run.status if run.done >= 1 else f"{run.status} {run.done:.0%}"
-    numbers = [run.numbers.get(name_in_si(name)) or run.numbers.get(name) for name in names]
-    texts = [with_prefix(number.value, number.attributes["units"]) if number else "" for number in numbers]
-    return [str(run.directory.relative_to(folder)), case, status, f"{run.written:%Y-%m-%d %H:%M}", *texts]
+    rows = [["run", "case", "status", "written", *names]]
+    for run in runs:
+        case = f"{run.case.name or run.case.kind}, {run.case.solver.method}" if run.case else ""
+        status = run.status if run.done >= 1 else f"{run.status} {run.done:.0%}"
+        numbers = [run.numbers.get(name_in_si(name)) or run.numbers.get(name) for name in names]
+        texts = [with_prefix(number.value, number.attributes["units"]) if number else "" for number in numbers]
+        rows.append([str(run.directory.relative_to(folder)), case, status, f"{run.written:%Y-%m-%d %H:%M}", *texts])
+    print_rows(rows, left=4)
 
 
 def compare(
@@ -116,11 +109,10 @@ def compare(
     one, two = RunStore.open(first), RunStore.open(second)
     summaries = [run.summary() or run.summary_so_far() for run in (one, two)]
     names, statuses = [shown(first), shown(second)], [summary["status"] for summary in summaries]
-    differing = numbers.differences(one.case, two.case)
+    differing = numbers.differences(one.case.to_data(), two.case.to_data())
     pairs = numbers.pairs(*summaries)
     if as_json:
-        rows = [{**pair._asdict(), "change": pair.change} for pair in pairs]
-        print_json({"case": [difference._asdict() for difference in differing], "numbers": rows})
+        print_json({"case": differing, "numbers": pairs})
     else:
         _print_differences(differing, names)
         _print_pairs(pairs, statuses)
@@ -153,24 +145,26 @@ def _compare_measured(directory: Path, file: Path, plot: Path | None, as_json: b
         print_path(plot)
 
 
-def _print_differences(differing: "Sequence[Difference]", names: Sequence[str]) -> None:
+def _print_differences(differing: Sequence[Mapping[str, Any]], names: Sequence[str]) -> None:
     from ertel.apps.tables import print_rows
     from ertel.case.records import show
 
-    rows = [(field, *("" if value is None else show(value) for value in values)) for field, *values in differing]
+    rows = [
+        (field, *("" if value is None else show(value) for value in values))
+        for field, *values in (each.values() for each in differing)
+    ]
     print_rows([("case", *names), *rows, ("", "", "")] if rows else [("The cases are the same.",), ("",)], left=3)
 
 
-def _print_pairs(pairs: "Sequence[Compared]", statuses: Sequence[str]) -> None:
+def _print_pairs(pairs: Sequence[Mapping[str, Any]], statuses: Sequence[str]) -> None:
     from ertel.apps.tables import print_rows
     from ertel.results.variables import with_prefix
 
     rows = [("number", "", "first", "second", "change"), ("status", "", *statuses, "")]
     for pair in pairs:
-        unit = pair.attributes["units"]
-        values = ["" if value is None else with_prefix(value, unit) for value in (pair.first, pair.second)]
-        change = "" if pair.change is None else f"{pair.change:+.2%}"
-        rows.append((pair.attributes["long_name"], pair.name, *values, change))
+        about, change = pair["attributes"], pair["change"]
+        values = ["" if pair[run] is None else with_prefix(pair[run], about["units"]) for run in ("first", "second")]
+        rows.append((about["long_name"], pair["name"], *values, "" if change is None else f"{change:+.2%}"))
     print_rows(rows, left=2)
 
 
@@ -225,6 +219,7 @@ def plot(
     An interferogram needs a case in SI. It is that of a steel ball on glass with 8 nm of chromium; from Python other
     layers and light sources can be chosen, see ertel.optics.
     """
+    from ertel import plots
     from ertel.runs.store import RunStore
 
     if format_ in MOVIES and interferogram is None:
@@ -238,37 +233,24 @@ def plot(
     if format_ == "mp4":
         _find_ffmpeg()
     data = RunStore.open(directory).dataset()
+    writers: dict[str, Callable[[Path], object]]
+    sheet: Any = {"columns": columns, "title": title}
     with bad_input():
-        sheet = {"columns": columns, "title": title}
-        writers = _drawn(data, what, at, interferogram, wavelength, format_, sheet)
+        if interferogram is None:
+            names = [what] if what else plots.names_of(data)
+            writers = {name: plots.draw(data, name, at, **sheet).savefig for name in names}
+        elif format_ in MOVIES:
+            movie = plots.animation(data, *optics(interferogram, wavelength))
+            writers = {f"interferogram-{interferogram}": partial(movie.save, writer=MOVIES[format_])}
+        else:
+            picture = plots.interferogram(data, at, *optics(interferogram, wavelength), **sheet)
+            writers = {f"interferogram-{interferogram}": picture.savefig}
     target = out or directory / "plots"
     target.mkdir(parents=True, exist_ok=True)
     for name, write in writers.items():
         path = target / f"{name}.{format_}"
         write(path)
         print_path(path)
-
-
-def _drawn(
-    data: "xr.Dataset",
-    what: str | None,
-    at: str | None,
-    lighting: Lighting | None,
-    wavelength: str | None,
-    kind: str,
-    sheet: dict[str, Any],
-) -> dict[str, Callable[[Path], object]]:
-    """The figures or the interferogram of a run: by name the function that writes it into a file."""
-    from ertel import plots
-
-    if lighting is None:
-        names = [what] if what else plots.names_of(data)
-        return {name: plots.draw(data, name, at, **sheet).savefig for name in names}
-    light, rig = optics(lighting, wavelength)
-    name = f"interferogram-{lighting}"
-    if kind in MOVIES:
-        return {name: partial(plots.animation(data, light, rig).save, writer=MOVIES[kind])}
-    return {name: plots.interferogram(data, at, light, rig, **sheet).savefig}
 
 
 def optics(lighting: str, wavelength: str | None = None) -> tuple["Light", "Rig"]:

@@ -21,12 +21,12 @@ from contextlib import contextmanager, suppress
 from io import TextIOWrapper
 from pathlib import Path
 from types import FrameType
-from typing import Any, TextIO, cast
+from typing import Any, NoReturn, TextIO, cast
 
 import typer
 from typer.core import TyperGroup
 
-from ertel.apps.terminal import BAD_INPUT, FAILED, in_shell, leave, reason_of, say
+from ertel.apps.terminal import ASKED, BAD_INPUT, FAILED, in_shell, leave, reason_of, say
 
 WrongUsage: Any = typer.BadParameter.__base__  # of all errors in flags and arguments
 
@@ -135,6 +135,10 @@ class Stop:
     def __call__(self, item: object = None) -> bool:
         """True after a signal."""
         return self.code > 0
+
+    def leave(self, advice: str) -> NoReturn:
+        """End the program after a signal, or after the file that asks to stop."""
+        leave(self.code or ASKED, f"interrupted; {advice}")
 
 
 @contextmanager

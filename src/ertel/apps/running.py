@@ -10,7 +10,7 @@ import xarray as xr
 
 from ertel.apps import tables
 from ertel.apps.process import Stop, interruptible
-from ertel.apps.terminal import ASKED, BAD_INPUT, FAILED, bad_input, in_shell, leave, print_json, say, shown, writing_to
+from ertel.apps.terminal import BAD_INPUT, FAILED, bad_input, in_shell, leave, print_json, say, shown, writing_to
 from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.results.result import Result, verdict
@@ -120,17 +120,18 @@ def within_memory(case: Case) -> Iterator[None]:
 
 def _finish(run: RunStore, others: Mapping[str, Run], options: RunOptions) -> None:
     """Continue a run to its end and report; exit with a code if it did not reach its end."""
-    run.flush_interval = options.flush
+    if options.flush is not None:
+        run.flush_interval = options.flush
     to_continue = f"to continue: ertel resume {in_shell(run.directory)}{' --error' if others else ''}"
     with interruptible() as stop:
         with writing_to(run.directory, to_continue):
             summary = _computed(run, others, options.quiet, stop)
         if summary is None:
-            leave(stop.code or ASKED, f"interrupted; {to_continue}")
+            stop.leave(to_continue)
         report(run, summary, options.as_json, options.quiet)
     status = Status(summary["status"])
     if status is Status.INTERRUPTED:
-        leave(stop.code or ASKED, f"interrupted; {to_continue}")
+        stop.leave(to_continue)
     if not status.ok:
         gone = status is Status.FILM_VANISHED
         reason = summary["warnings"][0] if gone else f"{status.value}; {status.advice}"
@@ -142,30 +143,19 @@ def _computed(run: RunStore, others: Mapping[str, Run], quiet: bool, stop: Stop)
     with bars(not quiet) as shown_bars, run.alone():
         compared = {}
         for part, course in others.items():
-            bar = watch(shown_bars, course, f"for the error of the {part}")
-            compared[part] = _summary_of(course, [bar, stop, run.asked_to_stop])
+            recorder, bar = Recorder(course), watch(shown_bars, course, f"for the error of the {part}")
+            last = drive(course, [recorder, bar, stop, run.asked_to_stop])
             if stop.code or run.asked_to_stop():
                 return None
+            compared[part] = recorder.result(last).summary
         summary = run.outcome() or store.compute(run, [watch(shown_bars, run.run), stop])
-        if summary["status"] == "converged" and compared:
-            return _completed(run, summary, compared)
+        failed = [(part, other["status"]) for part, other in compared.items() if other["status"] != "converged"]
+        for part, status in failed[:1]:
+            say(f"ertel: warning: no error is estimated: the run for the error of the {part} failed: {status}")
+        if compared and not failed and summary["status"] == "converged":
+            summary = with_error(run.case, summary, compared)
+            run.finish(summary)
     return summary
-
-
-def _summary_of(course: Run, observers: list[Any]) -> Mapping[str, Any]:
-    recorder = Recorder(course)
-    return recorder.result(drive(course, [recorder, *observers])).summary
-
-
-def _completed(run: RunStore, summary: Mapping[str, Any], compared: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The summary with the errors, also stored; without them if a run for comparison gave up."""
-    for part, other in compared.items():
-        if other["status"] != "converged":
-            say(f"ertel: warning: no error is estimated: the run for the error of the {part} failed: {other['status']}")
-            return summary
-    complete = with_error(run.case, summary, compared)
-    run.finish(complete)
-    return complete
 
 
 # -- reporting --------------------------------------------------------------------------------------------------------
@@ -184,5 +174,5 @@ def report(
             line = verdict(Result(run.case, data, dict(summary), status), *sigma) if status.ok else ""
         tables.print_summary(out, run.case, summary)
         if line:
-            out.print(f"{line[0].upper()}{line[1:]}", style="bold")
+            out.say(line, style="bold")
         out.print(f"Stored in {shown(run.directory)}; for figures: ertel plot {in_shell(run.directory)}")

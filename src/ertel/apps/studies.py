@@ -7,18 +7,7 @@ from typing import Any
 
 from ertel.apps import running, tables
 from ertel.apps.process import Interrupted, deferred, interruptible
-from ertel.apps.terminal import (
-    ASKED,
-    FAILED,
-    bad_input,
-    in_shell,
-    leave,
-    print_json,
-    print_path,
-    say,
-    shown,
-    writing_to,
-)
+from ertel.apps.terminal import FAILED, bad_input, in_shell, leave, print_json, print_path, say, shown, writing_to
 from ertel.case.case import Case
 from ertel.case.definition import newtonian_stress
 from ertel.case.records import ConfigError
@@ -26,58 +15,47 @@ from ertel.case.status import Status
 from ertel.inputs.studies import Study
 from ertel.results.study_result import StudyResult
 from ertel.runs import fit as fits
+from ertel.runs import studies as stored
 from ertel.runs import traction as curves
 from ertel.runs.compile import prepare_jax
 from ertel.runs.drive import bars
-from ertel.runs.studies import (
-    EVERY,
-    NAME,
-    Part,
-    alone,
-    files_in,
-    gather,
-    left_of,
-    require_place,
-    run_study,
-    write_study,
-)
 from ertel.runs.tasks import Engine as Engine
 
 GOES_ON = "the same command continues"
 LISTED = 5  # failed runs that the last line names
 
 
-def part_of(text: str | None) -> Part:
+def part_of(text: str | None) -> stored.Part:
     """The part "2/8" as numbers.  Raises ConfigError for anything else."""
     if text is None:
-        return EVERY
+        return stored.EVERY
     number, slash, parts = text.partition("/")
     if slash and number.isdecimal() and parts.isdecimal() and 1 <= int(number) <= int(parts):
         return int(number), int(parts)
     raise ConfigError(f"--part {text}: must be I/N with I from 1 to N, for example 2/8")
 
 
-def sweep(study: Study, directory: Path, engine: Engine, part: Part, as_json: bool, quiet: bool) -> None:
+def sweep(study: Study, directory: Path, engine: Engine, part: stored.Part, as_json: bool, quiet: bool) -> None:
     """Do what is left of a study, write and print what all its runs say."""
     prepare_jax()
-    left = left_of(study.cases, directory, part)
+    left = stored.left_of(study.cases, directory, part)
     if not quiet:
-        in_part = "" if part == EVERY else f" in part {part[0]} of {part[1]}"
+        in_part = "" if part == stored.EVERY else f" in part {part[0]} of {part[1]}"
         say(f"{len(study.cases)} runs, {len(left)} of them to do{in_part}")
     with interruptible() as stop, ExitStack() as stack:
         workers = stack.enter_context(engine.workers(len(left)))
-        if part == EVERY:
-            stack.enter_context(alone(directory))
+        if part == stored.EVERY:
+            stack.enter_context(stored.alone(directory))
         with writing_to(directory, GOES_ON):
-            statuses = run_study(study.cases, directory, workers, part, stop, not quiet)
-            result = gather(study, directory, statuses)
-            if part == EVERY:
-                write_study(result, directory)
-    if part == EVERY:
-        _report(result, directory, NAME, as_json, quiet)
+            statuses = stored.run_study(study.cases, directory, workers, part, stop, not quiet)
+            result = stored.gather(study, directory, statuses)
+            if part == stored.EVERY:
+                stored.write_study(result, directory)
+    if part == stored.EVERY:
+        _report(result, directory, stored.NAME, as_json, quiet)
     if stop.code or len(statuses) < len(left) or Status.INTERRUPTED.value in statuses.values():
-        leave(stop.code or ASKED, f"interrupted; {GOES_ON}")
-    failed = [name for name in result.failed if part == EVERY or Path(name).name in statuses]
+        stop.leave(GOES_ON)
+    failed = [name for name in result.failed if part == stored.EVERY or Path(name).name in statuses]
     if failed:
         named = ", ".join(failed[:LISTED]) + (" ..." if len(failed) > LISTED else "")
         advice = f"ertel show {in_shell(directory / failed[0])} tells more"
@@ -89,7 +67,7 @@ def traction(
 ) -> None:
     """Compute what is left of a traction curve, write and print it."""
     curve = curves.curve_of(case, given, film)
-    require_place(directory, curves.NAME, "--out")
+    stored.require_place(directory, curves.NAME, "--out")
     if not quiet:
         running.say_before([max(curve.cases, key=newtonian_stress)])
     prepare_jax()
@@ -97,7 +75,7 @@ def traction(
         result = curves.store_curve(curve, directory, not quiet, stop)
     _report(result, directory, curves.NAME, as_json, quiet)
     if not result.complete:
-        leave(stop.code or ASKED, f"interrupted; {GOES_ON}")
+        stop.leave(GOES_ON)
     if result.failed:
         values = ", ".join(f"{value:.4g}" for value in result.failed)
         leave(FAILED, f"failed: the film did not converge at {result.axis} = {values}; the other points are there")
@@ -110,7 +88,7 @@ def fit(problem: fits.FitProblem, directory: Path, engine: Engine, as_json: bool
         try:
             result = fits.store_fit(problem, directory, engine, stop, not quiet)
         except fits.StoppedFit:
-            leave(stop.code or ASKED, f"interrupted; {GOES_ON}")
+            stop.leave(GOES_ON)
         except fits.FitError as error:
             leave(FAILED, str(error))
     _report(result, directory, fits.NAME, as_json, quiet)
@@ -126,8 +104,8 @@ def _report(result: StudyResult, directory: Path, name: str, as_json: bool, quie
         for line in result.table_lines():
             out.print(line)
         for remark in result.remarks:
-            out.print(f"{remark[0].upper()}{remark[1:]}", style="yellow" if remark.startswith("warning") else None)
-        *files, last = files_in(directory, name)
+            out.say(remark, style="yellow" if remark.startswith("warning") else None)
+        *files, last = stored.files_in(directory, name)
         out.print(f"Stored in {shown(directory)}, with {', '.join(files)} and {last}")
 
 
@@ -139,29 +117,22 @@ def paper(figure: str, quick: bool, out: Path, engine: Engine, quiet: bool) -> N
         names = figures.names_of(figure)
         out.mkdir(parents=True, exist_ok=True)
     try:
-        with writing_to(out, GOES_ON):
-            page, missing = _make_page(names, quick, out, engine, quiet)
+        with writing_to(out, GOES_ON), ExitStack() as stack:
+            prepare_jax()  # or no run can begin
+            runs, done, seconds = figures.expected(names, quick, out, engine.processes)
+            if not quiet:
+                say(f"{runs} runs, {done} of them done; about {max(seconds / 60, 1):.0f} min")
+            progress = stack.enter_context(bars(not quiet))
+            with deferred():
+                workers = stack.enter_context(engine.workers(runs - done))
+            bar = progress.add_task("runs", total=runs, message="")
+
+            def on_done(task: Any, _: object) -> None:
+                progress.update(bar, advance=1, message=task.name)
+
+            page, missing = figures.make(names, quick, out, workers, on_done)
     except Interrupted as error:
         leave(error.code, f"interrupted; {GOES_ON}")
     print_path(page)
     if missing:
         leave(FAILED, "; ".join(f"{name} failed: {reason}" for name, reason in missing.items()))
-
-
-def _make_page(names: list[str], quick: bool, out: Path, engine: Engine, quiet: bool) -> tuple[Path, dict[str, str]]:
-    """Run what is missing and write the page: its path, and why figures are missing."""
-    from ertel.apps.boundary_layers import figures
-
-    prepare_jax()  # or no run can begin
-    runs, done, seconds = figures.expected(names, quick, out, engine.processes)
-    if not quiet:
-        say(f"{runs} runs, {done} of them done; about {max(seconds / 60, 1):.0f} min")
-    with bars(not quiet) as progress, ExitStack() as stack:
-        with deferred():
-            workers = stack.enter_context(engine.workers(runs - done))
-        bar = progress.add_task("runs", total=runs, message="")
-
-        def on_done(task: Any, _: object) -> None:
-            progress.update(bar, advance=1, message=task.name)
-
-        return figures.make(names, quick, out, workers, on_done)

@@ -1,12 +1,13 @@
 """The tables that the command line prints, and the same as data."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
-from ertel.apps.terminal import duration, printable
+from ertel.apps.terminal import capital, duration, printable
 from ertel.case.records import ConfigError, show
 from ertel.inputs import materials, oils
 from ertel.physics.materials import Material, NamedOil, Sourced, celsius
@@ -32,8 +33,12 @@ class PlainConsole(Console):
         """Print as rich does."""
         super().print(*(printable(item) if isinstance(item, str) else item for item in objects), **options)
 
+    def say(self, message: str, style: str | None = None) -> None:
+        """Print a message as a sentence begins."""
+        self.print(capital(message), style=style)
 
-def console() -> Console:
+
+def console() -> PlainConsole:
     """The console for tables: stdout, without markup."""
     return PlainConsole(highlight=False, markup=False, soft_wrap=True)
 
@@ -84,7 +89,7 @@ def needs(content: Mapping[str, Any]) -> dict[str, str]:
 # -- a run ------------------------------------------------------------------------------------------------------------
 
 
-def print_summary(out: Console, case: "Case", summary: Mapping[str, Any]) -> None:
+def print_summary(out: PlainConsole, case: "Case", summary: Mapping[str, Any]) -> None:
     """The outcome of a run."""
     parameters = f"M = {summary['M']:.5g}, L = {summary['L']:.4g}"
     grid = f"{case.solver.method}, {domain(case)}"
@@ -99,7 +104,7 @@ def print_summary(out: Console, case: "Case", summary: Mapping[str, Any]) -> Non
         out.print(f"Warning: {warning}", style="yellow")
 
 
-def _print_values(out: Console, case: "Case", summary: Mapping[str, Any]) -> None:
+def _print_values(out: PlainConsole, case: "Case", summary: Mapping[str, Any]) -> None:
     """Values with their errors, restitution, what holds of the whole run, and the film formulas at that moment."""
     computed = {name: number for name, number in numbers(summary).items() if name in values_of(summary)}
     if computed:
@@ -114,7 +119,7 @@ def _print_values(out: Console, case: "Case", summary: Mapping[str, Any]) -> Non
     if summary.get("restitution") is not None:
         out.print(f"Coefficient of restitution {summary['restitution']:.4f}")
     for line in more_lines(summary):
-        out.print(f"{line[0].upper()}{line[1:]}")
+        out.say(line)
     T = computed["T"].value if "T" in computed else 0.0
     formulas = formula_films(case, case.motion.load(T), case.motion.entrainment(T)) if computed else ()
     if formulas:
@@ -159,24 +164,25 @@ def film_rows(case: "Case", films: "Sequence[FormulaFilm]", computed: Mapping[st
     computed: H_c and H_min.  With estimated errors the deviation is from the extrapolated film.  A formula that is not
     made for such a contact is in brackets.
     """
-    names = [f.name if f.inside is not False else f"({f.name})" for f in films]
-    if not computed:
-        rows = [[name, _film(case, f.central), _film(case, f.minimum)] for name, f in zip(names, films, strict=True)]
-        return [["film", "central", "minimum"], *rows]
-    both = [computed[name] for name in FILMS]
+    both = [computed[name] for name in FILMS if computed]
     best = [each.value if each.extrapolated is None else each.extrapolated for each in both]
-    rows = [["film", "central", "deviation", "minimum", "deviation"]]
-    rows.append(["computed", *(cell for each in both for cell in (_film(case, each.value), _uncertainty(each)))])
+
+    def row(name: str, films: Iterable[float | None], notes: Iterable[str]) -> list[str]:
+        """The films in a row; a note follows each where there is something to compare with."""
+        texts = [_film(case, film) for film in films]
+        return [name, *chain.from_iterable(zip(texts, notes, strict=True))] if computed else [name, *texts]
+
+    rows = [["film", "central", "deviation", "minimum", "deviation"] if computed else ["film", "central", "minimum"]]
+    if computed:
+        rows.append(
+            row("computed", [n.value for n in both], [n.text_of_error and f"+-{n.text_of_error}" for n in both])
+        )
     if any(each.error is not None for each in both):
-        rows.append(["computed, extrapolated", _film(case, best[0]), "", _film(case, best[1]), ""])
-    for name, f in zip(names, films, strict=True):
-        pairs = zip((f.central, f.minimum), best, strict=True)
-        rows.append([name, *(cell for film, ours in pairs for cell in (_film(case, film), _deviation(film, ours)))])
+        rows.append(row("computed, extrapolated", best, ["", ""]))
+    for f in films:
+        name = f.name if f.inside is not False else f"({f.name})"
+        rows.append(row(name, (f.central, f.minimum), map(_deviation, (f.central, f.minimum), best)))
     return rows
-
-
-def _uncertainty(number: Number) -> str:
-    return f"+-{number.error / abs(number.value):.1%}" if number.error is not None and number.value else ""
 
 
 def _film(case: "Case", film: float | None) -> str:

@@ -37,6 +37,11 @@ def print_path(path: Path) -> None:
     print(printable(shown(path)))
 
 
+def capital(text: str) -> str:
+    """A message with a capital letter, as a sentence begins."""
+    return f"{text[:1].upper()}{text[1:]}"
+
+
 def duration(seconds: float) -> str:
     """A rough duration in words."""
     if seconds < 90:

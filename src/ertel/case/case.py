@@ -9,6 +9,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cached_property
+from html import escape
 from typing import Any
 
 from ertel.case import rules
@@ -16,10 +17,10 @@ from ertel.case.definition import SECTIONS, Definition
 from ertel.case.height_map import NO_MAPS, HeightMap
 from ertel.case.reading import Reader, check_keys
 from ertel.case.records import (
+    ConfigError,
     checked,
     data_of,
     described,
-    described_in_html,
     feature_data,
     named,
     oil_data,
@@ -103,10 +104,15 @@ class Case(Definition):
         self.lubricant  # noqa: B018  # raises if its data give no law
 
     def __repr__(self) -> str:
-        return described(*self._described)
+        title, data = self._described
+        return "\n".join([f"Case: {title}", *(f"  {name:<10} {content}" for name, content in described(data))])
 
     def _repr_html_(self) -> str:
-        return described_in_html(*self._described)
+        title, data = self._described
+        rows = "".join(
+            f"<tr><th>{escape(name)}</th><td>{escape(content)}</td></tr>" for name, content in described(data)
+        )
+        return f"<div>Case: {escape(title)}<table>{rows}</table></div>"
 
     @property
     def _described(self) -> tuple[str, dict[str, Any]]:
@@ -184,10 +190,10 @@ class Case(Definition):
         check_keys(data, KEYS)
         schema = data.get("schema", SCHEMA)
         if type(schema) is not int or schema != SCHEMA:
-            raise ValueError(f"schema = {show(schema)}: allowed: {SCHEMA}")
+            raise ConfigError(f"schema = {show(schema)}: allowed: {SCHEMA}")
         roughness = data.get("roughness", [])
         if not isinstance(roughness, list):
-            raise ValueError(f"roughness = {show(roughness)}: must be an array of tables, [[roughness]]")
+            raise ConfigError(f"roughness = {show(roughness)}: must be an array of tables, [[roughness]]")
         reader = replace(reader, maps=maps)
         data = {"contact": {}} | {name: section for name, section in data.items() if section is not None}
         given: dict[str, Any] = {

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ertel.case.reading import parse_number
-from ertel.case.records import ConfigError, is_number, show, with_unit
+from ertel.case.records import is_number, refusing, show, with_unit
 from ertel.physics.temperature_laws import ZERO_CELSIUS
 from ertel.physics.units import Bounds, Mark, Unit, reads_quantities
 
@@ -159,7 +159,6 @@ def _registry() -> Any:
 
 LOG = "log"
 MOST_VALUES = 1000
-NUMBER = Bounds(gt=1, le=MOST_VALUES, whole=True)
 
 Given = str | float | Sequence[Any]
 
@@ -184,15 +183,13 @@ def parse_values(name: str, given: Given, mark: Mark) -> tuple[float, ...]:
     >>> parse_values("mean_speed", "0.1:10 m/s:3:log", VELOCITY)
     (0.1, 1.0, 10.0)
     """
-    try:
+    with refusing(name, given):
         values = _ranged(given, mark) if isinstance(given, str) and ":" in given else _listed(given, mark)
-    except ValueError as error:
-        raise ConfigError(f"{name} = {show(given)}: {error}") from error
-    steps = {(late > early) - (late < early) for early, late in pairwise(values)}
-    if len(steps) > 1 or 0 in steps:
-        raise ConfigError(f"{name} = {show(given)}: must rise or fall from value to value")
-    if len(values) > MOST_VALUES:
-        raise ConfigError(f"{name}: has {len(values)} values; must be at most {MOST_VALUES}")
+        steps = {(late > early) - (late < early) for early, late in pairwise(values)}
+        if len(steps) > 1 or 0 in steps:
+            raise ValueError("must rise or fall from value to value")
+        if len(values) > MOST_VALUES:
+            raise ValueError(f"has {len(values)} values; must be at most {MOST_VALUES}")
     return values
 
 
@@ -211,24 +208,22 @@ def _ranged(text: str, mark: Mark) -> tuple[float, ...]:
         raise ValueError(f"must be FIRST:LAST:NUMBER, or FIRST:LAST:NUMBER:{LOG} for equal ratios")
     unit = split(rest[0])[1] or split(left)[1]
     start, end = (_value(text, mark, unit) for text in (left, rest[0]))
-    return spaced(start, end, _number(rest[1]), logarithmic=bool(rest[2:]))
+    return spaced(start, end, int(rest[1]) if rest[1].isdecimal() else rest[1], logarithmic=bool(rest[2:]))
 
 
-def spaced(start: float, end: float, number: int, logarithmic: bool) -> tuple[float, ...]:
-    """Values from start to end, with equal steps or equal ratios.  Raises ValueError where there are no such ratios."""
+def spaced(start: float, end: float, number: Any, logarithmic: bool) -> tuple[float, ...]:
+    """A number of values from start to end, with equal steps or equal ratios.
+
+    Raises ValueError for a number that is none, and where there are no such ratios.
+    """
+    if type(number) is not int or not 2 <= number <= MOST_VALUES:
+        raise ValueError(f"the number of values must be a whole number from 2 to {MOST_VALUES}")
     if logarithmic and not start * end > 0:
         raise ValueError("the ends of a range with equal ratios (log) must both be above zero, or both below")
     if logarithmic:
         return (start, *(float(value) for value in np.geomspace(start, end, number)[1:-1]), end)
     first, last = Fraction(repr(start)), Fraction(repr(end))  # exact, so that a range through zero contains zero
     return tuple(float(first + (last - first) * i / (number - 1)) for i in range(number))
-
-
-def _number(text: str) -> int:
-    try:
-        return int(parse_number(int(text), NUMBER))
-    except ValueError as error:
-        raise ValueError(f"the number of values must be a whole number from 2 to {MOST_VALUES}") from error
 
 
 def _value(given: Any, mark: Mark, unit: str = "") -> float:

@@ -23,26 +23,33 @@ from dataclasses import dataclass
 from itertools import product
 from math import prod
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from ertel.case.case import Case
 from ertel.case.definition import SECTIONS
 from ertel.case.reading import check_keys
-from ertel.case.records import ConfigError, field_name, is_number, show
+from ertel.case.records import ConfigError, field_name, is_number, refusing, show
 from ertel.case.rules import plain_name
 from ertel.inputs.case_files import apply_overrides, parse_case, path_of, read_toml
-from ertel.inputs.layout import Key, section, shape_place
-from ertel.inputs.quantities import LOG, MOST_VALUES, parse_quantity, plain_data, spaced, split
+from ertel.inputs.layout import READER, Key, section, shape_place
+from ertel.inputs.quantities import LOG, parse_quantity, plain_data, spaced, split
 from ertel.physics.registry import SHAPES
 from ertel.physics.units import Unit
 
-SWEEP, MODE, MODES = "sweep", "mode", ("product", "zip")
+SWEEP = "sweep"
 RANGE = ("from", "to", "number", "spacing")
 SPACINGS = ("linear", LOG)
 SIGNALS = (("motion", "load"), ("motion", "entrainment"), ("lubricant", "layer"))
 MOST_RUNS = 10_000
 
 Place = tuple[str | int, ...]  # of a value in a case: section, key, ... ; ("roughness", 0, "amplitude")
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """The section [sweep]: how the values of several axes go together."""
+
+    mode: Literal["product", "zip"] = "product"
 
 
 @dataclass(frozen=True)
@@ -101,7 +108,7 @@ def parse_study(data: Mapping[str, Any], folder: str | Path = ".") -> Study:
     [100.0, 300.0]
     """
     data = plain_data(data)
-    mode = _mode(data.get(SWEEP, {}))
+    mode = READER.record(Sweep, data.get(SWEEP, {}), SWEEP).mode
     plain = {key: value for key, value in data.items() if key != SWEEP}
     axes = tuple(_axes(plain))
     for axis in axes if mode == "product" else ():
@@ -116,16 +123,6 @@ def parse_study(data: Mapping[str, Any], folder: str | Path = ".") -> Study:
     cases = tuple(_case(plain, axes, values, folder) for values in _combinations(axes, mode))
     _put(plain, axes, [axis.values[0] for axis in axes])
     return Study(cases[0].name or cases[0].kind, mode, axes, cases, plain)
-
-
-def _mode(table: Any) -> str:
-    if not isinstance(table, Mapping):
-        raise ConfigError(f"{SWEEP} = {show(table)}: must be a section, [{SWEEP}]")
-    check_keys(table, (MODE,), SWEEP)
-    mode = table.get(MODE, MODES[0])
-    if mode not in MODES:
-        raise ConfigError(f"{SWEEP}.{MODE} = {show(mode)}: allowed: {', '.join(MODES)}")
-    return str(mode)
 
 
 # -- what varies ------------------------------------------------------------------------------------------------------
@@ -144,7 +141,8 @@ def _axes(data: Mapping[str, Any]) -> Iterator[Axis]:
 def _axes_in(table: Any, place: Place) -> Iterator[Axis]:
     for key, value in table.items() if isinstance(table, Mapping) else ():
         here = (*place, key)
-        if isinstance(value, list) and not _is_signal(here, value):
+        is_points = here in SIGNALS and isinstance(value, list) and all(map(_is_point, value))
+        if isinstance(value, list) and not is_points:
             if not value:
                 raise ConfigError(f"{field_name(here)} = []: must have one value or more")
             yield Axis(here, tuple(value))
@@ -154,11 +152,9 @@ def _axes_in(table: Any, place: Place) -> Iterator[Axis]:
             yield from _axes_in(value, here)
 
 
-def _is_signal(place: Place, value: Sequence[Any]) -> bool:
-    """Tell whether a list is one signal, points [T, value], or one track, points [y, thickness]."""
-    return place in SIGNALS and all(
-        isinstance(point, list) and not any(isinstance(part, list) for part in point) for point in value
-    )
+def _is_point(point: Any) -> bool:
+    """Whether an item of a list is a point of one signal, [T, value], or of one track, [y, thickness]."""
+    return isinstance(point, list) and not any(isinstance(part, list) for part in point)
 
 
 def _hashable(value: Any) -> Any:
@@ -177,17 +173,13 @@ def _values(field: str, table: Mapping[str, Any]) -> list[Any]:
         if key not in table:
             raise ConfigError(f"{field}.{key}: missing; a range has {', '.join(RANGE)}")
     number, spacing = table["number"], table.get("spacing", SPACINGS[0])
-    if type(number) is not int or not 2 <= number <= MOST_VALUES:
-        raise ConfigError(f"{field}.number = {show(number)}: must be a whole number from 2 to {MOST_VALUES}")
     if spacing not in SPACINGS:
         raise ConfigError(f"{field}.spacing = {show(spacing)}: allowed: {', '.join(SPACINGS)}")
-    try:
+    with refusing(field, table):
         (start, of_start), (end, of_end) = (_amount(table[key]) for key in RANGE[:2])
         if of_start and of_end and of_start != of_end:
             raise ValueError("both ends must have the same unit")
         values = spaced(start, end, number, spacing == LOG)
-    except ValueError as error:
-        raise ConfigError(f"{field} = {show(table)}: {error}") from error
     if unit := of_start or of_end:
         return [f"{value!r} {unit}" for value in values]
     whole = all(isinstance(table[key], int) for key in RANGE[:2]) and all(value.is_integer() for value in values)
@@ -210,7 +202,7 @@ def _combinations(axes: Sequence[Axis], mode: str) -> Iterator[tuple[Any, ...]]:
     numbers = {axis.field: len(axis.values) for axis in axes}
     if mode == "zip" and len(set(numbers.values())) > 1:
         lengths = ", ".join(f"{field} {number}" for field, number in numbers.items())
-        raise ConfigError(f'{SWEEP}.{MODE} = "zip": all must have equally many values; there are of {lengths}')
+        raise ConfigError(f'{SWEEP}.mode = "zip": all must have equally many values; there are of {lengths}')
     runs = prod(numbers.values()) if mode == "product" else len(axes[0].values)
     if runs > MOST_RUNS:
         raise ConfigError(f"the study has {runs} cases; must be at most {MOST_RUNS}")

@@ -9,7 +9,6 @@ run that has not started.  `flush` writes what is new before a checkpoint, and r
 about it.  `restore` resets the arrays to a checkpoint; an empty checkpoint and no result mean the start.  It raises
 Damaged where that cannot be done; then nothing has changed.
 
-flush_interval: seconds between flushes, unless the store is told others; a killed run loses at most this much.
 advice: how to go on where the data are damaged.
 """
 
@@ -219,7 +218,6 @@ def _read(path: Path, advice: str) -> xr.Dataset:
 class AppendedData:
     """Scalars of every time step and maps at chosen times; what no checkpoint counts is cut off by `restore`."""
 
-    flush_interval = 5.0
     advice = "the run must be computed again from its case.toml"
 
     def __init__(self, run: "TransientRun"):
@@ -264,7 +262,6 @@ def _plain(attributes: Mapping[str, Any]) -> bool:
 class ReplacedData:
     """Scalars of every grid and the maps on the finest one so far: they follow from the checkpoint."""
 
-    flush_interval = 5.0
     advice = "it is written again when the run is continued"
 
     def __init__(self, run: "SteadyRun"):

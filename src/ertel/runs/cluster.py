@@ -34,7 +34,8 @@ from distributed.comm.core import FatalCommClosedError
 from distributed.utils import json_load_robust, silence_logging_cmgr
 
 from ertel.case.records import ConfigError
-from ertel.runs.compile import ENTRY_WARNINGS, chosen_cache
+from ertel.runs import compile
+from ertel.runs.compile import ENTRY_WARNINGS
 from ertel.runs.workers import Condition, Failure, Task, cores, never
 from ertel.version import own_sources
 
@@ -252,7 +253,7 @@ class Start(WorkerPlugin):
     """
 
     def __init__(self, ignore_signals: bool):
-        self.ignore_signals, self.flags, self.keep = ignore_signals, os.environ.get("XLA_FLAGS"), chosen_cache()
+        self.ignore_signals, self.flags, self.keep = ignore_signals, os.environ.get("XLA_FLAGS"), compile.chosen
 
     def setup(self, worker: Worker) -> None:
         """Prepare the process, in its main thread."""

@@ -77,8 +77,8 @@ def jax_devices() -> list[Any]:
         return jax.devices()
     except Exception as error:  # of several kinds, an AssertionError among them
         message = f"JAX finds no device to compute on: {error}"
-        if chosen := os.environ.get("JAX_PLATFORMS"):
-            message = f"JAX_PLATFORMS={chosen}: JAX finds no such device here; unset it, or set JAX_PLATFORMS=cpu"
+        if wanted := os.environ.get("JAX_PLATFORMS"):
+            message = f"JAX_PLATFORMS={wanted}: JAX finds no such device here; unset it, or set JAX_PLATFORMS=cpu"
         raise NoDevice(message) from error
 
 
@@ -104,12 +104,7 @@ def _listen() -> None:
 
 # -- the persistent cache ---------------------------------------------------------------------------------------------
 
-_chosen: Callable[[], object] | None = None
-
-
-def chosen_cache() -> Callable[[], object] | None:
-    """The function by which this process keeps programs, for its workers: `cache`, `start_at_once`, or None."""
-    return _chosen
+chosen: Callable[[], object] | None = None  # how this process keeps programs, for its workers too
 
 
 def cache() -> Path | None:
@@ -131,12 +126,12 @@ def cache() -> Path | None:
     >>> import ertel
     >>> ertel.cache()  # doctest: +SKIP
     """
-    global _chosen
+    global chosen
     os.environ.setdefault(*QUIET)
     import jax
     from jax.experimental.compilation_cache import compilation_cache
 
-    _chosen = _chosen or cache
+    chosen = chosen or cache
     present = _jax_directory()
     if present is not None:
         return Path(present) if present else None
@@ -154,13 +149,13 @@ def start_at_once() -> Path | None:
 
     For commands: in Python, somebody may replace a constant or a function of ertel, which only tracing notices.
     """
-    global _chosen, _exports
+    global chosen, _exports
     import jax
 
     from ertel.numerics.programs import build_with
     from ertel.runs.exported import ExportedPrograms
 
-    directory, _chosen = cache(), start_at_once
+    directory, chosen = cache(), start_at_once
     if directory is None or "://" in str(_jax_directory()):
         return directory
     if _is_safe(directory / "ertel"):
@@ -205,8 +200,8 @@ def cache_directory() -> Path | None:
     XLA compiles for the instructions of one processor type, and a home directory may be shared between machines.
     None for a user without a home directory.
     """
-    if chosen := os.environ.get("JAX_COMPILATION_CACHE_DIR"):
-        return Path(chosen)
+    if wanted := os.environ.get("JAX_COMPILATION_CACHE_DIR"):
+        return Path(wanted)
     try:
         base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     except RuntimeError:

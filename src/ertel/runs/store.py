@@ -24,6 +24,7 @@ from ertel.case.status import Status
 from ertel.inputs.case_files import CaseLike, as_case, path_of
 from ertel.numerics.programs import double_precision
 from ertel.results.dataset import Frame
+from ertel.results.numbers import differences
 from ertel.results.result import Result
 from ertel.results.summary import attributes
 from ertel.results.variables import one_number
@@ -53,10 +54,10 @@ LARGEST_CHECKPOINT = 4 * 10**9  # bytes: of 4097 x 4097 nodes a map has 0.13 GB,
 class RunStore:
     """The directory of one run.  `create` makes one and `open` opens one; it is an observer of its run.
 
-    flush_interval: seconds between flushes, of which a killed run loses at most so many; None: those of the data.
+    flush_interval: seconds between flushes, of which a killed run loses at most so many.
     """
 
-    flush_interval: float | None = None
+    flush_interval = 5.0
 
     def __init__(self, directory: Path, case: Case, run: Run | None = None):
         self.directory, self.case, self._run = directory, case, run
@@ -148,8 +149,7 @@ class RunStore:
         if result.record:  # a run that gives up ends with a result that has none
             self._records.append(result.record)
         self._frames.extend(result.frames)
-        interval = self._arrays.flush_interval if self.flush_interval is None else self.flush_interval
-        if time.monotonic() - self._flushed > interval:
+        if time.monotonic() - self._flushed > self.flush_interval:
             self.flush()
 
     def flush(self) -> None:
@@ -261,13 +261,10 @@ class RunStore:
         return Result(self.case, self.dataset(), summary, Status(summary["status"]), self.directory)
 
 
-def changes(before: Any, now: Any, field: str = "") -> str:
+def changes(before: Any, now: Any) -> str:
     """The fields in which two cases differ as plain data, names and references apart."""
-    if isinstance(before, Mapping) and isinstance(now, Mapping):
-        free = ("name", "reference")
-        keys = [key for key in {**before, **now} if before.get(key) != now.get(key) and key not in free]
-        return ", ".join(changes(before.get(key), now.get(key), f"{field}.{key}".removeprefix(".")) for key in keys)
-    return f"{field} {show(before)} → {show(now)}"
+    found = differences(before, now)
+    return ", ".join(f"{each['field']} {show(each['first'])} → {show(each['second'])}" for each in found)
 
 
 # -- running ----------------------------------------------------------------------------------------------------------

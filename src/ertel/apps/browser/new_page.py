@@ -28,7 +28,7 @@ SHOWN_SCALES = {  # of `parameter_summary`: key, label, unit
     "h_c_least_m": ("central film, at least about", "m"),
     "h_c_most_m": ("central film, at most about", "m"),
 }
-HINTS = {"slide_to_roll": "0", "layer": "flooded", "name": "impact"}
+HINTS = {"slide_to_roll": "0", "layer": "flooded"}
 
 
 class NewCase:
@@ -56,10 +56,9 @@ class NewCase:
             with ui.element("div").classes("right"):
                 self._answer = ui.element("div").classes("card answer")
                 with ui.element("div").classes("card launch"):
-                    self._name = ui.input("Name of the run", placeholder=HINTS["name"]).mark("name")
-                    self._name.props("outlined dense stack-label")
-                    self._run = ui.button("Run", icon="play_arrow", on_click=self._start).mark("run")
-                    self._run.props("unelevated no-caps")
+                    self._name = ui.input("Name of the run").props("outlined dense stack-label").mark("name")
+                    self._run = ui.button("Run", icon="play_arrow", on_click=self._start)
+                    self._run.props("unelevated").mark("run")
         self._fields.bind_visibility_from(self._tabs, "value", value="form")
         self._text.bind_visibility_from(self._tabs, "value", value="text")
         self._build()

@@ -17,6 +17,7 @@ from time import monotonic
 from typing import IO, Any
 
 from ertel.apps.browser.folder import Folder, fault_of, summary_of
+from ertel.apps.terminal import capital, duration
 from ertel.case.status import Status
 from ertel.runs import files
 from ertel.runs.directory import ask_to_stop, is_asked_to_stop, read_progress
@@ -26,6 +27,11 @@ STOPPED = (0, 130, 143, -signal.SIGTERM)  # exit codes of a run that ended or wa
 KILLED = -9
 FLUSH = "2"  # seconds between what a live picture can show
 SAID = "ertel: "  # how a message begins
+
+COMPILING = (
+    "Starting, then compiling: once per machine and grid size, usually 10 to 60 s. "
+    "Later runs on this grid begin after a few seconds."
+)
 
 
 class Phase(Enum):
@@ -58,6 +64,26 @@ class RunStatus:
     def done(self) -> float:
         """The share of the run that is done."""
         return float(self.progress["done"]) if self.progress else 0.0
+
+    @property
+    def text(self) -> str:
+        """The status in a sentence."""
+        progress = self.progress or {}
+        match self.phase:
+            case Phase.COMPILING:
+                return COMPILING + (f" It began {self.seconds:.0f} s ago." if self.seconds else "")
+            case Phase.STOPPING:
+                return "Stopping: the current step or grid is finished first, then it can be resumed."
+            case Phase.FAILED | Phase.DAMAGED:
+                return capital(self.message)
+        place = f"grid {progress.get('step', 0)}, the coarse ones first"
+        if progress.get("T") is not None:
+            place = f"T = {progress['T']:.3f}, step {progress['step']}"
+        if self.phase is Phase.INTERRUPTED:
+            return f"Interrupted at {place}; it can be resumed." if progress else "Interrupted before its first step."
+        seconds_left = progress.get("seconds_left")
+        left = "" if seconds_left is None else f", about {duration(seconds_left)} left"
+        return f"{self.done:.0%} · {place} · {duration(progress.get('seconds', 0.0))}{left}"
 
 
 @dataclass

@@ -9,20 +9,9 @@ from nicegui import ui
 
 from ertel.apps.browser.folder import summary_of
 from ertel.apps.browser.pictures import FIGURES, INTERFEROGRAM, PlotRequest, RunInfo, stamp_of
-from ertel.apps.browser.processes import Phase, RunStatus
-from ertel.apps.browser.site import (
-    LABELS,
-    Canvas,
-    Site,
-    Slider,
-    address_of,
-    pretty,
-    sentence,
-    show_line,
-    show_notes,
-    show_number,
-)
-from ertel.apps.terminal import duration, reason_of
+from ertel.apps.browser.processes import Phase
+from ertel.apps.browser.site import LABELS, Canvas, Site, Slider, address_of, show_line, show_notes, show_number
+from ertel.apps.terminal import reason_of
 from ertel.results.numbers import key_numbers
 from ertel.runs.directory import CASE
 from ertel.runs.files import content_of
@@ -31,10 +20,6 @@ LIGHTS = {"mono": "green light, 532 nm", "two-beam": "two beams", "white": "whit
 LIVE = 3.0  # seconds between two live pictures, at least
 NARROW = {"film": "Film", "pressure": "Pressure"}  # figures of one panel, that stand beside each other
 WIDE = {name: FIGURES[name][0] for name in ("profiles", "history", "friction", INTERFEROGRAM)}  # one above the other
-COMPILING = (
-    "Starting, then compiling: once per machine and grid size, usually 10 to 60 s. "
-    "Later runs on this grid begin after a few seconds."
-)
 
 
 class RunPage:
@@ -198,11 +183,11 @@ class RunPage:
         if phase.is_active:
             word, order = "Stop now" if phase is Phase.STOPPING else "Stop", self.site.processes.stop
             button = ui.button(word, icon="stop", on_click=lambda: self._order(order)).mark("stop")
-            button.props("outline no-caps color=accent")
+            button.props("outline color=accent")
         elif phase is not Phase.FINISHED:
             order = self.site.processes.resume
             button = ui.button("Resume", icon="play_arrow", on_click=lambda: self._order(order)).mark("resume")
-            button.props("unelevated no-caps")
+            button.props("unelevated")
 
     @ui.refreshable_method
     def _show_progress(self) -> None:
@@ -212,7 +197,7 @@ class RunPage:
                 bar = ui.linear_progress(value=status.done, show_value=False).props("size=6px rounded")
                 if status.phase is Phase.COMPILING:
                     bar.props("indeterminate")
-                ui.label(message_of(status)).classes("news")
+                ui.label(status.text).classes("news")
 
     @ui.refreshable_method
     def _show_numbers(self) -> None:
@@ -227,26 +212,6 @@ class RunPage:
     @ui.refreshable_method
     def _show_warnings(self) -> None:
         show_notes((summary_of(self.path) or {}).get("warnings", []))
-
-
-def message_of(status: RunStatus) -> str:
-    """The status of a run in a sentence."""
-    progress = status.progress or {}
-    match status.phase:
-        case Phase.COMPILING:
-            return COMPILING + (f" It began {status.seconds:.0f} s ago." if status.seconds else "")
-        case Phase.STOPPING:
-            return "Stopping: the current step or grid is finished first, then it can be resumed."
-        case Phase.FAILED | Phase.DAMAGED:
-            return sentence(status.message).removesuffix(".")
-    place = f"grid {progress.get('step', 0)}, the coarse ones first"
-    if progress.get("T") is not None:
-        place = f"T = {progress['T']:.3f}, step {progress['step']}"
-    if status.phase is Phase.INTERRUPTED:
-        return f"Interrupted at {place}; it can be resumed." if progress else "Interrupted before its first step."
-    seconds_left = progress.get("seconds_left")
-    left = "" if seconds_left is None else f", about {duration(seconds_left)} left"
-    return f"{status.done:.0%} · {place} · {duration(progress.get('seconds', 0.0))}{left}"
 
 
 # -- two runs ----------------------------------------------------------------------------------------------------------
@@ -317,7 +282,7 @@ class _Side:
         self._numbers.clear()
         with self._numbers:
             for number in key_numbers(summary) if summary else []:
-                show_line(number.about.long_name, number.text_in_si or pretty(number.text))
+                show_line(number.about.long_name, number.text_in_si or number.text)
         self._page.begin()
 
     def show(self, figure: str, T: float | None) -> None:

@@ -14,6 +14,7 @@ from nicegui import app, background_tasks, ui
 from ertel.apps.browser.folder import Folder, in_unicode, summary_of
 from ertel.apps.browser.pictures import PICTURES, PlotRequest, RunInfo, Worker
 from ertel.apps.browser.processes import Phase, Processes, RunStatus
+from ertel.apps.terminal import capital
 from ertel.results.numbers import Number
 from ertel.results.variables import with_prefix
 
@@ -33,6 +34,9 @@ LABELS = {
     Phase.FAILED: ("failed", "error"),
     Phase.DAMAGED: ("cannot be read", "broken_image"),
 }
+
+
+ui.button.default_props("no-caps")
 
 
 @dataclass(frozen=True)
@@ -105,21 +109,13 @@ def frame(site: Site, pages: dict[str, Callable[..., Any]]) -> None:
             ui.html(LOGO, sanitize=False)
             ui.label("ertel")
         root = in_unicode(str(site.folder.root))
-        ui.label(_shortened(site.folder.root)).classes("where").tooltip(f"The folder of this app: {root}")
+        ui.label(root.replace(f"{Path.home()}/", "~/", 1)).classes("where").tooltip(f"The folder of this app: {root}")
         ui.space()
-        new = ui.button("New case", icon="add", on_click=lambda: ui.navigate.to("/new"))
-        new.props("unelevated no-caps").mark("new")
-        ui.button("Compare", icon="vertical_split", on_click=lambda: ui.navigate.to("/compare")).props("flat no-caps")
+        ui.button("New case", icon="add", on_click=lambda: ui.navigate.to("/new")).props("unelevated").mark("new")
+        ui.button("Compare", icon="vertical_split", on_click=lambda: ui.navigate.to("/compare")).props("flat")
         close = ui.button(icon="power_settings_new", on_click=lambda: _closing(site)).tooltip("Close the app")
         close.props("flat round dense aria-label='Close the app'").mark("close")
     ui.sub_pages(pages, data={"site": site}).classes("page")
-
-
-def _shortened(path: Path) -> str:
-    """A path with ~ for the home directory, its beginning left out where it is long."""
-    home = Path.home()
-    text = in_unicode(f"~/{path.relative_to(home)}" if path.is_relative_to(home) else str(path))
-    return text if len(text) < 44 else f"…{text[-42:]}"
 
 
 def _list(site: Site) -> None:
@@ -175,10 +171,10 @@ def _closing(site: Site) -> None:
         else:
             ui.label("No run that was started here goes on.")
         with ui.row().classes("actions"):
-            ui.button("Cancel", on_click=dialog.close).props("flat no-caps")
+            ui.button("Cancel", on_click=dialog.close).props("flat")
             if going:
-                ui.button("Stop the runs and close", on_click=lambda: close(True)).props("outline no-caps")
-            ui.button("Close", on_click=lambda: close(False)).props("unelevated no-caps")
+                ui.button("Stop the runs and close", on_click=lambda: close(True)).props("outline")
+            ui.button("Close", on_click=lambda: close(False)).props("unelevated")
 
 
 # -- the first page ---------------------------------------------------------------------------------------------------
@@ -305,7 +301,7 @@ class Slider:
         with self._events:
             for event, map_ in info.events.items():
                 button = ui.button(event.replace("-", " "), on_click=lambda map_=map_: self._slider.set_value(map_))
-                button.props("flat dense no-caps")
+                button.props("flat dense")
         self._slider.set_value(index)
         self._label_time()
 
@@ -346,7 +342,7 @@ def show_line(label: str, value: str) -> None:
     with ui.row().classes("line"):
         ui.label(label)
         ui.space()
-        ui.label(value).classes("value")
+        ui.label(pretty(value)).classes("value")
 
 
 def show_notes(warnings: Sequence[str]) -> None:
@@ -359,7 +355,7 @@ def show_notes(warnings: Sequence[str]) -> None:
 
 def sentence(text: str) -> str:
     """A message of ertel as a sentence."""
-    return f"{text[0].upper()}{text[1:]}." if text else ""
+    return f"{capital(text)}." if text else ""
 
 
 def _symbol(name: str) -> str:

@@ -1,0 +1,23 @@
+"""Stored runs that several files of tests share."""
+
+from typing import Any
+
+import pytest
+
+
+@pytest.fixture(scope="session")
+def kinds(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    """The kinds of stored runs by name."""
+    from stored_runs import CASES, Kind  # not above: what they import reads the environment
+
+    return {name: Kind(name, tmp_path_factory.mktemp("runs")) for name in CASES}
+
+
+@pytest.fixture
+def impact(kinds: Any) -> Any:
+    return kinds["impact"]
+
+
+@pytest.fixture
+def steady(kinds: Any) -> Any:
+    return kinds["steady"]

@@ -1,0 +1,133 @@
+"""Stored runs of every kind, what is in them, and death in the middle of a run."""
+
+import itertools
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import pytest
+import xarray as xr
+from cases import RADIAL, SHORT_FALL, physics, stop_after
+
+import ertel
+from ertel.inputs.case_files import parse_case
+from ertel.runs.drive import Recorder, Run, TransientRun, drive, method_of, run_of
+from ertel.runs.files import StoreError
+from ertel.runs.stepping import StepLimits
+from ertel.runs.store import RunStore, compute
+
+OWN = ("wall_s", "compilations", "date_created")  # of the process
+BALL = {"radius": "10 mm", "E_prime": "220 GPa"}
+OIL = {"eta0": "40 mPa*s", "alpha": "22 / GPa"}
+NINE_STEPS = {"time": {"tolerance": 0.01, "until": 0.2}, "output": {"interval": 0.05}}
+FALL = {**BALL, "mass": "33 g", "speed": "0.1 m/s"}
+ROLL = {"kind": "rolling", **BALL, "load": "3.9 N", "mean_speed": "0.5 m/s"}
+CASES = {
+    "impact": parse_case({"name": "small", "contact": FALL, "lubricant": OIL, "solver": {"nodes": 33}, **NINE_STEPS}),
+    "radial": parse_case({**RADIAL, **NINE_STEPS}),
+    "steady": parse_case({"name": "small", "contact": ROLL, "lubricant": OIL, "solver": {"nodes": 65}}),
+    "ends at a time": SHORT_FALL,
+    "ends at an event": parse_case({**RADIAL, "time": {"tolerance": 0.02, "until": "max-approach"}}),
+    "gives up": SHORT_FALL,
+}
+LIMITS = {"gives up": StepLimits(first=0.03, smallest=0.02)}
+CUT = {"impact": 3, "radial": 5, "steady": 1}  # items after which a run is interrupted
+
+
+def of_no_process(values: dict[str, Any]) -> dict[str, Any]:
+    """What two runs of a case have in common."""
+    return {key: value for key, value in values.items() if key not in OWN}
+
+
+class Kind:
+    """A kind of run: its case, its result in memory, and its directories, made when they are asked for."""
+
+    def __init__(self, name: str, place: Path):
+        self.name, self.case, self._place = name, CASES[name], place
+
+    @property
+    def run(self) -> Run:
+        """A new run of the case."""
+        limits = LIMITS.get(self.name)
+        return TransientRun(self.case, method_of(self.case), limits) if limits else run_of(self.case)
+
+    @cached_property
+    def whole(self) -> ertel.Result:
+        recorder = Recorder(self.run)
+        return recorder.result(drive(recorder.run, [recorder]))
+
+    def _stored(self, name: str, *observers: Any) -> Path:
+        store = RunStore.create(self._place / name, self.case, self.run)
+        if observers:
+            compute(store, observers)
+        return store.directory
+
+    @cached_property
+    def begun(self) -> Path:
+        return self._stored("begun")
+
+    @cached_property
+    def finished(self) -> Path:
+        return self._stored("finished", lambda item: None)
+
+    @cached_property
+    def cut(self) -> Path:
+        return self._stored("cut", stop_after(CUT[self.name]))
+
+    def is_whole(self, run: RunStore) -> bool:
+        """Whether a stored run is the one in memory."""
+        data, summary = run.dataset(), run.summary()
+        xr.testing.assert_identical(physics(data), physics(self.whole.dataset))
+        assert of_no_process(data.attrs) == of_no_process(self.whole.dataset.attrs)
+        return summary is not None and of_no_process(summary) == of_no_process(self.whole.summary)
+
+    def opened(self, directory: Path) -> bool:
+        """Whether a run is read as it should be; False where it is refused, in one sentence."""
+        return self._read(directory, lambda run: run.result())
+
+    def resumed(self, directory: Path) -> bool:
+        """Whether a run is what it should be after it was continued; False where it is refused, in one sentence."""
+        return self._read(directory, compute)
+
+    def _read(self, directory: Path, look: Callable[[RunStore], object]) -> bool:
+        try:
+            run = RunStore.open(directory)
+            look(run)
+        except StoreError as error:
+            assert "\n" not in str(error) and len(str(error)) < 600
+            return False
+        return self.is_whole(run)
+
+
+# -- death ------------------------------------------------------------------------------------------------------------
+
+
+class Killed(BaseException):
+    """Nobody catches it, like SIGKILL."""
+
+
+@contextmanager
+def killed(
+    monkeypatch: pytest.MonkeyPatch, place: Any, name: str, when: str = "after", count: int = 1
+) -> Iterator[None]:
+    """End this block before or after the given call of a function; it may also come to its own end before."""
+    original, calls = getattr(place, name), itertools.count(1)
+
+    def deadly(*arguments: Any, **options: Any) -> Any:
+        last = next(calls) == count
+        if last and when == "before":
+            raise Killed
+        result = original(*arguments, **options)
+        if last:
+            raise Killed
+        return result
+
+    with monkeypatch.context() as patch:
+        patch.setattr(place, name, deadly)
+        try:
+            yield
+        except Killed:
+            return
+        assert next(calls) <= count, "it was killed and went on"
