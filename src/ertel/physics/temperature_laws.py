@@ -28,7 +28,8 @@ FLATTEST, STEEPEST = 2.8, 4.5  # slopes of ASTM D341 of mineral oils; those of t
 class Walther:
     """Kinematic viscosity by ASTM D341: log10 log10(nu + 0.7) = A - B log10 T, nu in mm^2/s, T in K.
 
-    nu40, nu100: at 40 and 100 degC (m^2/s).  Raises ValueError unless nu40 > nu100 >= 2 mm^2/s; the short form of D341 is exact to 0.04 % there.
+    nu40, nu100: at 40 and 100 degC (m^2/s).  Raises ValueError unless nu40 > nu100 >= 2 mm^2/s; the short form of D341
+    is exact to 0.04 % there.
 
     Source: ASTM D341, Standard Practice for Viscosity-Temperature Equations and Charts for Liquid Petroleum.
     """
