@@ -56,7 +56,7 @@ def error_factor(times: Sequence[float]) -> float:
     return bdf2 / (bdf2 + (t - t0) * (t - t1) * (t - t2))
 
 
-def next_step(step: float, error: float) -> float:
+def adapted(step: float, error: float) -> float:
     """Step at which a third-order local error meets the tolerance; its growth is limited so that BDF2 is stable.
 
     error: of the last step, in units of the tolerance.

@@ -110,9 +110,9 @@ def next_step(case: Case, method: Method, state: RunState, limits: StepLimits) -
             continue
         error = 0.0 if fixed else _error(case, state.levels, new)
         if not fixed and not error <= bdf.REJECTED:
-            step, counts = bdf.next_step(length, error), replace(counts, rejected=counts.rejected + 1)
+            step, counts = bdf.adapted(length, error), replace(counts, rejected=counts.rejected + 1)
             continue
-        following = fixed or min(bdf.next_step(length, error), _longest(case, limits))
+        following = fixed or min(bdf.adapted(length, error), _longest(case, limits))
         return _accept(case, method, state, new, replace(counts, steps=counts.steps + 1), following, error)
     return Step(replace(state, counts=counts), {}, (), Status.STEP_TOO_SMALL)
 
