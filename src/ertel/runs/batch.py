@@ -183,7 +183,7 @@ def solve_together(problems: Sequence[StepProblem], lanes: int) -> list[StepSolu
     """The results of `transient.solve_step` for problems of one shape, by one call with this number of lanes."""
     require_double()
     filled = [*problems, *[problems[-1]] * (lanes - len(problems))]
-    fields, numbers = _solve_lanes(tree.map(_joined, _axes(problems[0]), *filled, is_leaf=_is_shared))
+    fields, numbers = _solve_lanes(tree.map(_joined, _axes(problems[0]), *filled, is_leaf=lambda axis: axis is None))
     numbers = np.asarray(numbers)
     return [
         StepSolution({name: each[lane] for name, each in fields.items()}, numbers[lane])
@@ -196,10 +196,6 @@ def _axes(problem: StepProblem) -> Any:
     axes = tree.map(lambda leaf: 0, problem)
     setting = replace(axes.setting, elastic=None, space=None, axes=None, gap_slope=None)
     return replace(axes, setting=setting, contact=replace(axes.contact, kernel=None, spacing=None))
-
-
-def _is_shared(axis: object) -> bool:
-    return axis is None
 
 
 def _joined(axis: int | None, *values: Any) -> Any:
