@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from ertel.apps.boundary_layers import ratios, reduction, runs
+from ertel.apps.boundary_layers import beyond, reduction, runs
 from ertel.apps.boundary_layers.figures import FIGURES
-from ertel.apps.boundary_layers.plans import QUICK, BeyondPlan, Drawn, SmoothPlan, StarvedPlan, WavesPlan
-from ertel.apps.boundary_layers.ratios import Extrapolated, over_film
+from ertel.apps.boundary_layers.pages import Drawn
+from ertel.apps.boundary_layers.plans import QUICK
+from ertel.apps.boundary_layers.reduction import extrapolated, over_film
 from ertel.physics import amplitude_reduction
 from ertel.physics.scales import Parameters
 from ertel.results.waves import local_nabla2
@@ -19,38 +20,31 @@ M, L, WAVE = 200, 10, 0.4
 X = np.linspace(-1.5, 1.5, 301)
 SMALL = replace(
     QUICK,
-    smooth=SmoothPlan(101, 1.0, 33, 1.5, 1.0),
-    waves=WavesPlan(
-        impacts={(M, L): (WAVE,)},
-        grids=(33, 65),
-        rolling={(M, L): (1.0, 1.5)},
-        rolling_grids=(33, 65),
-        twins=((M, L, WAVE, 0.6),),
-        twin_grids=(33, 65),
-        marched=(M, L, 1.0, 65),
-        shown=(M, L),
-    ),
-    beyond=BeyondPlan(
-        shaped={(M, L): (WAVE,)},
-        oils={(M, L): (WAVE,)},
-        soft={M: (WAVE,)},
-        grids=(33, 65),
-        rolling=((M, L, 1.0),),
-        rolling_grids=(33, 65),
-    ),
-    starved=StarvedPlan(
-        contacts={"impact": ((M, L),), "rolling": ((50, 10),)},
-        grids=(33, 65),
-        seconds=1.0,
-    ),
+    radial_nodes=101,
+    impacts={(M, L): (WAVE,)},
+    impact_grids=(33, 65),
+    rolling={(M, L): (1.0, 1.5)},
+    rolling_grids=(33, 65),
+    twins=((M, L, WAVE, 0.6),),
+    twin_grids=(33, 65),
+    marched=(100, L, 1.0, 65),
+    shown=(M, L),
+    shaped={(M, L): (WAVE,)},
+    oils={(M, L): (WAVE,)},
+    soft={M: (WAVE,)},
+    beyond_grids=(33, 65),
+    straight=((M, L, 1.0),),
+    straight_grids=(33, 65),
+    starved={"impact": ((M, L),), "rolling": ((50, 10),)},
+    starved_grids=(33, 65),
 )
 
 
 def test_extrapolation_and_its_bar():
     """Of errors with h^2 the limit is exact; with h the bar just reaches it."""
-    second, first = Extrapolated(0.5 + 0.04, 0.5 + 0.01), Extrapolated(0.5 + 0.04, 0.5 + 0.02)
-    assert second.limit == pytest.approx(0.5)
-    assert first.limit - first.error == pytest.approx(0.5)
+    second, first = extrapolated(0.5 + 0.04, 0.5 + 0.01), extrapolated(0.5 + 0.04, 0.5 + 0.02)
+    assert second["limit"] == pytest.approx(0.5)
+    assert first["limit"] - first["error"] == pytest.approx(0.5)
 
 
 def fading(amplitude: float) -> xr.Dataset:
@@ -71,25 +65,24 @@ def fading(amplitude: float) -> xr.Dataset:
 
 
 def test_marks_of_other_shapes():
-    results = {runs.shapes_task(SMALL, (M, L), nodes).name: fading(A) for nodes, A in ((65, 0.5), (33, 0.6))}
-    across, rings, along = ratios.impacts_on_shapes(results, SMALL)
-    assert [mark.kind for mark in (across, rings, along)] == ["transverse", "rings", "longitudinal"]
-    assert across.ratio == pytest.approx((0.6, 0.5), rel=1e-3)
-    assert rings.ratio == pytest.approx((0.3, 0.25), rel=1e-3)
-    assert along.ratio == pytest.approx((0.15, 0.125))
-    assert along.X == across.X == pytest.approx(0.7)
-    speed = np.sqrt(1 - across.X**2) / across.X
-    p = Parameters.from_moes(M, L)
-    assert across.local == pytest.approx(float(local_nabla2(p, WAVE, speed)), rel=0.02)
-    assert across.hertz == pytest.approx(float(local_nabla2(p, WAVE, speed, across.X)), rel=0.02)
+    results = {task.name: fading(A) for task, A in zip(runs.shape_runs(SMALL)[M, L], (0.6, 0.5), strict=True)}
+    marks = list(beyond.impacts_on_shapes(results, SMALL))
+    assert [mark["kind"] for mark in marks] == ["transverse", "rings", "longitudinal"]
+    assert [mark["coarse"] for mark in marks] == pytest.approx([0.6, 0.3, 0.15], rel=1e-3)
+    assert [mark["fine"] for mark in marks] == pytest.approx([0.5, 0.25, 0.125], rel=1e-3)
+    across, _, along = marks
+    assert along["X"] == across["X"] == pytest.approx(0.7)
+    speed, p = np.sqrt(1 - across["X"] ** 2) / across["X"], Parameters.from_moes(M, L)
+    assert across["local"] == pytest.approx(float(local_nabla2(p, WAVE, speed)), rel=0.02)
+    assert across["hertz"] == pytest.approx(float(local_nabla2(p, WAVE, speed, across["X"])), rel=0.02)
 
 
 def test_figure_5():
     """The last complete wave of a response of constant amplitude 0.4."""
     known, name = fading(0.4), runs.wave_name("isotropic", runs.HEIGHT, WAVE)
     response = known.isel(wave=[0]).assign(shape=known["dH"], H=known["dH"][0]).assign_coords(wave=[name])
-    results = {runs.waves_task(SMALL, (M, L), 65).name: response, runs.radial_task(M, L, SMALL).name: known}
-    made = reduction.deformed_waves(results, SMALL)
+    smooth, _, fine = reduction.wave_tasks(SMALL)
+    made = reduction.deformed_waves({smooth.name: known, fine.name: response}, SMALL)
     [table] = made.tables.values()
     assert table.to_dict("list") == {"wavelength (a*)": ["0.4"], "X": ["0.700"], "A_d/A_i": ["0.400"]}
     assert list(made.data["dH"]) == ["X", "H", "dH/A_i, wavelength 0.4"]

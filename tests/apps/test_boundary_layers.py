@@ -19,7 +19,8 @@ from matplotlib.figure import Figure
 from ertel.apps import boundary_layers
 from ertel.apps.boundary_layers import figures, front, runs
 from ertel.apps.boundary_layers.figures import PaperFigure
-from ertel.apps.boundary_layers.plans import FULL, LOADS, QUICK, SHOWN_LOAD, Drawn, L, Plan, SmoothPlan
+from ertel.apps.boundary_layers.pages import Drawn, side_by_side, to_csv
+from ertel.apps.boundary_layers.plans import FULL, LOADS, QUICK, SHOWN_LOAD, L, Plan
 from ertel.apps.boundary_layers.runs import Results
 from ertel.results import fronts
 from ertel.runs.tasks import Task, run_tasks
@@ -82,8 +83,8 @@ def test_what_it_takes_is_known_before(small, tmp_path):
 
 
 def test_columns_of_different_length_stand_side_by_side():
-    table = front.side_by_side({"a": np.array([1.0, 2.5, np.nan]), "b": np.array([1 / 3])})
-    assert figures.to_csv(table) == "a,b\n1,0.333333333\n2.5,\n,\n"
+    table = side_by_side({"a": np.array([1.0, 2.5, np.nan]), "b": np.array([1 / 3])})
+    assert to_csv(table) == "a,b\n1,0.333333333\n2.5,\n,\n"
 
 
 def test_command_and_a_full_disk(small, tmp_path, monkeypatch):
@@ -130,7 +131,7 @@ def test_only_public_names_are_imported(file):
 
 # -- Figs. 1 to 4 from small runs --------------------------------------------------------------------------------------
 
-COARSE = replace(QUICK, smooth=SmoothPlan(101, 1.0, 33, 1.5, 1.0))
+COARSE = replace(QUICK, radial_nodes=101)
 
 
 def turned(run: xr.Dataset) -> xr.Dataset:
@@ -143,9 +144,9 @@ def turned(run: xr.Dataset) -> xr.Dataset:
 
 @pytest.fixture(scope="module")
 def impacts() -> Results:
-    tasks = runs.radial_tasks(COARSE)
+    tasks = front.radial_tasks(COARSE)
     done = dict(zip([task.name for task in tasks], run_tasks(tasks, LocalWorker()), strict=True))
-    return {**done, runs.plane_task(COARSE).name: turned(done[runs.radial_task(SHOWN_LOAD, L, COARSE).name])}
+    return {**done, runs.plane_run(COARSE).name: turned(done[runs.radial_run(COARSE, (SHOWN_LOAD, L)).name])}
 
 
 @pytest.mark.parametrize("name", ["fig1", "fig2", "fig3", "fig4"])

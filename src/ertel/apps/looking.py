@@ -1,6 +1,6 @@
 """Commands that look at runs: `ertel ls` at many, `compare` at two, `show`, `plot` and `export` at one."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -12,7 +12,6 @@ from ertel.apps.terminal import BAD_INPUT, bad_input, leave, print_json, print_p
 
 if TYPE_CHECKING:  # these take long to import
     from ertel.optics import Light, Rig
-    from ertel.results.numbers import Compared, Difference
     from ertel.runs.directory import Listed
 
 Moment = Annotated[
@@ -110,11 +109,10 @@ def compare(
     one, two = RunStore.open(first), RunStore.open(second)
     summaries = [run.summary() or run.summary_so_far() for run in (one, two)]
     names, statuses = [shown(first), shown(second)], [summary["status"] for summary in summaries]
-    differing = numbers.differences(one.case, two.case)
+    differing = numbers.differences(one.case.to_data(), two.case.to_data())
     pairs = numbers.pairs(*summaries)
     if as_json:
-        rows = [{**pair._asdict(), "change": pair.change} for pair in pairs]
-        print_json({"case": [difference._asdict() for difference in differing], "numbers": rows})
+        print_json({"case": differing, "numbers": pairs})
     else:
         _print_differences(differing, names)
         _print_pairs(pairs, statuses)
@@ -147,24 +145,26 @@ def _compare_measured(directory: Path, file: Path, plot: Path | None, as_json: b
         print_path(plot)
 
 
-def _print_differences(differing: "Sequence[Difference]", names: Sequence[str]) -> None:
+def _print_differences(differing: Sequence[Mapping[str, Any]], names: Sequence[str]) -> None:
     from ertel.apps.tables import print_rows
     from ertel.case.records import show
 
-    rows = [(field, *("" if value is None else show(value) for value in values)) for field, *values in differing]
+    rows = [
+        (field, *("" if value is None else show(value) for value in values))
+        for field, *values in (each.values() for each in differing)
+    ]
     print_rows([("case", *names), *rows, ("", "", "")] if rows else [("The cases are the same.",), ("",)], left=3)
 
 
-def _print_pairs(pairs: "Sequence[Compared]", statuses: Sequence[str]) -> None:
+def _print_pairs(pairs: Sequence[Mapping[str, Any]], statuses: Sequence[str]) -> None:
     from ertel.apps.tables import print_rows
     from ertel.results.variables import with_prefix
 
     rows = [("number", "", "first", "second", "change"), ("status", "", *statuses, "")]
     for pair in pairs:
-        unit = pair.attributes["units"]
-        values = ["" if value is None else with_prefix(value, unit) for value in (pair.first, pair.second)]
-        change = "" if pair.change is None else f"{pair.change:+.2%}"
-        rows.append((pair.attributes["long_name"], pair.name, *values, change))
+        about, change = pair["attributes"], pair["change"]
+        values = ["" if pair[run] is None else with_prefix(pair[run], about["units"]) for run in ("first", "second")]
+        rows.append((about["long_name"], pair["name"], *values, "" if change is None else f"{change:+.2%}"))
     print_rows(rows, left=2)
 
 

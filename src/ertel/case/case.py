@@ -17,6 +17,7 @@ from ertel.case.definition import SECTIONS, Definition
 from ertel.case.height_map import NO_MAPS, HeightMap
 from ertel.case.reading import Reader, check_keys
 from ertel.case.records import (
+    ConfigError,
     checked,
     data_of,
     described,
@@ -189,10 +190,10 @@ class Case(Definition):
         check_keys(data, KEYS)
         schema = data.get("schema", SCHEMA)
         if type(schema) is not int or schema != SCHEMA:
-            raise ValueError(f"schema = {show(schema)}: allowed: {SCHEMA}")
+            raise ConfigError(f"schema = {show(schema)}: allowed: {SCHEMA}")
         roughness = data.get("roughness", [])
         if not isinstance(roughness, list):
-            raise ValueError(f"roughness = {show(roughness)}: must be an array of tables, [[roughness]]")
+            raise ConfigError(f"roughness = {show(roughness)}: must be an array of tables, [[roughness]]")
         reader = replace(reader, maps=maps)
         data = {"contact": {}} | {name: section for name, section in data.items() if section is not None}
         given: dict[str, Any] = {

@@ -11,7 +11,7 @@ from itertools import chain
 from math import inf, isclose
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
-from ertel.case.records import checked, show, with_unit
+from ertel.case.records import ConfigError, checked, show, with_unit
 from ertel.physics import materials, scales, units
 from ertel.physics.geometry import LARGEST_RATIO, LEAST_RATIO, Geometry, geometry
 from ertel.physics.lubricant import Oil
@@ -157,7 +157,7 @@ class Conditions:
             if keys != PAIRS:
                 self._complete(keys)
         for place, complaint in chain(self._wrong_radii(), self._wrong_speeds()):
-            raise ValueError(f"{place}: {complaint}")
+            raise ConfigError(f"{place}: {complaint}")
 
     def __repr__(self) -> str:
         """Only what is given."""
@@ -186,12 +186,12 @@ class Conditions:
         for key, instead in FOREIGN[self.kind].items():
             if key in self.given:
                 article = "an impact" if self.kind == "impact" else "a rolling contact"
-                raise ValueError(f'{self.entry(key)}: not for {article} (contact.kind = "{self.kind}"): {instead}')
+                raise ConfigError(f'{self.entry(key)}: not for {article} (contact.kind = "{self.kind}"): {instead}')
         if self.radius_ratio is not None and any(key in self.given for key in PHYSICAL[self.kind]):
             instead = "give radius_x and radius_y"
-            raise ValueError(f"{self.entry('radius_ratio')}: belongs to dimensionless cases; {instead}")
+            raise ConfigError(f"{self.entry('radius_ratio')}: belongs to dimensionless cases; {instead}")
         if "slide_to_roll" in self.given and any(key in self.given for key in (*MOES, *BARS)):
-            raise ValueError(f"{self.entry('slide_to_roll')}: in a dimensionless case write motion.slide_to_roll")
+            raise ConfigError(f"{self.entry('slide_to_roll')}: in a dimensionless case write motion.slide_to_roll")
         needed = [" or ".join(" and ".join(keys) for keys in alternatives) for alternatives in NEEDED[self.kind]]
         physical = ", ".join(f"({text})" if " or " in text else text for text in needed)
         return self._only_one((MOES, BARS, PHYSICAL[self.kind]), physical)
@@ -202,17 +202,17 @@ class Conditions:
         texts = [" and ".join(keys) for keys in alternatives]
         allowed = "; or ".join([*texts[:-1], last or texts[-1]])
         if not present:
-            raise ValueError(f"contact.{alternatives[0][0]}: missing; allowed: {allowed}")
+            raise ConfigError(f"contact.{alternatives[0][0]}: missing; allowed: {allowed}")
         if len(present) > 1:
             pair = [self.entry(next(key for key in keys if key in self.given)) for keys in present[:2]]
-            raise ValueError(f"{' and '.join(pair)} are given together; allowed: {allowed}")
+            raise ConfigError(f"{' and '.join(pair)} are given together; allowed: {allowed}")
         return present[0]
 
     def _complete(self, keys: Keys) -> None:
         missing = [key for key in keys if key not in self.given]
         if missing:
             present = next(key for key in keys if key in self.given)
-            raise ValueError(f"contact.{missing[0]}: missing; {self.entry(present)} needs " + " and ".join(keys))
+            raise ConfigError(f"contact.{missing[0]}: missing; {self.entry(present)} needs " + " and ".join(keys))
 
     def _wrong_radii(self) -> Iterator[tuple[str, str]]:
         """The bodies must touch at a point, in an ellipse that is not too long."""
@@ -320,7 +320,7 @@ class Conditions:
         first, second = route = self._route
         value = getattr(self, second)
         if oil.is_isoviscous and value:
-            raise ValueError(f'{self.entry(second)}: must be 0 or left out with lubricant.viscosity = "isoviscous"')
+            raise ConfigError(f'{self.entry(second)}: must be 0 or left out with lubricant.viscosity = "isoviscous"')
         if not (oil.is_isoviscous and first in self.given):
             self._complete(route)
         make = Parameters.from_moes if route is MOES else Parameters
@@ -332,6 +332,6 @@ def _following(law: Callable[..., T], *values: Any) -> T:
     try:
         return law(*values)
     except ArithmeticError as error:
-        raise ValueError("contact: its values together are too large or too small; check their units") from error
+        raise ConfigError("contact: its values together are too large or too small; check their units") from error
     except ValueError as error:
-        raise ValueError(f"contact: its values together give {error}; check their units") from error
+        raise ConfigError(f"contact: its values together give {error}; check their units") from error

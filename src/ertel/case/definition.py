@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ertel.case.conditions import Conditions, Kind
 from ertel.case.height_map import HeightMap
-from ertel.case.records import named, scaled, scaled_all, show, with_unit
+from ertel.case.records import ConfigError, named, scaled, scaled_all, show, with_unit
 from ertel.case.sections import SOLVERS, START_APPROACH, Drive, Output, Schedule, Solver, Thermal, Time
 from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry, nodes_across
 from ertel.physics import film_formulas, hertz, surfaces
@@ -152,7 +152,7 @@ class Definition:
     def schedule(self) -> Schedule:
         """Start, end, steps and maps in units t0.  Raises ValueError for a steady case, which has none."""
         if self.time is None or self.output is None:
-            raise ValueError(f"{self.entry('solver.method')}: a steady contact has no time")
+            raise ConfigError(f"{self.entry('solver.method')}: a steady contact has no time")
         given = replace(self.time, start_approach=self.time.start_approach or START_APPROACH)
         time, output = scaled(given, self.scales, "time"), scaled(self.output, self.scales, "output")
         return Schedule(**vars(time), **vars(output))

@@ -22,6 +22,7 @@ from ertel.case.records import (
     inner_laws,
     is_number,
     named,
+    refusing,
     show,
     show_key,
 )
@@ -124,14 +125,14 @@ class Reader:
             At the first error.
         """
         if not isinstance(data, Mapping):
-            raise ValueError(f"{place} = {show(data)}: must be a {'table' if '.' in place else f'section, [{place}]'}")
+            raise ConfigError(f"{place} = {show(data)}: must be a {'table' if '.' in place else f'section, [{place}]'}")
         items = {item.name: item for item in fields(record)}  # type: ignore[arg-type]
         if not data.keys() <= {*items, *also}:
             check_keys(data, (*self.named.get(record, ()), *items, *also), place)
         values = self.values(record, data, place)
         for name, item in items.items():
             if name not in values and item.default is MISSING and item.default_factory is MISSING:
-                raise ValueError(f"{place}.{name}: missing")
+                raise ConfigError(f"{place}.{name}: missing")
         return named(place, record, **values)
 
     def values(self, record: Any, data: Data, place: str) -> dict[str, Any]:
@@ -145,16 +146,14 @@ class Reader:
         options, names = get_args(hint) or (hint,), choices_of(hint)
         if any(type(value) is type(name) and value == name for name in names):
             return value
-        if law := next((option for option in options if option in LAWS), None):
-            return self.law(value, law, place, by_name=str in options)
-        if Signal in options:
-            return self.signal(value, place)
-        if Track in options and isinstance(value, list | tuple):
-            return self.polyline(Track, value, place)
-        try:
+        with refusing(place, value):
+            if law := next((option for option in options if option in LAWS), None):
+                return self.law(value, law, place, by_name=str in options)
+            if Signal in options:
+                return self.signal(value, place)
+            if Track in options and isinstance(value, list | tuple):
+                return self.polyline(Track, value, place)
             return self._plain_value(value, options, mark, names)
-        except ValueError as error:
-            raise ValueError(f"{place} = {show(value)}: {error}") from error
 
     def _plain_value(self, value: Any, options: Sequence[Any], mark: Mark | None, names: Sequence[str]) -> Any:
         if isinstance(mark, Unit):
@@ -164,17 +163,15 @@ class Reader:
                 raise ValueError(f"{error}{''.join(f', or {show(name)}' for name in names)}") from error
         if names:
             raise ValueError(f"allowed: {alternatives(map(repr, names))}")
+        for kind, text in ((HeightMap, "a string"), (bool, "true or false"), (str, "a string")):
+            if kind in options and not isinstance(value, bool if kind is bool else str):
+                raise ValueError(f"must be {text}")
         if HeightMap in options:
-            if not isinstance(value, str):
-                raise ValueError("must be a string")
             if value not in self.maps:
                 raise ValueError("its heights are not given with the case")
             return self.maps[value]
-        for kind, text in ((bool, "true or false"), (str, "a string")):
-            if kind in options:
-                if not isinstance(value, kind):
-                    raise ValueError(f"must be {text}")
-                return value
+        if bool in options or str in options:
+            return value
         if Ellipsis in options:  # numbers of a law with a table
             if not isinstance(value, list | tuple):
                 raise ValueError("must be an array")
@@ -195,7 +192,7 @@ class Reader:
         if is_number(data):
             return constant(self._value(data, float, FINITE, place))
         if not isinstance(data, list | tuple) or not data:
-            raise ValueError(f"{place} = {show(data)}: must be {SIGNAL_TEXT}")
+            raise ValueError(f"must be {SIGNAL_TEXT}")
         return self.polyline(Polyline, data, place)
 
     def polyline(self, kind: type[Polyline], data: Sequence[Any], place: str) -> Polyline:
@@ -203,11 +200,12 @@ class Reader:
         (x, value), points = kind.NAMES, []
         for number, point in enumerate(data, 1):
             where = f"{place}[{number}]"
-            if not isinstance(point, list | tuple) or len(point) != 2:
-                raise ValueError(f"{where} = {show(point)}: must be [{x}, {value}]")
+            with refusing(where, point):
+                if not isinstance(point, list | tuple) or len(point) != 2:
+                    raise ValueError(f"must be [{x}, {value}]")
             parts = enumerate(zip(point, kind.MARKS, strict=True), 1)
             points.append(tuple(self._value(part, float, mark, f"{where}[{i}]") for i, (part, mark) in parts))
-        return named(place, kind, tuple(points), text=show(data))
+        return kind(tuple(points))
 
     def law(self, data: Any, kind: Any, place: str, by_name: bool = True) -> Any:
         """A law from a table with its name under `law`; or its name, if its data are those of the oil.
@@ -219,18 +217,18 @@ class Reader:
         laws: Mapping[str, Any] = LAWS[kind] if by_name else inner_laws(LAWS[kind])
         if not isinstance(data, Mapping):
             name = "a name, or " if by_name else ""
-            raise ValueError(f"{place} = {show(data)}: must be {name}a table with a law and its data")
+            raise ValueError(f"must be {name}a table with a law and its data")
         law = laws[_known(data, "law", laws, place)]
         return checked(self.record(law, data, place, ("law",)), place)
 
     def feature(self, data: Any, place: str) -> Feature:
         """A feature, its shape by a registered name."""
         if not isinstance(data, Mapping):
-            raise ValueError(f"{place} = {show(data)}: must be a table with a shape; allowed: {', '.join(SHAPES)}")
+            raise ConfigError(f"{place} = {show(data)}: must be a table with a shape; allowed: {', '.join(SHAPES)}")
         shape: Any = SHAPES[_known(data, "shape", SHAPES, place)]
         surface = data.get("surface", 1)
         if type(surface) is not int or surface not in (1, 2):
-            raise ValueError(f"{place}.surface = {show(surface)}: allowed: 1 or 2")
+            raise ConfigError(f"{place}.surface = {show(surface)}: allowed: 1 or 2")
         return Feature(self.record(shape, data, place, ("shape", "surface")), surface)  # type: ignore[arg-type]
 
 
@@ -240,4 +238,4 @@ def _known(data: Data, key: str, records: Mapping[str, Any], place: str) -> str:
     if isinstance(name, str) and name in records:
         return name
     written = ": missing" if name is None else f" = {show(name)}"
-    raise ValueError(f"{place}.{key}{written}; allowed: {', '.join(records)}")
+    raise ConfigError(f"{place}.{key}{written}; allowed: {', '.join(records)}")

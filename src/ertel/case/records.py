@@ -7,6 +7,7 @@ Plain data is the content of a case file: numbers, strings, lists, tables.  A qu
 import json
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import fields, is_dataclass, replace
 from functools import cache
 from math import inf, log10
@@ -128,7 +129,10 @@ def with_own_numbers(value: Any) -> Any:
 def checked(record: T, place: str) -> T:
     """The same record.  Raises ValueError if a field, also of a record in it, has a value that is not allowed."""
     if isinstance(record, Polyline):
-        _check_points(record, place)
+        with refusing(place, record):
+            for point in record.points:
+                for number, of_number in zip(point, record.MARKS, strict=True):
+                    check_value(number, of_number)
     kinds, hints = marks(type(record)), hints_of(type(record))  # type: ignore[arg-type]
     for item in fields(record):  # type: ignore[arg-type]
         value, mark, choices = getattr(record, item.name), kinds.get(item.name), choices_of(hints[item.name])
@@ -138,20 +142,9 @@ def checked(record: T, place: str) -> T:
         is_default = type(value) is type(item.default) and bool(value == item.default)  # which may be infinite
         if value is None or is_default or (isinstance(value, str) and value in choices):
             continue
-        try:
+        with refusing(f"{place}.{item.name}", with_unit(value, mark)):
             check_value(value, mark, choices)
-        except ValueError as error:
-            raise ValueError(f"{place}.{item.name} = {show(with_unit(value, mark))}: {error}") from error
     return record
-
-
-def _check_points(signal: Polyline, place: str) -> None:
-    try:
-        for point in signal.points:
-            for value, mark in zip(point, signal.MARKS, strict=True):
-                check_value(value, mark)
-    except ValueError as error:
-        raise ValueError(f"{place} = {show(signal)}: {error}") from error
 
 
 def check_value(value: Any, mark: Mark | None, choices: Sequence[str] = ()) -> None:
@@ -200,17 +193,26 @@ def with_unit(value: Any, mark: object) -> Any:
     return f"{text} {mark.unit}"
 
 
-def named(place: str, function: Callable[..., T], *arguments: Any, text: str = "", **keywords: Any) -> T:
+def named(place: str, function: Callable[..., T], *arguments: Any, **keywords: Any) -> T:
     """The result of function(...); a ValueError about an argument is raised again with the field's place."""
     try:
         return function(*arguments, **keywords)
     except ArithmeticError as error:
-        raise ValueError(f"{place}: has numbers too large or too small to compute with; check their units") from error
+        raise ConfigError(f"{place}: has numbers too large or too small to compute with; check their units") from error
     except ValueError as error:
         message = str(error)
-        if text:
-            raise ValueError(f"{place} = {text}: {message.partition(': ')[2] or message}") from error
-        raise ValueError(message if message.startswith(f"{place}.") else f"{place}.{message}") from error
+        raise ConfigError(message if message.startswith(f"{place}.") else f"{place}.{message}") from error
+
+
+@contextmanager
+def refusing(place: str, value: Any) -> Iterator[None]:
+    """A complaint about a value is raised again with its place and the value; a `ConfigError` names them already."""
+    try:
+        yield
+    except ConfigError:
+        raise
+    except ValueError as error:
+        raise ConfigError(f"{place} = {show(value)}: {error}") from error
 
 
 # -- showing, in messages ---------------------------------------------------------------------------------------------
@@ -322,11 +324,12 @@ def scaled(record: T, scales: Scales | None, place: str) -> T:
     Raises ValueError if the case is dimensionless (scales is None).
     """
     if isinstance(record, Polyline):
-        points = tuple(
+        points: Any = tuple(
             tuple(_over(value, mark, scales, f"{place}[{i}]") for value, mark in zip(point, record.MARKS, strict=True))
             for i, point in enumerate(record.points, 1)
         )
-        return named(place, type(record), points, text=show(record))
+        with refusing(place, record):
+            return type(record)(points)
     kinds = marks(type(record))
     changed: dict[str, Any] = {}
     for item in fields(record):  # type: ignore[arg-type]
@@ -341,12 +344,13 @@ def scaled(record: T, scales: Scales | None, place: str) -> T:
 def _over(amount: Any, mark: object, scales: Scales | None, place: str) -> float:
     if not isinstance(amount, Quantity):
         return float(amount)
-    if scales is None:
-        raise ValueError(f"{place} = {show(amount)}: must be a plain number: a dimensionless case has no {amount.unit}")
-    assert isinstance(mark, Unit)
-    number: float = amount.value / getattr(scales, mark.scale)
-    if complaint := mark.complaint(number):
-        raise ValueError(f"{place} = {show(amount)}: is {number:g} {mark.own} in this contact; {complaint}")
+    with refusing(place, amount):
+        if scales is None:
+            raise ValueError(f"must be a plain number: a dimensionless case has no {amount.unit}")
+        assert isinstance(mark, Unit)
+        number: float = amount.value / getattr(scales, mark.scale)
+        if complaint := mark.complaint(number):
+            raise ValueError(f"is {number:g} {mark.own} in this contact; {complaint}")
     return number
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ertel.case.conditions import MOES_L, MOES_M, REDUCED
 from ertel.case.definition import Definition
-from ertel.case.records import show
+from ertel.case.records import ConfigError, show
 from ertel.case.sections import METHODS, WIDEST_HALF_WIDTH
 from ertel.numerics import grid
 from ertel.physics.geometry import CIRCLE, HERTZ_LOAD, ContactMotion, far_film
@@ -34,7 +34,7 @@ def refuse(case: Definition, rules: Iterable[Rule]) -> None:
     """Raise ValueError if a case breaks a rule; the message names the field, its value and what is allowed."""
     for rule in rules:
         for place, complaint in rule(case):
-            raise ValueError(f"{case.entry(place)}: {complaint}")
+            raise ConfigError(f"{case.entry(place)}: {complaint}")
 
 
 def _name(case: Definition) -> Complaints:

@@ -83,15 +83,8 @@ SOLVERS: Mapping[Method, Solver] = {  # the defaults
 }
 
 
-class Widening(NamedTuple):
-    """The default domain is wider by (below/M)^exponent where M is below that value, and by the widest at most."""
-
-    below: float
-    exponent: float
-    widest: float
-
-
-WIDENING: Mapping[Kind, Widening] = {"impact": Widening(100.0, 2 / 3, 4.0), "rolling": Widening(5.0, 4 / 3, 200.0)}
+# The default domain is wider by (below/M)^exponent where M is below that value, and by the widest at most
+WIDENING: Mapping[Kind, tuple[float, float, float]] = {"impact": (100.0, 2 / 3, 4.0), "rolling": (5.0, 4 / 3, 200.0)}
 
 
 def half_width_at(kind: Kind, half_width: float, M: float) -> float:

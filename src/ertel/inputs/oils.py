@@ -22,7 +22,7 @@ from importlib.resources import files
 from typing import Any
 
 from ertel.case.reading import Reader
-from ertel.case.records import ConfigError, show
+from ertel.case.records import ConfigError, refusing, show
 from ertel.inputs.layout import READER, DataSheet
 from ertel.inputs.quantities import number_or_quantity, parse_temperature
 from ertel.physics.fluidity import Carreau, Fluidity
@@ -171,10 +171,8 @@ def _whole(data: Any, source: str) -> Sourced[Any]:
 
 def oil_at(oil: NamedOil, temperature: Number, rheology: str | Fluidity | None = None) -> Oil:
     """An oil at a temperature; rheology as in `at`.  Raises ConfigError for a temperature outside its data."""
-    try:
+    with refusing("temperature", temperature):
         T = parse_temperature(temperature)
-    except ValueError as error:
-        raise ConfigError(f"temperature = {show(temperature)}: {error}") from error
     try:
         return oil.at(T, rheology)
     except ValueError as error:

@@ -251,10 +251,7 @@ def _case(kind: Kind, given: Mapping[str, Any], keywords: Any) -> Case:
         "output": section(Output) or None,
     }
     case = parse_case({name: table for name, table in sections.items() if table is not None})
-    try:
-        return replace(case, roughness=(*case.roughness, *records)) if records else case
-    except ValueError as error:
-        raise ConfigError(str(error)) from error
+    return replace(case, roughness=(*case.roughness, *records)) if records else case
 
 
 def _lubricant(values: Mapping[str, Any]) -> dict[str, Any] | None:

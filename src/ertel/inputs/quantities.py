@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ertel.case.reading import parse_number
-from ertel.case.records import ConfigError, is_number, show, with_unit
+from ertel.case.records import is_number, refusing, show, with_unit
 from ertel.physics.temperature_laws import ZERO_CELSIUS
 from ertel.physics.units import Bounds, Mark, Unit, reads_quantities
 
@@ -183,15 +183,13 @@ def parse_values(name: str, given: Given, mark: Mark) -> tuple[float, ...]:
     >>> parse_values("mean_speed", "0.1:10 m/s:3:log", VELOCITY)
     (0.1, 1.0, 10.0)
     """
-    try:
+    with refusing(name, given):
         values = _ranged(given, mark) if isinstance(given, str) and ":" in given else _listed(given, mark)
-    except ValueError as error:
-        raise ConfigError(f"{name} = {show(given)}: {error}") from error
-    steps = {(late > early) - (late < early) for early, late in pairwise(values)}
-    if len(steps) > 1 or 0 in steps:
-        raise ConfigError(f"{name} = {show(given)}: must rise or fall from value to value")
-    if len(values) > MOST_VALUES:
-        raise ConfigError(f"{name}: has {len(values)} values; must be at most {MOST_VALUES}")
+        steps = {(late > early) - (late < early) for early, late in pairwise(values)}
+        if len(steps) > 1 or 0 in steps:
+            raise ValueError("must rise or fall from value to value")
+        if len(values) > MOST_VALUES:
+            raise ValueError(f"has {len(values)} values; must be at most {MOST_VALUES}")
     return values
 
 

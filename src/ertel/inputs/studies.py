@@ -28,7 +28,7 @@ from typing import Any, Literal
 from ertel.case.case import Case
 from ertel.case.definition import SECTIONS
 from ertel.case.reading import check_keys
-from ertel.case.records import ConfigError, field_name, is_number, show
+from ertel.case.records import ConfigError, field_name, is_number, refusing, show
 from ertel.case.rules import plain_name
 from ertel.inputs.case_files import apply_overrides, parse_case, path_of, read_toml
 from ertel.inputs.layout import READER, Key, section, shape_place
@@ -108,10 +108,7 @@ def parse_study(data: Mapping[str, Any], folder: str | Path = ".") -> Study:
     [100.0, 300.0]
     """
     data = plain_data(data)
-    try:
-        mode = READER.record(Sweep, data.get(SWEEP, {}), SWEEP).mode
-    except ValueError as error:
-        raise ConfigError(str(error)) from error
+    mode = READER.record(Sweep, data.get(SWEEP, {}), SWEEP).mode
     plain = {key: value for key, value in data.items() if key != SWEEP}
     axes = tuple(_axes(plain))
     for axis in axes if mode == "product" else ():
@@ -178,13 +175,11 @@ def _values(field: str, table: Mapping[str, Any]) -> list[Any]:
     number, spacing = table["number"], table.get("spacing", SPACINGS[0])
     if spacing not in SPACINGS:
         raise ConfigError(f"{field}.spacing = {show(spacing)}: allowed: {', '.join(SPACINGS)}")
-    try:
+    with refusing(field, table):
         (start, of_start), (end, of_end) = (_amount(table[key]) for key in RANGE[:2])
         if of_start and of_end and of_start != of_end:
             raise ValueError("both ends must have the same unit")
         values = spaced(start, end, number, spacing == LOG)
-    except ValueError as error:
-        raise ConfigError(f"{field} = {show(table)}: {error}") from error
     if unit := of_start or of_end:
         return [f"{value!r} {unit}" for value in values]
     whole = all(isinstance(table[key], int) for key in RANGE[:2]) and all(value.is_integer() for value in values)

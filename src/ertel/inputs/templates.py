@@ -21,7 +21,9 @@ from ertel.inputs.layout import (
     first_paragraph,
     keys_of,
     places,
+    section,
     shape_keys,
+    shape_place,
 )
 from ertel.inputs.names import OF_OILS
 from ertel.inputs.quantities import LONGEST
@@ -147,19 +149,13 @@ DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
 def json_schema() -> Schema:
     """The JSON schema of a case file, with the laws and shapes that are registered now."""
-    by_title = {place.title: place for place in places()}
-    sections = {name: _table_schema(part.text, by_title[f"[{name}]"].keys) for name, part in SECTIONS.items()}
-    shapes = []
-    for name in SHAPES:
-        place = by_title[f'shape = "{name}"']
-        shapes.append(_table_schema(place.text, (*place.keys, shape_keys()[1]), shape=name))
-    top = {key.name: _explained(key) for key in by_title["(top)"].keys}
+    top, *_ = places()
+    tables = {name: _table_schema(section(name)) for name in SECTIONS}
+    shapes = [_table_schema(shape_place(name), *shape_keys()[1:], shape=name) for name in SHAPES]
     roughness = {"type": "array", "items": {"oneOf": shapes}, "description": TOP["roughness"].text}
-    return {
-        "$schema": DIALECT,
-        "title": "Case file of ertel",
-        **_object_schema("A case of ertel.", {**top, **sections, "roughness": roughness}, ["contact"]),
-    }
+    properties = {key.name: _explained(key) for key in top.keys} | tables | {"roughness": roughness}
+    whole = {"$schema": DIALECT, "title": "Case file of ertel", "type": "object", "description": "A case of ertel."}
+    return {**whole, "properties": properties, "additionalProperties": False, "required": ["contact"]}
 
 
 def json_schema_text() -> str:
@@ -167,22 +163,17 @@ def json_schema_text() -> str:
     return json.dumps(json_schema(), indent=2) + "\n"
 
 
-def _object_schema(text: str, properties: Schema, required: Sequence[str]) -> Schema:
-    """The schema of a table that has no other keys."""
-    schema = {"type": "object", "description": text, "properties": properties, "additionalProperties": False}
-    return {**schema, "required": list(required)} if required else schema
+def _table_schema(place: Place, *more: Key, **name: str) -> Schema:
+    """The schema of a table, which has no other keys.  name: of its law or shape, by its key."""
+    keys = (*place.keys, *more)
+    properties = {key: {"const": value} for key, value in name.items()} | {key.name: _explained(key) for key in keys}
+    schema = {"type": "object", "description": place.text, "properties": properties, "additionalProperties": False}
+    required = [*name, *(key.name for key in keys if key.default == NEEDED)]
+    return {**schema, "required": required} if required else schema
 
 
-def _table_schema(text: str, keys: Sequence[Key], **name: str) -> Schema:
-    """The schema of a table.  name: of its law or shape, by its key."""
-    properties = {key: {"const": value} for key, value in name.items()}
-    properties |= {key.name: _explained(key) for key in keys}
-    required = [key.name for key in keys if key.default == NEEDED]
-    return _object_schema(text, properties, [*name, *required])
-
-
-def _record_schema(record: Any) -> Schema:
-    return _table_schema(first_paragraph(record), keys_of(record))
+def _record_schema(record: Any, **name: str) -> Schema:
+    return _table_schema(Place("", first_paragraph(record), keys_of(record)), **name)
 
 
 def _explained(key: Key) -> Schema:
@@ -203,8 +194,7 @@ def _value_schema(key: Key) -> Schema:
     if key.choices:
         return {"enum": list(key.choices)}
     if Signal in key.options:
-        oscillation = _table_schema(first_paragraph(Oscillation), keys_of(Oscillation))
-        return {"anyOf": [_marked_schema(FINITE), _points_schema(Polyline), oscillation]}
+        return {"anyOf": [_marked_schema(FINITE), _points_schema(Polyline), _record_schema(Oscillation)]}
     if DataSheet in key.options:
         return {"anyOf": [{"type": "string"}, _record_schema(DataSheet)]}
     if Ellipsis in key.options:
@@ -227,7 +217,7 @@ def _law_schema(laws: Registry, by_name: bool) -> Schema:
         named = [{"type": "string", "enum": [*able_names(laws), *of_oils]}]
     tables = []
     for name, law in (laws if by_name else inner_laws(laws)).items():
-        table = _table_schema(first_paragraph(law), keys_of(law), law=name)
+        table = _record_schema(law, law=name)
         if name in OF_OILS:  # a named oil may have the rest
             table["required"] = ["law"]
         tables.append(table)

@@ -6,7 +6,7 @@ them.  Lines that begin with # are left out.
 
 import csv
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -29,8 +29,8 @@ class Columns:
     """
 
     file: str
-    header: tuple[str, ...]
-    texts: Mapping[str, list[str]]
+    header: Sequence[str]
+    texts: Mapping[str, Sequence[str]]
     units: Mapping[str, str]
 
     @classmethod
@@ -39,25 +39,15 @@ class Columns:
     ) -> "Columns":
         """The columns of a file that hold quantities with known names.
 
-        Parameters
-        ----------
-        path : Path
-            The file.  Without a header it has the columns of `units`, in this order.
-        known : collection of str
-            Names of quantities.
-        headings : mapping
-            The name in the header by the quantity, where they differ.
-        units : mapping
-            The unit by the quantity, where the header does not say it.
+        headings: the name in the header by the quantity, where they differ.  units: the unit by the quantity, where the
+        header does not say it; a file without a header has these columns, in this order.
 
-        Raises
-        ------
-        ValueError
-            The file has no numbers, its lines have unlike numbers of columns, or a heading is not there.
+        Raises ValueError where the file has no numbers, its lines have unlike numbers of columns, or a heading is not
+        there.
         """
         rows = _rows(path)
-        header = tuple(rows[0])
-        if all(_is_number(text) for text in header):
+        header = rows[0]
+        if not np.isnan([_number(text) for text in header]).any():
             if len(units) != len(header):
                 raise ValueError(
                     f"{path.name}: has {len(header)} columns without a header; give the unit of each in their order, "
@@ -73,8 +63,8 @@ class Columns:
             if twice := [name for name in names if names.count(name) > 1]:
                 advice = f'say which one is {twice[0]}, such as columns={{"{twice[0]}": "{header[-1]}"}}'
                 raise ValueError(f"{path.name}: {_listed(header)}; {advice}")
-        texts = {name: list(column) for (name, _), column in zip(named, zip(*rows, strict=True), strict=False) if name}
-        return cls(path.name, header, texts, {name: unit for name, unit in named if name} | dict(units))
+        texts = {name: column for (name, _), column in zip(named, zip(*rows, strict=True), strict=False) if name}
+        return cls(path.name, header, texts, {**dict(named), **units})
 
     @property
     def listed(self) -> str:
@@ -96,10 +86,11 @@ class Columns:
                 factor = in_si(f"1 {unit}", Unit(si_unit, f"1 {si_unit}"))
             except ValueError as error:
                 raise ValueError(f"{self.file}: column {name!r} in {unit!r}: {error}") from error
-        for number, text in enumerate(self.texts[name], 1):
-            if not (_is_number(text) or text.lower() in GAPS):
-                raise ValueError(f"{self.file}: column {name!r} has {text!r} in row {number}; must be a number")
-        return factor * np.array([_number(text) if _is_number(text) else np.nan for text in self.texts[name]])
+        numbers = [_number(text) for text in self.texts[name]]
+        for row, (text, number) in enumerate(zip(self.texts[name], numbers, strict=True), 1):
+            if np.isnan(number) and text.lower() not in GAPS:
+                raise ValueError(f"{self.file}: column {name!r} has {text!r} in row {row}; must be a number")
+        return factor * np.array(numbers)
 
 
 def _rows(path: Path) -> list[list[str]]:
@@ -131,19 +122,17 @@ def _quantity(heading: str, headings: Mapping[str, str], known: Collection[str])
         if written == name.lower():
             return name, unit
         if written.startswith(f"{name.lower()}_") and not unit:
-            return name, heading.strip()[len(name) + 1 :].replace("_per_", "/")
+            return name, heading[len(name) + 1 :].replace("_per_", "/")
     return "", ""
 
 
 def _number(text: str) -> float:
-    return float(text.replace(",", "."))
-
-
-def _is_number(text: str) -> bool:
+    """A number with a decimal point or comma; NaN of any other text."""
     try:
-        return bool(np.isfinite(_number(text)))
+        number = float(text.replace(",", "."))
     except ValueError:
-        return False
+        return np.nan
+    return number if np.isfinite(number) else np.nan
 
 
 def _listed(header: Collection[str]) -> str:

@@ -20,21 +20,9 @@ from ertel.case.case import Case
 from ertel.case.height_map import HeightMap
 from ertel.numerics.grid import Grid
 from ertel.physics.scales import Scales
+from ertel.results import variables
 from ertel.results.parameters import parameters_of, scale_values
-from ertel.results.variables import (
-    AXES,
-    BUDGET,
-    EVENTS,
-    FIELDS,
-    FRICTION,
-    MEASURED,
-    SCALARS,
-    TEMPERATURES,
-    is_steady,
-    named_with_unit,
-    variable_attributes,
-    with_coefficients,
-)
+from ertel.results.variables import FIELDS, is_steady, named_with_unit, variable_attributes, with_coefficients
 from ertel.version import installed_version
 
 Arrays = dict[str, tuple[tuple[str, ...], Any]]  # dimensions and values by the name of the variable
@@ -52,8 +40,9 @@ class Frame(NamedTuple):
 
 def columns(records: Sequence[Mapping[str, float]], scales: Scales | None) -> dict[str, np.ndarray]:
     """Step records as arrays by variable name, T as `time`; coefficients as `with_coefficients` says."""
-    names = {"time": "T", **{name: name for name in SCALARS}}
-    arrays = {name: np.array([record[key] for record in records], dtype=float) for name, key in names.items()}
+    keys = {"time": "T"}
+    names = ("time", *variables.SCALARS)
+    arrays = {name: np.array([each[keys.get(name, name)] for each in records], dtype=float) for name in names}
     return with_coefficients(arrays, scales)
 
 
@@ -61,7 +50,7 @@ def maps(frames: Sequence[Frame]) -> dict[str, np.ndarray]:
     """Frames as arrays by variable name, stacked along the first axis."""
     return {
         "frame": np.array([frame.T for frame in frames], dtype=float),
-        "event": np.array([EVENTS.index(frame.event) for frame in frames], dtype=np.int8),
+        "event": np.array([variables.EVENTS.index(frame.event) for frame in frames], dtype=np.int8),
         **{name: np.array([frame.fields[name] for frame in frames], dtype=float) for name in FIELDS},
     }
 
@@ -75,18 +64,8 @@ def assemble(
 ) -> xr.Dataset:
     """The run as a Dataset: scalars over `time` (every step), maps over `frame` and the space axes.
 
-    Parameters
-    ----------
-    case : Case
-        The case of the run; its provenance is stored in the attributes.
-    records : sequence of mappings
-        The scalars of every accepted step, by variable name and "T", dimensionless.
-    frames : sequence of Frame
-        The maps that were kept.
-    coordinates : mapping
-        Axes of the maps in order, in a*: Y and X, or r.
-    attributes : mapping, optional
-        More attributes of the Dataset.
+    records: the scalars of every accepted step, by variable name and "T", dimensionless.  frames: the maps that were
+    kept.  coordinates: axes of the maps in order, in a*: Y and X, or r.  attributes: more of the Dataset's.
     """
     space = {name: np.asarray(axis) for name, axis in coordinates.items()}
     shape = len(frames), *(len(axis) for axis in space.values())  # which no maps at all have, too
@@ -102,22 +81,15 @@ def assemble_steady(
 ) -> xr.Dataset:
     """The steady contact as a Dataset: fields on the finest grid, scalars and residuals over `grid`.
 
-    Parameters
-    ----------
-    case : Case
-        The case of the run.
-    grid : Grid
-        That of the fields: of the last solution, or of the case as long as there is none.
-    solutions : sequence of SteadyGrid
-        Coarsest first; the coordinate `grid` has their numbers of nodes a side.
-    attributes : mapping, optional
-        More attributes of the Dataset.
+    grid: that of the fields, of the last solution, or of the case as long as there is none.  solutions: coarsest first;
+    the coordinate `grid` has their numbers of nodes a side.  attributes: more of the Dataset's.
     """
-    fields = FIELDS if case.thermal is None else {**FIELDS, **TEMPERATURES}
+    fields = FIELDS if case.thermal is None else {**FIELDS, **variables.TEMPERATURES}
     nothing = np.full((len(grid.y), len(grid.x)), np.nan)
     maps = solutions[-1].maps if solutions else dict.fromkeys(fields, nothing)
     rows = [with_coefficients(s.record, case.scales) for s in solutions]
-    names = (*MEASURED, *BUDGET, *FRICTION, "residual", "newton_iterations", "krylov_iterations", "convolutions")
+    work = ("residual", "newton_iterations", "krylov_iterations", "convolutions")
+    names = (*variables.MEASURED, *variables.BUDGET, *variables.FRICTION, *work)
     longest = max((len(s.history) for s in solutions), default=0)
     history = np.full((len(solutions), longest), np.nan)
     for row, s in zip(history, solutions, strict=True):
@@ -136,11 +108,11 @@ def assemble_steady(
 
 def _dataset(case: Case, arrays: Arrays, attributes: Mapping[str, object] | None) -> xr.Dataset:
     """The Dataset of a run from its arrays, with the attributes of its variables and its own."""
-    variables = {
+    described = {
         name: (dims, values, variable_attributes(name, case.scales)) for name, (dims, values) in arrays.items()
     }
-    axes = {name: variables.pop(name) for name in AXES if name in variables}
-    return xr.Dataset({**variables, **variables_of(case)}, axes, {**provenance(case), **(attributes or {})})
+    axes = {name: described.pop(name) for name in variables.AXES if name in described}
+    return xr.Dataset({**described, **variables_of(case)}, axes, {**provenance(case), **(attributes or {})})
 
 
 # -- provenance -------------------------------------------------------------------------------------------------------

@@ -11,7 +11,6 @@ from io import BytesIO
 from math import floor, isfinite, log10
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.physics.scales import Scales
 from ertel.physics.temperature_laws import ZERO_CELSIUS
@@ -206,18 +205,17 @@ def scalars(summary: Outcome, in_si: bool = True) -> dict[str, Scalar]:
     return table
 
 
-class Difference(NamedTuple):
-    """A key of the cases that differs.  first, second: its values, None where it is not there."""
+def differences(first: Any, second: Any) -> list[dict[str, Any]]:
+    """The keys that differ of two cases as plain data, names and references apart: `field`, `first` and `second`.
 
-    field: str
-    first: Any
-    second: Any
-
-
-def differences(first: Case, second: Case) -> list[Difference]:
-    """The keys of two cases that differ, names and references apart."""
-    one, two = (dict(_values_by_place(case.to_data())) for case in (first, second))
-    return [Difference(key, one.get(key), two.get(key)) for key in {**one, **two} if one.get(key) != two.get(key)]
+    first, second: its values, None where it is not there.
+    """
+    one, two = dict(_values_by_place(first)), dict(_values_by_place(second))
+    return [
+        {"field": key, "first": one.get(key), "second": two.get(key)}
+        for key in {**one, **two}
+        if one.get(key) != two.get(key)
+    ]
 
 
 def _values_by_place(data: Any, place: str = "") -> Iterator[tuple[str, Any]]:
@@ -232,28 +230,20 @@ def _values_by_place(data: Any, place: str = "") -> Iterator[tuple[str, Any]]:
         yield place, data
 
 
-class Compared(NamedTuple):
-    """A number of both runs, with its name, what it is and its unit; None where it is not there."""
+def pairs(first: Outcome, second: Outcome) -> list[dict[str, Any]]:
+    """The numbers of two runs from their summaries; in SI where both cases are.
 
-    name: str
-    first: float | None
-    second: float | None
-    attributes: Mapping[str, str]
-
-    @property
-    def change(self) -> float | None:
-        """second/first - 1; None where one is not there or the first is zero."""
-        if self.first is None or self.second is None or self.first == 0:
-            return None
-        return self.second / self.first - 1
-
-
-def pairs(first: Outcome, second: Outcome) -> list[Compared]:
-    """The numbers of two runs from their summaries; in SI where both cases are."""
+    Each has name, first, second, attributes and change, second/first - 1; what is not known is None.
+    """
     in_si = "si" in first and "si" in second
     one, two = (scalars(summary, in_si) for summary in (first, second))
-    values = [(name, one.get(name), two.get(name)) for name in {**one, **two}]
-    return [Compared(name, a and a.value, b and b.value, (a or two[name]).attributes) for name, a, b in values]
+    rows = []
+    for name in {**one, **two}:
+        attributes = (one.get(name) or two[name]).attributes
+        a, b = (table[name].value if name in table else None for table in (one, two))
+        change = None if a is None or b is None or a == 0 else b / a - 1
+        rows.append({"name": name, "first": a, "second": b, "attributes": attributes, "change": change})
+    return rows
 
 
 # -- as text -----------------------------------------------------------------------------------------------------------

@@ -19,18 +19,10 @@ from ertel.case.sections import Solver, Time
 from ertel.case.status import Status
 from ertel.numerics.grid import allowed_nodes, extrapolate
 from ertel.physics.units import Quantity
-from ertel.results import balances, diagnostics
+from ertel.results import balances, diagnostics, variables
 from ertel.results.dataset import SteadyGrid
 from ertel.results.parameters import parameters_of, scale_values
-from ertel.results.variables import (
-    AT_MAXIMUM,
-    FILMS,
-    FRICTION,
-    MEASURED,
-    TEMPERATURES,
-    values_in_si,
-    with_coefficients,
-)
+from ertel.results.variables import FILMS, values_in_si, with_coefficients
 
 # share of a maximum by which the pressure may fall to the next nodes; below, P_max changes by some per cent
 NARROW = 0.1
@@ -54,21 +46,11 @@ def impact_summary(
     All is dimensionless, F in units of the dry maximum load; physical cases add the same in SI under `si`.  The
     coefficients are plain numbers in a physical case, and in units a/R in a dimensionless one, where a/R is not known.
 
-    Parameters
-    ----------
-    case : Case
-        The case of the run.
-    data : xarray.Dataset
-        The run so far, see `dataset.assemble`.
-    max_approach : mapping or None
-        The scalars at maximum approach; None before it.
-    work : mapping
-        Counts of steps and iterations, compilations, wall_s.
-    status : Status
-        How the run ended.
+    data: the run so far, see `dataset.assemble`.  max_approach: the scalars at maximum approach; None before it.  work:
+    counts of steps and iterations, compilations, wall_s.
     """
     status, vanished = _judged(status, data)
-    names = (*AT_MAXIMUM, *(FRICTION if case.motion.flows else ("power_loss",)))
+    names = (*variables.AT_MAXIMUM, *(variables.FRICTION if case.motion.flows else ("power_loss",)))
     reached = None
     if max_approach is not None and max_approach["T"] < vanished:
         values = {name: float(max_approach[name]) for name in names}
@@ -87,7 +69,7 @@ def rolling_summary(case: Case, data: xr.Dataset, work: Mapping[str, float], sta
     The errors of the films need other runs, see `with_error`.  Parameters as in `impact_summary`.
     """
     status, vanished = _judged(status, data)
-    values: dict[str, float | None] = {"T": None, **dict.fromkeys((*MEASURED, *FRICTION))}
+    values: dict[str, float | None] = {"T": None, **dict.fromkeys((*variables.MEASURED, *variables.FRICTION))}
     over_time, warnings = _over_time(case, data, status), diagnostics.rolling_warnings(case, data)
     if data.sizes["time"]:
         values["T"] = float(data["time"][-1])
@@ -116,16 +98,7 @@ def steady_summary(
     Counts are those of all grids, convolutions in units of one on the finest.  A run without a result has no values, no
     friction and no balances.
 
-    Parameters
-    ----------
-    case : Case
-        The case of the run.
-    solutions : sequence of SteadyGrid
-        The solutions on all grids, coarsest first.
-    work : mapping
-        compilations, wall_s.
-    status : Status
-        How the run ended.
+    solutions: on all grids, coarsest first.  work: compilations, wall_s.
     """
     finest = solutions[-1]
     grid = finest.grid
@@ -138,7 +111,7 @@ def steady_summary(
         "convolutions": round(sum(s.record["convolutions"] * s.grid.size / grid.size for s in solutions), 1),
         **work,
     }
-    values: Values = dict.fromkeys((*MEASURED, *FRICTION))
+    values: Values = dict.fromkeys((*variables.MEASURED, *variables.FRICTION))
     parts: dict[str, Any] = {"budgets": {}}
     warnings = diagnostics.steady_warnings(case, solutions)
     if not diagnostics.steady_failure(case, finest):
@@ -172,7 +145,7 @@ def thermal_summary(case: Case, solution: SteadyGrid) -> dict[str, Any]:
         "phi_T": heat.inlet.factor,
         "h_c_m": heat.inlet.factor * solution.record["H_c"] * case.scales.film,
         "h_min_m": heat.inlet.factor * solution.record["H_min"] * case.scales.film,
-        **{f"{name}_max_K": float(np.max(maps[name])) for name in TEMPERATURES},
+        **{f"{name}_max_K": float(np.max(maps[name])) for name in variables.TEMPERATURES},
         "T_film_mean_K": float(np.average(maps["T_film"], weights=maps["P"])),
         "mu_sliding": float(heat.sliding[0]) * case.scales.a_over_R,
         "iterations": heat.iterations,
@@ -247,15 +220,16 @@ def with_si(case: Case, content: Mapping[str, Any]) -> dict[str, Any]:
     if case.scales is None:
         return dict(content)
     reached = content.get("max_approach", content)  # of an impact that did not get there only the whole is known
-    values = content if reached else {name: content[name] for name in ("contact_time", "F_max")}
-    in_si = {"approach_m" if key == "delta_m" else key: v for key, v in values_in_si(values, case.scales).items()}
+    known = content if reached else {name: content[name] for name in ("contact_time", "F_max")}
+    in_si = values_in_si(known, case.scales)
+    if "delta_m" in in_si:
+        in_si["approach_m"] = in_si.pop("delta_m")
     si: dict[str, Any] = {**scale_values(case), **in_si, "budgets": balances.terms_in_si(case, content["budgets"])}
     if "max_approach" in content:
         si["max_approach"] = reached and values_in_si(reached, case.scales)
     if "extremes" in content:
-        si["extremes"] = {
-            name: values_in_si({**one, name: one["value"]}, case.scales) for name, one in content["extremes"].items()
-        }
+        extreme = content["extremes"].items()
+        si["extremes"] = {name: values_in_si({**one, name: one["value"]}, case.scales) for name, one in extreme}
     return {**content, "si": si}
 
 
@@ -341,14 +315,7 @@ def with_error(case: Case, fine: Mapping[str, Any], others: Mapping[str, Mapping
     Those of an impact hold at maximum approach, and there is that of Delta too; `error_estimate` is None where one of
     the runs did not reach it.
 
-    Parameters
-    ----------
-    case : Case
-        The case of the run.
-    fine : mapping
-        The summary of the run.
-    others : mapping
-        The summaries of the other runs, see `error_estimate`.
+    fine: the summary of the run.  others: those of the other runs, by their part as in `comparisons`.
     """
     values, compared, names = fine, others, {name: name for name in FILMS}
     if case.starts_apart:

@@ -24,6 +24,7 @@ from ertel.case.status import Status
 from ertel.inputs.case_files import CaseLike, as_case, path_of
 from ertel.numerics.programs import double_precision
 from ertel.results.dataset import Frame
+from ertel.results.numbers import differences
 from ertel.results.result import Result
 from ertel.results.summary import attributes
 from ertel.results.variables import one_number
@@ -260,13 +261,10 @@ class RunStore:
         return Result(self.case, self.dataset(), summary, Status(summary["status"]), self.directory)
 
 
-def changes(before: Any, now: Any, field: str = "") -> str:
+def changes(before: Any, now: Any) -> str:
     """The fields in which two cases differ as plain data, names and references apart."""
-    if isinstance(before, Mapping) and isinstance(now, Mapping):
-        free = ("name", "reference")
-        keys = [key for key in {**before, **now} if before.get(key) != now.get(key) and key not in free]
-        return ", ".join(changes(before.get(key), now.get(key), f"{field}.{key}".removeprefix(".")) for key in keys)
-    return f"{field} {show(before)} → {show(now)}"
+    found = differences(before, now)
+    return ", ".join(f"{each['field']} {show(each['first'])} → {show(each['second'])}" for each in found)
 
 
 # -- running ----------------------------------------------------------------------------------------------------------

@@ -5,8 +5,6 @@ Lubrecht AA, Biboulet N, Venner CH. Boundary layers: unifying the impact and rol
     ertel paper all --quick
 """
 
-import base64
-import io
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
@@ -15,12 +13,10 @@ from pathlib import Path
 from string import Template
 from typing import Any
 
-from matplotlib import rc_context
-from pandas import DataFrame, option_context
-
 import ertel
-from ertel.apps.boundary_layers import front, ratios, reduction, runs, starvation
-from ertel.apps.boundary_layers.plans import FULL, QUICK, Drawn, Plan
+from ertel.apps.boundary_layers import beyond, front, reduction
+from ertel.apps.boundary_layers.pages import Drawn, save
+from ertel.apps.boundary_layers.plans import FULL, QUICK, Plan
 from ertel.apps.boundary_layers.runs import Results
 from ertel.runs.tasks import Failure, Task, kept, run_tasks
 from ertel.runs.workers import Workers
@@ -45,15 +41,15 @@ class PaperFigure:
 
 
 FIGURES: Mapping[str, PaperFigure] = {
-    "fig1": PaperFigure("Fig. 1  The dry impact", runs.radial_tasks, front.dry_impact),
-    "fig2": PaperFigure("Fig. 2  Speed of the front", runs.smooth_tasks, front.front_speed),
-    "fig3": PaperFigure("Fig. 3  Film at maximum impact", runs.smooth_tasks, front.film_and_speed),
-    "fig4": PaperFigure("Fig. 4  Film behind the front", runs.radial_tasks, front.film_predicted),
-    "fig5": PaperFigure("Fig. 5  Waves in an impact", runs.waves_tasks, reduction.deformed_waves),
+    "fig1": PaperFigure("Fig. 1  The dry impact", front.radial_tasks, front.dry_impact),
+    "fig2": PaperFigure("Fig. 2  Speed of the front", front.smooth_tasks, front.front_speed),
+    "fig3": PaperFigure("Fig. 3  Film at maximum impact", front.smooth_tasks, front.film_and_speed),
+    "fig4": PaperFigure("Fig. 4  Film behind the front", front.radial_tasks, front.film_predicted),
+    "fig5": PaperFigure("Fig. 5  Waves in an impact", reduction.wave_tasks, reduction.deformed_waves),
     "fig6": PaperFigure("Fig. 6  Amplitude reduction in impact and rolling", reduction.tasks, reduction.reduction),
-    "fig7": PaperFigure("Beyond the paper: Fig. 7  Waves of other shapes", ratios.shape_tasks, ratios.other_waves),
-    "fig8": PaperFigure("Beyond the paper: Fig. 8  Other lubricants", ratios.oil_tasks, ratios.other_oils),
-    "fig9": PaperFigure("Beyond the paper: Fig. 9  Starved films", starvation.tasks, starvation.starved),
+    "fig7": PaperFigure("Beyond the paper: Fig. 7  Waves of other shapes", beyond.shape_tasks, beyond.other_waves),
+    "fig8": PaperFigure("Beyond the paper: Fig. 8  Other lubricants", beyond.oil_tasks, beyond.other_oils),
+    "fig9": PaperFigure("Beyond the paper: Fig. 9  Starved films", beyond.starved_tasks, beyond.starved),
 }
 
 
@@ -108,39 +104,3 @@ def make(
         template.substitute(title=escape(TITLE), remarks=remarks, sections="\n".join(sections)), encoding="utf-8"
     )
     return file, missing
-
-
-def save(drawn: Drawn, name: str, heading: str, directory: Path) -> str:
-    """Write NAME.svg, NAME.png and the data as NAME_PART.csv; the figure as HTML, picture and data embedded."""
-    directory.mkdir(parents=True, exist_ok=True)
-    image = io.BytesIO()
-    with rc_context({"svg.hashsalt": name}):  # the same figure gives the same file
-        drawn.figure.savefig(image, format="svg", metadata={"Date": None})
-    (directory / f"{name}.svg").write_bytes(image.getvalue())
-    drawn.figure.savefig(directory / f"{name}.png", dpi=150)
-    links = []
-    for part, table in drawn.data.items():
-        file, content = f"{name}_{part}.csv", to_csv(table).encode()
-        (directory / file).write_bytes(content)
-        links.append(f'<a download="{escape(file)}" href="{_embedded("text/csv", content)}">{escape(file)}</a>')
-    html = [
-        f'<figure>\n<img alt="{escape(heading)}" src="{_embedded("image/svg+xml", image.getvalue())}"/>',
-        f"<figcaption>{escape(drawn.caption)}</figcaption>\n</figure>",
-        *(f"<h3>{escape(title)}</h3>\n{to_html(table)}" for title, table in drawn.tables.items()),
-    ]
-    return "\n".join([*html, f"<p>Data:\n{', '.join(links)}\n</p>"] if links else html)
-
-
-def to_csv(table: DataFrame) -> str:
-    """A table as CSV with nine digits; an empty cell is an unknown value."""
-    return str(table.to_csv(index=False, float_format="%.9g", lineterminator="\n"))
-
-
-def to_html(table: DataFrame) -> str:
-    """A table as HTML, its texts escaped and not cut off."""
-    with option_context("display.max_colwidth", None):
-        return str(table.to_html(index=False, border=0, justify="unset"))
-
-
-def _embedded(kind: str, content: bytes) -> str:
-    return f"data:{kind};base64,{base64.b64encode(content).decode()}"

@@ -5,27 +5,42 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from numpy.typing import ArrayLike
-from pandas import DataFrame, Series
+from pandas import DataFrame
 
 from ertel import Parameters, fronts, hertz, plots
-from ertel.apps.boundary_layers import runs
-from ertel.apps.boundary_layers.plans import FORMED, FRONTS, LOADS, SHOWN_LOAD, Definition, Drawn, L, Plan, new_figure
-from ertel.apps.boundary_layers.ratios import Values
-from ertel.apps.boundary_layers.runs import Results
+from ertel.apps.boundary_layers.pages import Drawn, new_figure, side_by_side
+from ertel.apps.boundary_layers.plans import LOADS, SHOWN_LOAD, L, Plan
+from ertel.apps.boundary_layers.reduction import FORMED, Values
+from ertel.apps.boundary_layers.runs import Results, plane_run, radial_run
+from ertel.runs.tasks import Task
 
 Curve = tuple[Values, str, str]  # values, colour and style of a line
 
 TOUCH = 1.0  # t0: the ball starts one delta* above the surface
-LINES: Mapping[Definition, str] = {"film": "-", "slope": ":", "half-hertz": "--"}
+FRONTS: Mapping[fronts.FrontDefinition, str] = {
+    "film": "minimum film",
+    "slope": "steepest pressure",
+    "half-hertz": "half the Hertz pressure",
+}
+LINES = dict(zip(FRONTS, ("-", ":", "--"), strict=True))
 COMPARED = np.linspace(0.5, 0.9, 41)  # places where the front's speed is compared with the dry contact's
 INNER, OUTER = 0.75, 0.95  # a*: where the film follows the speed of the front
 FITTED_ON = np.linspace(INNER, OUTER, 81)
 
 
-def side_by_side(columns: Mapping[str, ArrayLike]) -> DataFrame:
-    """A table of columns that may differ in length."""
-    return DataFrame({name: Series(values) for name, values in columns.items()})
+def radial_tasks(plan: Plan) -> list[Task]:
+    """The smooth impacts by the radial method."""
+    return [radial_run(plan, (M, L)) for M in LOADS]
+
+
+def smooth_tasks(plan: Plan) -> list[Task]:
+    """The smooth impacts by the radial method, and the one by the 2-D method."""
+    return [*radial_tasks(plan), plane_run(plan)]
+
+
+def _impacts(results: Results, plan: Plan) -> dict[int, xr.Dataset]:
+    """M -> smooth impact by the radial method."""
+    return {M: results[radial_run(plan, (M, L)).name] for M in LOADS}
 
 
 # -- Fig. 1 -----------------------------------------------------------------------------------------------------------
@@ -54,7 +69,7 @@ def dry_impact(results: Results, plan: Plan) -> Drawn:
     largest = "largest error of a/a* where a > a*/2"
     bases = [
         {"M": str(M), **{f"front by {name}": f"{2 * _half_base(run, by):.3f}" for by, name in FRONTS.items()}}
-        for M, run in runs.radial_runs(results, plan).items()
+        for M, run in _impacts(results, plan).items()
     ]
     tables = {
         "Errors of the laws": DataFrame({"law": name, largest: f"{error:.4f}"} for name, error in errors.items()),
@@ -79,7 +94,7 @@ def _draw_laws(left: Axes, right: Axes, T: Values, laws: Mapping[str, Curve]) ->
     right.text(0.03, 0.03, "colours as on the left", transform=right.transAxes, fontsize="small")
 
 
-def _half_base(run: xr.Dataset, by: Definition) -> float:
+def _half_base(run: xr.Dataset, by: fronts.FrontDefinition) -> float:
     front = fronts.front(run, by)
     maximum = float(fronts.at_max_approach(run)["frame"])
     return fronts.fit_half_base(front.T - maximum, front.A / front.A[-1])
@@ -87,16 +102,14 @@ def _half_base(run: xr.Dataset, by: Definition) -> float:
 
 # -- Fig. 2 -----------------------------------------------------------------------------------------------------------
 
-Fronts = Mapping[int, Mapping[Definition, fronts.Front]]  # M, definition -> front
+Fronts = Mapping[int, Mapping[fronts.FrontDefinition, fronts.Front]]  # M, definition -> front
 
 
 def front_speed(results: Results, plan: Plan) -> Drawn:
     """Fig. 2: speed of the front in the lubricated impact for six M, by three definitions of the front."""
-    all_fronts: Fronts = {
-        M: {by: fronts.front(run, by) for by in FRONTS} for M, run in runs.radial_runs(results, plan).items()
-    }
+    all_fronts: Fronts = {M: {by: fronts.front(run, by) for by in FRONTS} for M, run in _impacts(results, plan).items()}
     figure, (left, right) = new_figure(1, 2)
-    _draw_speed(left, all_fronts, fronts.front(results[runs.plane_task(plan).name]))
+    _draw_speed(left, all_fronts, fronts.front(results[plane_run(plan).name]))
     _draw_share(right, all_fronts)
     caption = (
         f"Speed of the front for M = {LOADS[0]} to {LOADS[-1]}, L = {L:g}, up to maximum approach.  Left: front "
@@ -129,7 +142,7 @@ def _draw_speed(axes: Axes, all_fronts: Fronts, plane: fronts.Front) -> None:
     linear = hertz.linear_front_speed(T - hertz.HALF_CONTACT_TIME)
     axes.plot(T, linear, color=plots.GREY, linestyle=":", label="linear (24), $t^*$ = 1.35")
     for (M, by_definition), colour in zip(all_fronts.items(), _shades(), strict=True):
-        labels: Mapping[Definition, str | None] = {"film": f"$M$ = {M}", "half-hertz": None}
+        labels: Mapping[fronts.FrontDefinition, str | None] = {"film": f"$M$ = {M}", "half-hertz": None}
         for by, label in labels.items():
             front = by_definition[by]
             late = front.A > FORMED
@@ -169,8 +182,8 @@ def _shades() -> Values:
 
 def film_and_speed(results: Results, plan: Plan) -> Drawn:
     """Fig. 3: film at maximum impact for one M, by both methods, and C v^0.67."""
-    radial = results[runs.radial_task(SHOWN_LOAD, L, plan).name]
-    plane = fronts.at_max_approach(results[runs.plane_task(plan).name])["H"].sel(Y=0.0, method="nearest")
+    radial = _impacts(results, plan)[SHOWN_LOAD]
+    plane = fronts.at_max_approach(results[plane_run(plan).name])["H"].sel(Y=0.0, method="nearest")
     X, H = _profile(radial)
     dry = hertz.parabola_front_speed_at(np.where((X > 0) & (X < 1), X, np.nan))
     fitted: dict[str, Curve] = {
@@ -221,7 +234,7 @@ def _fitted(X: Values, H: Values, speed: Values) -> Values:
 
 def film_predicted(results: Results, plan: Plan) -> Drawn:
     """Fig. 4: film behind the front for six M, C v^0.67, and the film that a steady formula predicts."""
-    impacts = runs.radial_runs(results, plan)
+    impacts = _impacts(results, plan)
     figure, panels = new_figure(2, 3)
     columns: dict[str, Values] = {}
     for (M, run), axes in zip(impacts.items(), panels, strict=True):

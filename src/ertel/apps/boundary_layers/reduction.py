@@ -1,56 +1,182 @@
-"""Figures 5 and 6 of the paper: waves in an impact, and amplitude reduction in impact and in rolling.
+"""Amplitude ratios A_d/A_i of waves: Fig. 5, waves in an impact, and Fig. 6, impact and rolling.
+
+The ratios of a figure are a table with a row for each wave, see `impact_mark`: it is drawn, written as CSV, and read on
+the page as texts.
 
 The checks of Fig. 6: A_d/A_i does not depend on the height of the waves, and hardly on the time steps.  In rolling it
 is computed without time steps; time steps over waves of finite height lead to the same value.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
+from functools import partial
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from pandas import DataFrame
+from numpy.typing import ArrayLike, NDArray
+from pandas import DataFrame, concat
 
 from ertel import Parameters, amplitude_reduction, fronts, hertz, plots, waves
-from ertel.apps.boundary_layers import ratios, runs
-from ertel.apps.boundary_layers.plans import FORMED, FRONTS, Drawn, Moes, Plan, new_figure
-from ertel.apps.boundary_layers.ratios import Extrapolated, Grids, Mark, scatter_cells
-from ertel.apps.boundary_layers.runs import HEIGHT, Results
+from ertel.apps.boundary_layers import runs
+from ertel.apps.boundary_layers.pages import Drawn, new_figure, texts
+from ertel.apps.boundary_layers.plans import Moes, Plan
+from ertel.apps.boundary_layers.runs import HEIGHT, Results, found, wave_name
 from ertel.runs.tasks import Task
 
-FILM, HALF_HERTZ, DRY = FRONTS["film"], FRONTS["half-hertz"], "dry law"  # the speeds of the front
+Values = NDArray[np.float64]
+Curve = Callable[[ArrayLike], Values]  # A_d/A_i of nabla2
+Mark = dict[str, Any]  # a row of a table of ratios
+
+
+LINE_CONTACT: Mapping[str, Curve] = {
+    "line contact (1997)": amplitude_reduction.in_line_contact,
+    "line contact (later fit)": partial(
+        amplitude_reduction.in_line_contact, coefficients=amplitude_reduction.LINE_REFIT
+    ),
+}
+RANGE = np.geomspace(0.3, 30, 200)  # nabla2 of the curves
+FORMED = 0.4  # a*: at smaller radii there is a bell of pressure and no front yet
+FURTHER_IN = f"waves further in, X > {FORMED:g}"
+SPEEDS = ["local", "local, half the Hertz pressure", "local, dry law"]  # nabla2 by the speeds of the front
+PARAMETERS: Mapping[str, str] = {
+    "local nabla2, speed by minimum film": SPEEDS[0],
+    "local nabla2, speed by half the Hertz pressure": SPEEDS[1],
+    "local nabla2, speed by dry law": SPEEDS[2],
+    "local nabla2, momentary Hertz contact": "hertz",
+    "global nabla2": "everywhere",
+}
 SMALLEST_ERROR = 0.01  # of a ratio, in the fit: no ratio counts as more accurate
 EDGE = 1.0  # a*: of the contact, in the checks
+MARKERS = "ovD^P*<>"
+
+# the cells of tables on the page
+WAVE = {"M": "{M:g}", "L": "{L:g}", "wavelength": "{wavelength:g}"}
+RATIO = {"A_d/A_i coarse": "{coarse:.3f}", "fine": "{fine:.3f}", "extrapolated": "{limit:.3f} ± {error:.3f}"}
+PLACE = {
+    **WAVE,
+    "X": "{X:.3f}",
+    **RATIO,
+    "nabla2 local": "{local:.2f}",
+    "momentary Hertz contact": "{hertz:.2f}",
+    "global": "{everywhere:.2f}",
+}
 
 
-def tasks(plan: Plan) -> list[Task]:
-    """The runs of Fig. 6."""
-    twins = [runs.twin_task(twin, nodes) for twin in plan.waves.twins for nodes in plan.waves.twin_grids]
-    return [*runs.waves_tasks(plan), *runs.check_tasks(plan).values(), *runs.rolling_tasks(plan), *twins]
+# -- marks ------------------------------------------------------------------------------------------------------------
+
+
+def extrapolated(coarse: float, fine: float) -> dict[str, float]:
+    """A value on two grids, the fine one with half the spacing, and its limit by a method of second order (Richardson).
+
+    error: the error bar, the distance between this limit and that of a method of first order.
+    """
+    return {"coarse": coarse, "fine": fine, "limit": fine + (fine - coarse) / 3, "error": 2 / 3 * abs(fine - coarse)}
+
+
+def over_film(p: Parameters, wavelength: float, speed: float = 1.0, A: float = 1.0) -> float:
+    """Wavelength over trapped film for the speed and radius (a*) of the front; equal to nabla2 if alpha_bar > 0.4.
+
+    nabla2 = wavelength/sqrt(L/M), and sqrt(L/M) is the film at which a rigid ball stops; that of an isoviscous oil is
+    0.3135 sqrt(lambda_bar).
+    """
+    return wavelength / A / Parameters(p.lambda_bar * speed / A**4, p.alpha_bar * A).trapped_film
+
+
+def impact_mark(
+    kind: str, case: Moes, wavelength: float, X: float, ratio: Sequence[float], front: fronts.Front
+) -> Mark:
+    """A_d/A_i of a wave at X in an impact, on both grids and extrapolated, for one kind of waves, oil or run.
+
+    local: nabla2 of this place, by the speed of the front.  hertz: the same with the Hertz contact of the moment when
+    the front passed.  everywhere: the global nabla2.  In rolling they are one.  Without piezoviscosity nabla2 is
+    infinite; wavelength over trapped film takes its place, see `over_film`.
+    """
+    p, speed = Parameters.from_moes(*case), float(front.speed_at(X))
+    local = over_film(p, wavelength, speed) if speed > 0.0 else np.nan
+    momentary = over_film(p, wavelength, speed, X) if speed > 0.0 else np.nan
+    return _mark(kind, case, wavelength, X, (local, momentary, over_film(p, wavelength)), ratio)
+
+
+def rolling_mark(kind: str, case: Moes, wavelength: float, ratio: Sequence[float]) -> Mark:
+    """A_d/A_i of waves in a rolling contact."""
+    return _mark(kind, case, wavelength, 0.0, 3 * (Parameters.from_moes(*case).nabla2(wavelength),), ratio)
+
+
+def _mark(kind: str, case: Moes, wavelength: float, X: float, nabla2: Sequence[float], ratio: Sequence[float]) -> Mark:
+    parameters = dict(zip(("local", "hertz", "everywhere"), nabla2, strict=True))
+    wave = {"M": case[0], "L": case[1], "wavelength": wavelength, "X": X}
+    return {**wave, **parameters, "kind": kind, **extrapolated(*ratio)}
+
+
+def response(run: xr.Dataset, shape: str, wavelength: float, height: float = HEIGHT) -> tuple[Values, Values]:
+    """X and dH/A_i of one wave in an impact."""
+    line = run.sel(wave=wave_name(shape, height, wavelength))
+    return line["X"].values, line["dH"].values
+
+
+def last_wave(kind: str, case: Moes, shape: str, wavelength: float, grids: Sequence[xr.Dataset]) -> Mark:
+    """The mark of the last complete wave inside the contact.  grids: the impact on both."""
+    front = fronts.front(grids[-1])
+    coarse, fine = (waves.last_wave(*response(grid, shape, wavelength), float(front.A[-1])) for grid in grids)
+    return impact_mark(kind, case, wavelength, fine.X, (coarse.amplitude, fine.amplitude), front)
+
+
+def draw_curves(axes: Axes) -> None:
+    """Eq. (15) and the curves of the line contact, for nabla2 = 0.4 to 20."""
+    axes.semilogx(RANGE, amplitude_reduction.ratio_left(RANGE), color="black", label="(15), isotropic")
+    for (name, curve), style in zip(LINE_CONTACT.items(), ("--", ":"), strict=True):
+        axes.semilogx(RANGE, curve(RANGE), color=plots.GREY, linestyle=style, label=f"transverse, {name}")
+    axes.set(ylim=(0, 1.1), xlim=(0.4, 20), ylabel="$A_d/A_i$")
+    axes.set_xticks([0.5, 1, 2, 5, 10, 20], ["0.5", "1", "2", "5", "10", "20"])
+
+
+def draw_fit(axes: Axes, ratio: Values, style: str, label: str) -> None:
+    """Draw another curve over `RANGE`."""
+    axes.plot(RANGE, ratio, color=plots.ORANGE, linewidth=1.0, linestyle=style, label=label)
+
+
+def scatter(off: ArrayLike) -> str:
+    """Mean and root mean square of deviations, as a cell of a table."""
+    off = np.asarray(off)
+    return f"{off.mean():+.3f}, {np.sqrt(np.mean(off**2)):.3f}"
+
+
+def scatter_cells(marks: DataFrame, parameter: str, curves: Mapping[str, Curve]) -> dict[str, str]:
+    """Deviation of marks from each of some curves, as cells of a table.  parameter: the column with nabla2."""
+    return {name: scatter(marks["limit"] - curve(marks[parameter])) for name, curve in curves.items()}
 
 
 # -- Fig. 5 -----------------------------------------------------------------------------------------------------------
 
 
+def wave_tasks(plan: Plan) -> list[Task]:
+    """The runs of Fig. 5: each M, L smooth by the radial method, and with the waves on both grids."""
+    return [runs.radial_run(plan, case) for case in plan.impacts] + runs.listed(runs.wave_runs(plan))
+
+
 def deformed_waves(results: Results, plan: Plan) -> Drawn:
     """Fig. 5: dH(X, 0)/A_i at maximum impact, inside and outside the contact."""
-    (M, L), nodes = plan.waves.shown, plan.waves.grids[1]
-    wavelengths = plan.waves.impacts[M, L]
-    fine = results[runs.waves_task(plan, (M, L), nodes).name]
-    edge = float(fronts.front(results[runs.radial_task(M, L, plan).name]).A[-1])
+    (M, L), nodes = plan.shown, plan.impact_grids[1]
+    wavelengths = plan.impacts[M, L]
+    fine = results[runs.wave_runs(plan)[M, L][1].name]
+    edge = float(fronts.front(results[runs.radial_run(plan, (M, L)).name]).A[-1])
     figure, panels = new_figure(len(wavelengths), 1)
     figure.set_size_inches(8.0, 2.4 * len(wavelengths))
     columns, rows = {"X": fine["X"].values, "H": fine["H"].values}, []
     for wavelength, axes in zip(wavelengths, panels, strict=True):
-        response = fine.sel(wave=runs.wave_name("isotropic", HEIGHT, wavelength))
-        wave = waves.last_wave(response["X"].values, response["dH"].values, edge)
-        _draw_waves(axes, response, wave, edge)
-        axes.set_ylabel(f"$\\Lambda$ = {wavelength:g}")
-        columns[f"dH/A_i, wavelength {wavelength:g}"] = response["dH"].values
-        rows.append({"wavelength (a*)": f"{wavelength:g}", "X": f"{wave.X:.3f}", "A_d/A_i": f"{wave.amplitude:.3f}"})
+        X, dH = response(fine, "isotropic", wavelength)
+        wave = waves.last_wave(X, dH, edge)
+        shape = -fine["shape"].sel(wave=wave_name("isotropic", HEIGHT, wavelength))
+        axes.plot(X, shape, color=plots.GREY, linewidth=0.7, linestyle=":", label="undeformed: $-\\mathcal{R}/A_i$")
+        axes.plot(X, dH, color=plots.BLUE, label="$dH/A_i$")
+        axes.axvspan(wave.start, wave.end, color=plots.ORANGE, alpha=0.2, label="last complete wave")
+        for side in (-edge, edge):
+            axes.axvline(side, color="black", linewidth=0.7)
+        axes.set(xlim=(-runs.HALF_WIDTH, runs.HALF_WIDTH), ylim=(-1.15, 1.15), ylabel=f"$\\Lambda$ = {wavelength:g}")
+        columns[f"dH/A_i, wavelength {wavelength:g}"] = dH
+        rows.append({"wavelength": wavelength, **wave._asdict()})
     panels[0].legend(loc="lower left", frameon=True, fontsize="x-small", ncols=3)
     panels[-1].set_xlabel("$X$ ($a^*$)")
     caption = (
@@ -59,150 +185,114 @@ def deformed_waves(results: Results, plan: Plan) -> Drawn:
         "minimum film.  The deformation of the waves rises with their distance from the centre and with their "
         "wavelength, and the waves are shifted outwards.  Outside the contact they keep their amplitude."
     )
-    tables = {f"Last complete waves, {nodes} nodes per side": DataFrame(rows)}
+    cells = {"wavelength (a*)": "{wavelength:g}", "X": "{X:.3f}", "A_d/A_i": "{amplitude:.3f}"}
+    tables = {f"Last complete waves, {nodes} nodes per side": texts(DataFrame(rows), cells)}
     return Drawn(figure, caption, {"dH": DataFrame(columns)}, tables)
-
-
-def _draw_waves(axes: Axes, response: xr.Dataset, wave: waves.Wave, edge: float) -> None:
-    X, shape = response["X"].values, -response["shape"].values
-    axes.plot(X, shape, color=plots.GREY, linewidth=0.7, linestyle=":", label="undeformed: $-\\mathcal{R}/A_i$")
-    axes.plot(X, response["dH"].values, color=plots.BLUE, label="$dH/A_i$")
-    axes.axvspan(wave.start, wave.end, color=plots.ORANGE, alpha=0.2, label="last complete wave")
-    for side in (-edge, edge):
-        axes.axvline(side, color="black", linewidth=0.7)
-    axes.set(xlim=(-runs.HALF_WIDTH, runs.HALF_WIDTH), ylim=(-1.15, 1.15))
 
 
 # -- Fig. 6 -----------------------------------------------------------------------------------------------------------
 
 
-class Dot(NamedTuple):
-    """One wave in an impact.  local: nabla2 by the speed of the front, for FILM, HALF_HERTZ and DRY."""
-
-    mark: Mark
-    local: Mapping[str, float]
-    last: bool
+def tasks(plan: Plan) -> list[Task]:
+    """The runs of Fig. 6."""
+    return wave_tasks(plan) + runs.listed(runs.check_runs(plan), runs.rolling_runs(plan), runs.twin_runs(plan))
 
 
-class Twin(NamedTuple):
-    """An impact's wave, and rolling at the parameters of the front as it passed there."""
-
-    impact: Mark
-    nabla2: float
-    rolling: Extrapolated
-
-
-@dataclass(frozen=True)
-class Ratios:
-    """The content of Fig. 6.  fitted: the curve of the form of (15) through the rolling contacts."""
-
-    impacts: list[Dot]
-    rolled: list[Mark]
-    twins: list[Twin]
-    fitted: waves.Reduction
-
-    @property
-    def last(self) -> list[Dot]:
-        """The last complete waves."""
-        return [dot for dot in self.impacts if dot.last]
-
-    @property
-    def inner(self) -> list[Dot]:
-        """The waves further in, as far as there was a front."""
-        return [dot for dot in self.impacts if not dot.last and dot.mark.X > FORMED]
-
-
-def find_ratios(results: Results, plan: Plan) -> Ratios:
-    """The ratios of impacts, of rolling contacts and of the rolling twins."""
-    impacts = [dot for case in plan.waves.impacts for dot in _dots(results, plan, case)]
-    rolled = list(_rolled(results, plan))
-    errors = [max(mark.ratio.error, SMALLEST_ERROR) for mark in rolled]
-    fitted = waves.fit_reduction([mark.local for mark in rolled], [mark.ratio.limit for mark in rolled], errors)
-    return Ratios(impacts, rolled, list(_twins([dot.mark for dot in impacts], results, plan)), fitted)
-
-
-def _dots(results: Results, plan: Plan, case: Moes) -> Iterator[Dot]:
-    """Each complete wave inside the contact, from the centre outwards."""
-    smooth = results[runs.radial_task(*case, plan).name]
-    front, by_pressure = fronts.front(smooth), fronts.front(smooth, "half-hertz")
-    grids = Grids(*(results[runs.waves_task(plan, case, nodes).name] for nodes in plan.waves.grids))
-    p = Parameters.from_moes(*case)
-    for wavelength in plan.waves.impacts[case]:
-        inside = [waves.waves(X, dH, float(front.A[-1])) for X, dH in grids.responses("isotropic", wavelength)]
-        pairs = list(zip(*(on_a_grid[::-1] for on_a_grid in inside), strict=False))  # from the edge inwards
-        for number, (coarse, fine) in reversed(list(enumerate(pairs))):
-            ratio = Extrapolated(coarse.amplitude, fine.amplitude)
-            mark = ratios.impact_mark("impact", case, wavelength, fine.X, ratio, front)
-            speeds = {HALF_HERTZ: by_pressure.speed_at(fine.X), DRY: hertz.front_speed(fine.X)}
-            others = {name: float(waves.local_nabla2(p, wavelength, speed)) for name, speed in speeds.items()}
-            yield Dot(mark, {FILM: mark.local, **others}, last=number == 0)
+def _impacts(results: Results, plan: Plan) -> Iterator[Mark]:
+    """Each complete wave inside the contact, from the centre outwards, with nabla2 by other speeds of the front."""
+    for case, grids in found(results, runs.wave_runs(plan)).items():
+        p, run = Parameters.from_moes(*case), results[runs.radial_run(plan, case).name]
+        front, by_pressure = fronts.front(run), fronts.front(run, "half-hertz")
+        for wavelength in plan.impacts[case]:
+            inside = [waves.waves(*response(grid, "isotropic", wavelength), float(front.A[-1])) for grid in grids]
+            pairs = list(zip(*(on_a_grid[::-1] for on_a_grid in inside), strict=False))  # from the edge inwards
+            for number, (coarse, fine) in reversed(list(enumerate(pairs))):
+                mark = impact_mark("impact", case, wavelength, fine.X, (coarse.amplitude, fine.amplitude), front)
+                speeds = by_pressure.speed_at(fine.X), hertz.front_speed(fine.X)
+                others = [float(waves.local_nabla2(p, wavelength, speed)) for speed in speeds]
+                yield {**mark, "last": int(number == 0), **dict(zip(SPEEDS[1:], others, strict=True))}
 
 
 def _rolled(results: Results, plan: Plan) -> Iterator[Mark]:
     """The rolling contacts."""
-    for case, wavelengths in plan.waves.rolling.items():
-        grids = [results[runs.rolling_task(plan, case, nodes).name] for nodes in plan.waves.rolling_grids]
-        for wavelength, coarse, fine in zip(wavelengths, *grids, strict=True):
-            yield ratios.rolling_mark("rolling", case, wavelength, Extrapolated(coarse, fine))
+    for case, grids in found(results, runs.rolling_runs(plan)).items():
+        for wavelength, *ratio in zip(plan.rolling[case], *grids, strict=True):
+            yield rolling_mark("rolling", case, wavelength, ratio)
 
 
-def _twins(impacts: Sequence[Mark], results: Results, plan: Plan) -> Iterator[Twin]:
+def _twins(impacts: DataFrame, results: Results, plan: Plan) -> Iterator[Mark]:
     """The rolling twins, each with the wave of the impact that is nearest to its place."""
-    for twin in plan.waves.twins:
-        *case, X = twin
-        nearest = min((mark for mark in impacts if mark.case == tuple(case)), key=lambda mark: abs(mark.X - X))
-        (_, coarse), (nabla2, fine) = (results[runs.twin_task(twin, nodes).name] for nodes in plan.waves.twin_grids)
-        yield Twin(nearest, nabla2, Extrapolated(coarse, fine))
+    for (M, L, wavelength, X), ((_, coarse), (nabla2, fine)) in found(results, runs.twin_runs(plan)).items():
+        of_case = impacts[(impacts["M"] == M) & (impacts["L"] == L) & (impacts["wavelength"] == wavelength)]
+        nearest = of_case.loc[(of_case["X"] - X).abs().idxmin()].to_dict()
+        rolling = {f"rolling_{name}": value for name, value in extrapolated(coarse, fine).items()}
+        yield {**nearest, "nabla2": nabla2, **rolling, "off": nearest["limit"] - rolling["rolling_limit"]}
 
 
 def reduction(results: Results, plan: Plan) -> Drawn:
     """Fig. 6: A_d/A_i of impact and of rolling against the local and the global nabla2, and the curve (15)."""
-    content = find_ratios(results, plan)
-    fitted = f"1/(1 + {content.fitted.linear:.3f} nabla2 + {content.fitted.quadratic:.4f} nabla2^2)"
+    impacts, rolled = DataFrame(_impacts(results, plan)), DataFrame(_rolled(results, plan))
+    twins = DataFrame(_twins(impacts, results, plan))
+    fitted = waves.fit_reduction(rolled["local"], rolled["limit"], np.maximum(rolled["error"], SMALLEST_ERROR))
     caption = (
         "Amplitude reduction.  Dots: last complete wave inside the contact at maximum impact, extrapolated from grids "
-        f"of {plan.waves.grids[0]} and {plan.waves.grids[1]} nodes per side for a method of second order; the error "
+        f"of {plan.impact_grids[0]} and {plan.impact_grids[1]} nodes per side for a method of second order; the error "
         "bar reaches to the limit of a method of first order.  Horizontal bars on the left: range of nabla2 for three "
-        f"speeds of the front at that place (front defined by the {FILM}, by {HALF_HERTZ}, and exact dry law).  "
-        "Squares: rolling over the same waviness, at the centre of the contact, to first order in its height, "
-        f"extrapolated from {plan.waves.rolling_grids[0]} and {plan.waves.rolling_grids[1]} nodes per side.  "
+        "speeds of the front at that place (front defined by the minimum film, by half the Hertz pressure, and exact "
+        "dry law).  Squares: rolling over the same waviness, at the centre of the contact, to first order in its "
+        f"height, extrapolated from {plan.rolling_grids[0]} and {plan.rolling_grids[1]} nodes per side.  "
         "Solid line: eq. (15).  "
         "Grey: transverse waviness in a line contact, 1/(1 + 0.17 n + 0.03 n^2) of 1997 (dashed) and a later fit, "
         "1/(1 + 0.125 n + 0.04 n^2) (dotted), n = 0.608 nabla2.  "
-        f"Dash-dotted: {fitted}, fitted to the squares.  Right: nabla2 with radius and pressure of the Hertz "
+        f"Dash-dotted: 1/(1 + {fitted.linear:.3f} nabla2 + {fitted.quadratic:.4f} nabla2^2), fitted to the squares.  "
+        "Right: nabla2 with radius and pressure of the Hertz "
         "contact at the moment when the front passed, lambda_bar v/A^4, alpha_bar A, wavelength/A.  Crosses: rolling "
         "at exactly these parameters."
     )
+    last, inner = impacts[impacts["last"] == 1], impacts[(impacts["last"] == 0) & (impacts["X"] > FORMED)]
+    by_15 = amplitude_reduction.ratio_left
     tables = {
-        "Impact: last complete waves": DataFrame(
-            {**dot.mark.cells_of_place(), "(15) of local": _by_15(dot.mark.local)} for dot in content.last
+        "Impact: last complete waves": texts(
+            last.assign(by_15=by_15(last["local"])), {**PLACE, "(15) of local": "{by_15:.3f}"}
         ),
-        "A_d/A_i minus the curve: mean, root mean square": _scatter_table(content),
-        "Rolling at the parameters of the front": _twins_table(content.twins),
-        "Rolling": DataFrame(
-            {**m.cells(), "nabla2": f"{m.local:.2f}", **m.ratio.cells(), "(15)": _by_15(m.local)}
-            for m in content.rolled
+        "A_d/A_i minus the curve: mean, root mean square": _scatter_table(last, inner, rolled, fitted),
+        "Rolling at the parameters of the front": _twins_table(twins),
+        "Rolling": texts(
+            rolled.assign(by_15=by_15(rolled["local"])),
+            {**WAVE, "nabla2": "{local:.2f}", **RATIO, "(15)": "{by_15:.3f}"},
         ),
         **_checks(results, plan),
     }
-    return Drawn(_draw(content), caption, {"impact": _impact_data(content), "rolling": _rolling_data(content)}, tables)
+    numbers = ["coarse", "fine", "limit", "error"]
+    named = impacts.rename(columns={"local": "local, minimum film"})
+    waves_data = named[
+        ["M", "L", "wavelength", "X", "last", "everywhere", "hertz", *numbers, "local, minimum film", *SPEEDS[1:]]
+    ]
+    rolling_data = rolled.rename(columns={"local": "nabla2"})[["M", "L", "wavelength", "nabla2", *numbers]]
+    figure = _draw(last, inner, rolled, twins, fitted)
+    return Drawn(figure, caption, {"impact": waves_data, "rolling": rolling_data}, tables)
 
 
-def _draw(content: Ratios) -> Figure:
+def _draw(last: DataFrame, inner: DataFrame, rolled: DataFrame, twins: DataFrame, fitted: waves.Reduction) -> Figure:
     figure, (left, middle, right) = new_figure(1, 3)
-    rolled = [mark.local for mark in content.rolled], [mark.ratio.limit for mark in content.rolled]
-    bars = [mark.ratio.error for mark in content.rolled]
-    for axes in (left, middle, right):
-        ratios.draw_curves(axes)
-        ratios.draw_fit(axes, content.fitted.ratio(ratios.RANGE), "-.", "fitted to the squares")
-        axes.errorbar(*rolled, bars, fmt="s", color="black", markerfacecolor="white", capsize=2, label="rolling")
-    _draw_dots(left, content.last, lambda dot: dot.mark.local, ranges=True)
-    _draw_dots(middle, content.last, lambda dot: dot.mark.everywhere)
-    _draw_dots(right, content.last, lambda dot: dot.mark.hertz)
-    further = [dot.mark.hertz for dot in content.inner], [dot.mark.ratio.limit for dot in content.inner]
-    crosses = [twin.nabla2 for twin in content.twins], [twin.rolling.limit for twin in content.twins]
-    handles = right.plot(*further, ".", color=plots.GREY, markersize=3, label="impact, waves further in")
-    handles += right.plot(*crosses, "x", color=plots.BLUE, label="rolling, parameters of the front")
+    squares: dict[str, Any] = {
+        "fmt": "s",
+        "color": "black",
+        "markerfacecolor": "white",
+        "capsize": 2,
+        "label": "rolling",
+    }
+    for axes, parameter in ((left, "local"), (middle, "everywhere"), (right, "hertz")):
+        draw_curves(axes)
+        draw_fit(axes, fitted.ratio(RANGE), "-.", "fitted to the squares")
+        axes.errorbar(rolled["local"], rolled["limit"], rolled["error"], **squares)
+        _draw_dots(axes, last, parameter)
+    handles = right.plot(
+        inner["hertz"], inner["limit"], ".", color=plots.GREY, markersize=3, label="impact, waves further in"
+    )
+    handles += right.plot(
+        twins["nabla2"], twins["rolling_limit"], "x", color=plots.BLUE, label="rolling, parameters of the front"
+    )
     left.set_xlabel("local $\\nabla_2$, $\\bar\\lambda v$")
     middle.set_xlabel("global $\\nabla_2$ (rolling: its own)")
     right.set_xlabel("local $\\nabla_2$ with the momentary Hertz contact")
@@ -211,85 +301,43 @@ def _draw(content: Ratios) -> Figure:
     return figure
 
 
-def _draw_dots(axes: Axes, dots: Sequence[Dot], nabla2: Callable[[Dot], float], ranges: bool = False) -> None:
-    """Draw dots with error bars, one colour and marker for each (M, L); ranges: with horizontal bars for the speeds."""
-    cases = list(dict.fromkeys(dot.mark.case[:2] for dot in dots))
-    shades = plots.ORDERED_COLOURS(np.linspace(0.95, 0.0, len(cases)))
-    for case, colour, marker in zip(cases, shades, "ovD^P*<>", strict=False):
-        of_case = [dot for dot in dots if dot.mark.case[:2] == case]
-        place, limit = [nabla2(dot) for dot in of_case], [dot.mark.ratio.limit for dot in of_case]
-        bar, label = [dot.mark.ratio.error for dot in of_case], "impact, M = {:g}, L = {:g}"
-        ends = [
-            (x - min(dot.local.values()), max(dot.local.values()) - x) for x, dot in zip(place, of_case, strict=True)
-        ]
-        across = np.array(ends).T if ranges else None
+def _draw_dots(axes: Axes, dots: DataFrame, parameter: str) -> None:
+    """Draw dots with error bars, one colour and marker for each M, L; over "local" with bars for the three speeds."""
+    groups = dots.groupby(["M", "L"], sort=False)
+    shades = plots.ORDERED_COLOURS(np.linspace(0.95, 0.0, len(groups)))
+    for ((M, L), of_case), colour, marker in zip(groups, shades, MARKERS, strict=False):
+        place, speeds = of_case[parameter], of_case[SPEEDS]
+        across = [place - speeds.min(axis=1), speeds.max(axis=1) - place] if parameter == "local" else None
+        label = f"impact, M = {M:g}, L = {L:g}"
         axes.errorbar(
-            place, limit, bar, across, fmt=marker, color=colour, label=label.format(*case), capsize=2, elinewidth=0.8
-        )
+            place, of_case["limit"], of_case["error"], across,
+            fmt=marker, color=colour, label=label, capsize=2, elinewidth=0.8,
+        )  # fmt: skip
 
 
-def _by_15(nabla2: float) -> str:
-    return f"{float(amplitude_reduction.ratio_left(nabla2)):.3f}"
-
-
-def _impact_data(content: Ratios) -> DataFrame:
-    return DataFrame(
-        {
-            **{name: getattr(dot.mark, name) for name in ("M", "L", "wavelength", "X")},
-            "last": int(dot.last),
-            "everywhere": dot.mark.everywhere,
-            "hertz": dot.mark.hertz,
-            **dot.mark.ratio.columns(),
-            **{f"local, {name}": nabla2 for name, nabla2 in dot.local.items()},
-        }
-        for dot in content.impacts
-    )
-
-
-def _rolling_data(content: Ratios) -> DataFrame:
-    return DataFrame(
-        {"M": m.M, "L": m.L, "wavelength": m.wavelength, "nabla2": m.local, **m.ratio.columns()} for m in content.rolled
-    )
-
-
-PARAMETERS: Mapping[str, Callable[[Dot], float]] = {
-    f"local nabla2, speed by {FILM}": lambda dot: dot.local[FILM],
-    f"local nabla2, speed by {HALF_HERTZ}": lambda dot: dot.local[HALF_HERTZ],
-    f"local nabla2, speed by {DRY}": lambda dot: dot.local[DRY],
-    "local nabla2, momentary Hertz contact": lambda dot: dot.mark.hertz,
-    "global nabla2": lambda dot: dot.mark.everywhere,
-}
-
-
-def _scatter_table(content: Ratios) -> DataFrame:
+def _scatter_table(last: DataFrame, inner: DataFrame, rolled: DataFrame, fitted: waves.Reduction) -> DataFrame:
     """Deviation of impact and rolling from the curves, for each parameter."""
-    isotropic = amplitude_reduction.ratio_left
-    curves = {"isotropic (15)": isotropic, **ratios.LINE_CONTACT, "fitted to rolling": content.fitted.ratio}
+    curves = {"isotropic (15)": amplitude_reduction.ratio_left, **LINE_CONTACT, "fitted to rolling": fitted.ratio}
     rows = []
-    for name, chosen in {"last waves": content.last, f"waves further in, X > {FORMED:g}": content.inner}.items():
-        dots = [dot for dot in chosen if np.isfinite(list(dot.local.values())).all()]
-        for kind, nabla2 in PARAMETERS.items() if dots else ():
-            cells = scatter_cells([dot.mark for dot in dots], [nabla2(dot) for dot in dots], curves)
+    for name, chosen in {"last waves": last, FURTHER_IN: inner}.items():
+        dots = chosen[np.isfinite(chosen[SPEEDS]).all(axis=1)]
+        for kind, parameter in PARAMETERS.items() if len(dots) else ():
+            cells = scatter_cells(dots, parameter, curves)
             rows.append({"parameter": f"impact, {name} ({len(dots)}), {kind}", **cells})
-    cells = scatter_cells(content.rolled, [mark.local for mark in content.rolled], curves)
-    return DataFrame([*rows, {"parameter": "rolling", **cells}])
+    return DataFrame([*rows, {"parameter": "rolling", **scatter_cells(rolled, "local", curves)}])
 
 
-def _twins_table(twins: Sequence[Twin]) -> DataFrame:
-    rows = [
-        {
-            **twin.impact.cells(),
-            "X": f"{twin.impact.X:.3f}",
-            "nabla2": f"{twin.nabla2:.2f}",
-            "impact at X": twin.impact.ratio.text(),
-            "rolling": twin.rolling.text(),
-            "impact minus rolling": f"{twin.impact.ratio.limit - twin.rolling.limit:+.3f}",
-        }
-        for twin in twins
-    ]
-    off = ratios.scatter([twin.impact for twin in twins], [twin.rolling.limit for twin in twins])
-    total = {"M": "mean, root mean square", "impact minus rolling": off}
-    return DataFrame([*rows, total]).fillna("")
+def _twins_table(twins: DataFrame) -> DataFrame:
+    cells = {
+        **WAVE,
+        "X": "{X:.3f}",
+        "nabla2": "{nabla2:.2f}",
+        "impact at X": "{limit:.3f} ± {error:.3f}",
+        "rolling": "{rolling_limit:.3f} ± {rolling_error:.3f}",
+        "impact minus rolling": "{off:+.3f}",
+    }
+    total = DataFrame([{"M": "mean, root mean square", "impact minus rolling": scatter(twins["off"])}])
+    return concat([texts(twins, cells), total]).fillna("")
 
 
 # -- checks -----------------------------------------------------------------------------------------------------------
@@ -297,39 +345,33 @@ def _twins_table(twins: Sequence[Twin]) -> DataFrame:
 
 def _checks(results: Results, plan: Plan) -> dict[str, DataFrame]:
     """Title -> table of each check."""
-    done = {name: results[task.name] for name, task in runs.check_tasks(plan).items()}
-    (M, L), nodes = plan.waves.shown, plan.waves.grids[0]
-    shortest = plan.waves.impacts[M, L][0]
-    by_height = {"0: tangent-linear": _last_ratio(done["linear"], HEIGHT, shortest)}
-    by_height |= {f"{height:g}": _last_ratio(done["heights"], height, shortest) for height in runs.CHECKED}
-    usual = results[runs.waves_task(plan, (M, L), nodes).name]
+    done = {name: run for name, [run] in found(results, runs.check_runs(plan)).items()}
+    (M, L), nodes = plan.shown, plan.impact_grids[0]
+    shortest = plan.impacts[M, L][0]
+    by_height = {"0: tangent-linear": _last_ratio(done["linear"], shortest)}
+    by_height |= {f"{height:g}": _last_ratio(done["heights"], shortest, height) for height in runs.CHECKED}
+    usual = results[runs.wave_runs(plan)[M, L][0].name]
     steps = [
         {
             "run": f"impact, M = {M:g}, L = {L:g}, wavelength {wavelength:g}, {nodes} nodes",
-            "A_d/A_i, usual steps": f"{_last_ratio(usual, HEIGHT, wavelength):.4f}",
-            f"{runs.SHORTER} times as many": f"{_last_ratio(done['steps'], HEIGHT, wavelength):.4f}",
+            "A_d/A_i, usual steps": f"{_last_ratio(usual, wavelength):.4f}",
+            f"{runs.SHORTER} times as many": f"{_last_ratio(done['steps'], wavelength):.4f}",
         }
-        for wavelength in plan.waves.impacts[M, L]
+        for wavelength in plan.impacts[M, L]
     ]
+    rolling = "M = {:g}, L = {:g}, wavelength {:g}, {} nodes".format(*plan.marched)
+    [without_steps], by_steps = done["not marched"], f"time steps of one cell, A_i = {HEIGHT:g} of the film scale"
+    computed = {"without time steps, to first order": without_steps, by_steps: done["marched"]}
     return {
         f"Height of the waves: M = {M:g}, L = {L:g}, wavelength {shortest:g}, {nodes} nodes": DataFrame(
             {"A_i / sqrt(L/M)": height, "A_d/A_i": f"{ratio:.4f}"} for height, ratio in by_height.items()
         ),
         "Time steps": DataFrame(steps),
-        "Rolling with and without time steps": _by_marching(results, done["marched"], plan),
+        "Rolling with and without time steps": DataFrame(
+            {"rolling": rolling, "computed": how, "A_d/A_i": f"{ratio:.4f}"} for how, ratio in computed.items()
+        ),
     }
 
 
-def _last_ratio(run: xr.Dataset, height: float, wavelength: float) -> float:
-    response = run.sel(wave=runs.wave_name("isotropic", height, wavelength))
-    return waves.last_wave(response["X"].values, response["dH"].values, EDGE).amplitude
-
-
-def _by_marching(results: Results, marched: float, plan: Plan) -> DataFrame:
-    M, L, wavelength, nodes = plan.waves.marched
-    wavelengths = runs.rolled_wavelengths(plan, (M, L), nodes)
-    linear = results[runs.rolling_task(plan, (M, L), nodes).name][wavelengths.index(wavelength)]
-    run = f"M = {M:g}, L = {L:g}, wavelength {wavelength:g}, {nodes} nodes"
-    steps = f"time steps of one cell, A_i = {HEIGHT:g} of the film scale"
-    computed = {"without time steps, to first order": linear, steps: marched}
-    return DataFrame({"rolling": run, "computed": how, "A_d/A_i": f"{ratio:.4f}"} for how, ratio in computed.items())
+def _last_ratio(run: xr.Dataset, wavelength: float, height: float = HEIGHT) -> float:
+    return waves.last_wave(*response(run, "isotropic", wavelength, height), EDGE).amplitude

@@ -1,44 +1,24 @@
-"""The runs of the paper's figures: impacts and rolling contacts, smooth and over waves.
+"""The runs of the paper's figures: impacts and rolling contacts, smooth, over waves and on layers of oil.
 
-Each function that makes a `Task` stands for one run: figures list the tasks that they need, and find the result of a
-task by its name.
+A figure names its runs by what they are about: M and L, an oil, a shape, each with a `Task` for each grid.  It lists
+them before they are done, and finds their results by the same names.  This module imports no matplotlib: every process
+that computes runs imports it.
 """
 
 from collections.abc import Callable, Mapping, Sequence
 from math import ceil, inf
-from typing import Any, Literal
+from typing import Any, TypeVar
 
 import numpy as np
 import xarray as xr
 from scipy.interpolate import CubicSpline
 
-from ertel import (
-    Case,
-    Feature,
-    Parameters,
-    RingWaviness,
-    Waviness,
-    fronts,
-    parse_case,
-    respond,
-    respond_in_rolling,
-    respond_linearly,
-    simulate,
-    waves,
-)
-from ertel.apps.boundary_layers.plans import (
-    LOADS,
-    SHOWN_LOAD,
-    L,
-    Moes,
-    Plan,
-    Wavelengths,
-    impact_seconds,
-    marching_seconds,
-    rolling_seconds,
-)
+import ertel
+from ertel import Case, RingWaviness, Waviness, fronts, parse_case, waves
+from ertel.apps.boundary_layers.plans import SHOWN_LOAD, L, Moes, Plan, Wavelengths
 from ertel.runs.tasks import Task
 
+Key = TypeVar("Key")
 Results = Mapping[str, Any]  # task name -> result
 Wave = tuple[str, float, float]  # key of SHAPES, height A_i in units of the trapped film, wavelength (a*)
 
@@ -61,6 +41,18 @@ OILS: Mapping[str, Mapping[str, str]] = {  # the section [lubricant] of a case f
     "Barus, incompressible": {"viscosity": "barus", "density": "incompressible"},
     SOFT: {"viscosity": "isoviscous", "density": "incompressible"},
 }
+LAYERS = (0.25, 0.5, 0.7, 1.0, 1.5, 2.0, 4.0)  # of oil, over that in the centre of the flooded contact
+LAYERS_HALF_WIDTH = 3.0  # a*, of the impacts on layers: the thickest one leaves the edge dry
+
+
+def listed(*runs: Mapping[Any, Sequence[Task]]) -> list[Task]:
+    """All tasks of some runs."""
+    return [task for each in runs for tasks in each.values() for task in tasks]
+
+
+def found(results: Results, runs: Mapping[Key, Sequence[Task]]) -> dict[Key, list[Any]]:
+    """The results of some runs, by their names."""
+    return {key: [results[task.name] for task in tasks] for key, tasks in runs.items()}
 
 
 # -- impacts ----------------------------------------------------------------------------------------------------------
@@ -72,44 +64,27 @@ def smooth_impact(M: float, L: float, solver: Mapping[str, Any], interval: float
     solver: the section [solver] of a case file.  interval: between maps (t0).  Raises RuntimeError where the run fails.
     """
     source = {"contact": {"M": M, "L": L}, "solver": dict(solver), "output": {"interval": interval}}
-    return _completed(parse_case(source), f"M = {M}, L = {L}")
+    return _completed(parse_case(source), f"M = {M}, L = {L}").dataset
 
 
-def _completed(case: Case, name: str) -> xr.Dataset:
-    result = simulate(case)
+def _completed(case: Case, name: str) -> ertel.Result:
+    result = ertel.simulate(case)
     if not result.status.ok:
         raise RuntimeError(f"{name}: {result.status.value}; {result.status.advice}")
-    return result.dataset
+    return result
 
 
-def radial_task(M: float, L: float, plan: Plan) -> Task:
+def radial_run(plan: Plan, case: Moes) -> Task:
     """A smooth impact by the radial method."""
-    nodes = plan.smooth.radial_nodes
-    solver = {"method": "radial", "nodes": nodes, "half_width": 4.0}
-    arguments = float(M), float(L), solver, INTERVAL
-    return Task(f"smooth_M{M:g}_L{L:g}_{nodes}", smooth_impact, arguments, plan.smooth.radial_seconds)
+    solver = {"method": "radial", "nodes": plan.radial_nodes, "half_width": 4.0}
+    arguments = float(case[0]), float(case[1]), solver, INTERVAL
+    return Task(f"smooth_{_moes(case)}_{plan.radial_nodes}", smooth_impact, arguments, plan.radial_seconds)
 
 
-def radial_tasks(plan: Plan) -> list[Task]:
-    """The smooth impacts of Figs. 1, 2 and 4."""
-    return [radial_task(M, L, plan) for M in LOADS]
-
-
-def radial_runs(results: Results, plan: Plan) -> dict[int, xr.Dataset]:
-    """M -> smooth impact by the radial method."""
-    return {M: results[task.name] for M, task in zip(LOADS, radial_tasks(plan), strict=True)}
-
-
-def plane_task(plan: Plan) -> Task:
+def plane_run(plan: Plan) -> Task:
     """One of the smooth impacts by the 2-D method."""
-    nodes = plan.smooth.plane_nodes
-    arguments = SHOWN_LOAD, L, {"nodes": nodes, "half_width": plan.smooth.plane_half_width}, NO_MAPS
-    return Task(f"smooth_2d_M{SHOWN_LOAD}_{nodes}", smooth_impact, arguments, plan.smooth.plane_seconds)
-
-
-def smooth_tasks(plan: Plan) -> list[Task]:
-    """The smooth impacts by the radial method, and the one by the 2-D method."""
-    return [*radial_tasks(plan), plane_task(plan)]
+    arguments = SHOWN_LOAD, L, {"nodes": plan.plane_nodes, "half_width": plan.plane_half_width}, NO_MAPS
+    return Task(f"smooth_2d_M{SHOWN_LOAD}_{plan.plane_nodes}", smooth_impact, arguments, plan.plane_seconds)
 
 
 def wavy_impact(
@@ -144,8 +119,10 @@ def wavy_impact(
     time = {"start_approach": START, "tolerance": STEP_ERROR / finer}
     case = parse_case({"contact": {"M": M, "L": L}, "lubricant": OILS[oil], "solver": solver, "time": time})
     heights = [height * case.parameters.trapped_film for _, height, _ in shapes]
-    features = [[Feature(SHAPES[shape](A, length))] for A, (shape, _, length) in zip(heights, shapes, strict=True)]
-    data = (respond_linearly if linear else respond)(case, features)
+    features = [
+        [ertel.Feature(SHAPES[shape](A, length))] for A, (shape, _, length) in zip(heights, shapes, strict=True)
+    ]
+    data = (ertel.respond_linearly if linear else ertel.respond)(case, features)
     if data.attrs["status"] != "converged":
         raise RuntimeError(f"M = {M}, L = {L}, {oil}, {nodes} nodes: {data.attrs['status']}")
     scale, X, Y = xr.DataArray(heights, dims="wave"), data["X"].values, data["Y"].values
@@ -164,7 +141,7 @@ def wave_name(shape: str, height: float, wavelength: float) -> str:
     return f"{shape}, height {height:g}, wavelength {wavelength:g}"
 
 
-def _moes(case: Moes) -> str:
+def _moes(case: Sequence[float]) -> str:
     return f"M{case[0]:g}_L{case[1]:g}"
 
 
@@ -172,45 +149,70 @@ def _isotropic(wavelengths: Wavelengths) -> tuple[Wave, ...]:
     return tuple(("isotropic", HEIGHT, wavelength) for wavelength in wavelengths)
 
 
-def _impact_task(name: str, case: Moes, shapes: Sequence[Wave], nodes: int, *options: Any) -> Task:
-    seconds = impact_seconds(len(shapes) + 1, nodes)
-    return Task(f"{name}_{nodes}", wavy_impact, (*case, tuple(shapes), nodes, *options), seconds)
+def _on_grids(
+    name: str,
+    function: Callable[..., Any],
+    arguments: Sequence[Any],
+    grids: Sequence[int],
+    seconds: float,
+    start: float = 5.0,
+    options: tuple[Any, ...] = (),
+) -> list[Task]:
+    """A run on each grid.  seconds: that it takes on 513 nodes after the start (measured, one core)."""
+    return [
+        Task(f"{name}_{nodes}", function, (*arguments, nodes, *options), start + seconds * (nodes / 513) ** 2)
+        for nodes in grids
+    ]
 
 
-def waves_task(plan: Plan, case: Moes, nodes: int) -> Task:
-    """An impact over the isotropic waves of Figs. 5 and 6."""
-    return _impact_task(f"waves_{_moes(case)}", case, _isotropic(plan.waves.impacts[case]), nodes)
+def _impacts(name: str, case: Moes, shapes: Sequence[Wave], grids: Sequence[int], *options: Any) -> list[Task]:
+    seconds = 18.0 * (len(shapes) + 1)  # in lockstep with the smooth impact
+    return _on_grids(name, wavy_impact, (*case, tuple(shapes)), grids, seconds, options=options)
 
 
-def waves_tasks(plan: Plan) -> list[Task]:
-    """For each M, L: the smooth impact by the radial method, and the waves on both grids."""
-    tasks = [radial_task(*case, plan) for case in plan.waves.impacts]
-    return tasks + [waves_task(plan, case, nodes) for case in plan.waves.impacts for nodes in plan.waves.grids]
-
-
-def check_tasks(plan: Plan) -> dict[str, Task]:
-    """The checks on the coarse grid: other heights of the waves, the tangent-linear response, shorter time steps."""
-    case, nodes = plan.waves.shown, plan.waves.grids[0]
-    usual = _isotropic(plan.waves.impacts[case])
-    others = [("isotropic", height, plan.waves.impacts[case][0]) for height in CHECKED]
-    seconds = marching_seconds(plan.waves.marched[-1])
+def wave_runs(plan: Plan) -> dict[Moes, list[Task]]:
+    """The impacts over the isotropic waves of Figs. 5 and 6."""
     return {
-        "heights": _impact_task("waves_heights", case, others, nodes),
-        "linear": _impact_task("waves_linear", case, usual[:1], nodes, USUAL, True),
-        "steps": _impact_task("waves_steps", case, usual, nodes, USUAL, False, SHORTER**3),
-        "marched": Task(f"waves_marched_{nodes}", marched_rolling, plan.waves.marched, seconds),
+        case: _impacts(f"waves_{_moes(case)}", case, _isotropic(lengths), plan.impact_grids)
+        for case, lengths in plan.impacts.items()
     }
 
 
-def shapes_task(plan: Plan, case: Moes, nodes: int) -> Task:
-    """An impact over the transverse waves and the rings of Fig. 7."""
-    shapes = [(shape, HEIGHT, length) for length in plan.beyond.shaped[case] for shape in ("transverse", "rings")]
-    return _impact_task(f"shapes_{_moes(case)}", case, shapes, nodes)
+def check_runs(plan: Plan) -> dict[str, list[Task]]:
+    """The checks: other heights of the waves, the tangent-linear response, shorter time steps, and rolling by steps."""
+    case, grids = plan.shown, plan.impact_grids[:1]
+    usual = _isotropic(plan.impacts[case])
+    others = [("isotropic", height, plan.impacts[case][0]) for height in CHECKED]
+    *marched, wavelength, nodes = plan.marched
+    seconds = 5.0 + 190.0 * (nodes / 513) ** 3  # its step is a cell long
+    return {
+        "heights": _impacts("waves_heights", case, others, grids),
+        "linear": _impacts("waves_linear", case, usual[:1], grids, USUAL, True),
+        "steps": _impacts("waves_steps", case, usual, grids, USUAL, False, SHORTER**3),
+        "marched": [Task(f"waves_marched_{grids[0]}", marched_rolling, plan.marched, seconds)],
+        "not marched": _rolling(f"rolling_{_moes(marched)}", marched, (wavelength,), (nodes,)),
+    }
 
 
-def oil_task(case: Moes, oil: str, wavelengths: Wavelengths, nodes: int) -> Task:
-    """An impact over isotropic waves with one of the oils of Fig. 8."""
-    return _impact_task(f"{oil.replace(', ', '_')}_{_moes(case)}", case, _isotropic(wavelengths), nodes, oil)
+def shape_runs(plan: Plan) -> dict[Moes, list[Task]]:
+    """The impacts over the transverse waves and the rings of Fig. 7."""
+    runs = {}
+    for case, lengths in plan.shaped.items():
+        shapes = [(shape, HEIGHT, length) for length in lengths for shape in ("transverse", "rings")]
+        runs[case] = _impacts(f"shapes_{_moes(case)}", case, shapes, plan.beyond_grids)
+    return runs
+
+
+def oil_runs(plan: Plan) -> dict[tuple[str, Moes, Wavelengths], list[Task]]:
+    """The impacts over isotropic waves with the oils of Fig. 8, by oil, M and L, wavelengths."""
+    impacts = [(oil, *impact) for impact in plan.oils.items() for oil in OILS if oil != SOFT]
+    impacts += [(SOFT, (M, 0), lengths) for M, lengths in plan.soft.items()]
+    return {
+        (oil, case, lengths): _impacts(
+            f"{oil.replace(', ', '_')}_{_moes(case)}", case, _isotropic(lengths), plan.beyond_grids, oil
+        )
+        for oil, case, lengths in impacts
+    }
 
 
 # -- rolling contacts -------------------------------------------------------------------------------------------------
@@ -230,8 +232,8 @@ def rolling_response(
     solve fails.
     """
     shapes = [Waviness(1.0, wavelength, across or wavelength) for wavelength in wavelengths]
-    data = respond_in_rolling(
-        parse_case(_rolling_source(M, L, "steady", nodes)), [[Feature(shape)] for shape in shapes]
+    data = ertel.respond_in_rolling(
+        parse_case(_rolling_source(M, L, "steady", nodes)), [[ertel.Feature(shape)] for shape in shapes]
     )
     if data.attrs["status"] != "converged":
         raise RuntimeError(f"rolling over waves, M = {M}, L = {L}, {nodes} nodes: {data.attrs['status']}")
@@ -252,7 +254,7 @@ def marched_rolling(M: float, L: float, wavelength: float, nodes: int) -> float:
     height = HEIGHT * parse_case(source).film_scale
     wave = {"shape": "waviness", "amplitude": height, "wavelength_x": wavelength, "wavelength_y": wavelength}
     rough = parse_case({**source, "roughness": [{**wave, "front": start, "ramp": wavelength}]})
-    data = _completed(rough, f"rolling, M = {M}, L = {L}, wavelength {wavelength}")
+    data = _completed(rough, f"rolling, M = {M}, L = {L}, wavelength {wavelength}").dataset
     film = CubicSpline(data["time"].values, data["H_c"].values)
     turns = film.derivative().roots(extrapolate=False)
     extremes = film(turns[turns > until - wavelength])  # those of the last period, between the steps too
@@ -267,8 +269,8 @@ def rolling_twin(M: float, L: float, wavelength: float, X: float, nodes: int) ->
     """
     solver = {"method": "radial", "nodes": 401, "half_width": 4.0}
     speed = float(fronts.front(smooth_impact(M, L, solver, NO_MAPS)).speed_at(X))
-    p = Parameters.from_moes(M, L)
-    local = Parameters(p.lambda_bar * speed / X**4, p.alpha_bar * X)
+    p = ertel.Parameters.from_moes(M, L)
+    local = ertel.Parameters(p.lambda_bar * speed / X**4, p.alpha_bar * X)
     [ratio] = rolling_response(local.M, local.L, (wavelength / X,), nodes)
     return local.nabla2(wavelength / X), ratio
 
@@ -284,43 +286,78 @@ def ridged_rolling(M: float, L: float, wavelength: float, nodes: int) -> float:
     height = HEIGHT * smooth.film_scale
     ridges = {"shape": "waviness", "amplitude": height, "wavelength_y": wavelength}
     rough = parse_case({**source, "roughness": [ridges]})
-    films = [_completed(case, f"rolling over ridges, M = {M:g}, L = {L:g}")["H"].squeeze() for case in (rough, smooth)]
-    change = films[0] - films[1]
+    name = f"rolling over ridges, M = {M:g}, L = {L:g}"
+    on_ridges, without = (_completed(case, name).dataset["H"].squeeze() for case in (rough, smooth))
+    change = on_ridges - without
     crest, trough = change.sel(X=0.0, method="nearest").interp(Y=[0.0, wavelength / 2], method="cubic").values
     return float(abs(trough - crest)) / (2 * height)
 
 
-def rolled_wavelengths(plan: Plan, case: Moes, nodes: int) -> Wavelengths:
-    """The wavelengths of a rolling contact of Fig. 6, or that of its check on the grid of the check."""
-    lengths = plan.waves.rolling.get(case, ())
-    return lengths if lengths and nodes in plan.waves.rolling_grids else (plan.waves.marched[2],)
+def starved_films(kind: str, M: float, L: float, nodes: int) -> tuple[float, ...]:
+    """The oil in the centre on each of `LAYERS`, over that of the flooded contact, an impact's at maximum approach.
+
+    Impacts by the radial method, rolling steady.  Raises RuntimeError where a run fails.
+    """
+    solver = {"method": "radial", "half_width": LAYERS_HALF_WIDTH} if kind == "impact" else {"method": "steady"}
+    data = {"contact": {"kind": kind, "M": M, "L": L}, "solver": {**solver, "nodes": nodes}}
+
+    def oil_in_centre(layer: Mapping[str, float]) -> float:
+        case = parse_case({**data, "lubricant": layer})
+        summary = _completed(case, f"{kind}, M = {M:g}, L = {L:g}, {layer}").summary
+        return float(case.lubricant.density(summary["P_c"]) * summary["H_c"])
+
+    flooded = oil_in_centre({})
+    return tuple(oil_in_centre({"layer": r * flooded}) / flooded for r in LAYERS)
 
 
-def rolling_task(plan: Plan, case: Moes, nodes: int) -> Task:
-    """A rolling contact over the isotropic waves of Fig. 6."""
-    lengths = rolled_wavelengths(plan, case, nodes)
-    seconds = rolling_seconds(len(lengths), nodes)
-    return Task(f"rolling_{_moes(case)}_{nodes}", rolling_response, (*case, lengths, nodes), seconds)
+def _rolling(name: str, case: Sequence[float], wavelengths: Wavelengths, grids: Sequence[int]) -> list[Task]:
+    seconds = 4.0 + 3.0 * len(wavelengths)
+    return _on_grids(name, rolling_response, (*case, wavelengths), grids, seconds)
 
 
-def rolling_tasks(plan: Plan) -> list[Task]:
-    """Each rolling contact on both grids, and the contact of the check on its grid."""
-    M, L, _, nodes = plan.waves.marched
-    contacts = [(case, grid) for grid in plan.waves.rolling_grids for case in plan.waves.rolling]
-    return [rolling_task(plan, *contact) for contact in dict.fromkeys([*contacts, ((M, L), nodes)])]
+def rolling_runs(plan: Plan) -> dict[Moes, list[Task]]:
+    """The rolling contacts over the isotropic waves of Fig. 6."""
+    return {
+        case: _rolling(f"rolling_{_moes(case)}", case, lengths, plan.rolling_grids)
+        for case, lengths in plan.rolling.items()
+    }
 
 
-def twin_task(twin: tuple[float, float, float, float], nodes: int) -> Task:
-    """A rolling twin of an impact: M, L, wavelength and place."""
-    M, L, wavelength, X = twin
-    name = f"twin_M{M:g}_L{L:g}_{wavelength:g}_at_{X:g}_{nodes}"
-    return Task(name, rolling_twin, (*twin, nodes), 10.0 + rolling_seconds(1, nodes))
+def twin_runs(plan: Plan) -> dict[tuple[float, ...], list[Task]]:
+    """The rolling twins of impacts, by M, L, wavelength and place."""
+    return {
+        twin: _on_grids(
+            "twin_{}_{:g}_at_{:g}".format(_moes(twin), *twin[2:]), rolling_twin, twin, plan.twin_grids, 7.0, start=15.0
+        )
+        for twin in plan.twins
+    }
 
 
-def straight_task(kind: Literal["transverse", "longitudinal"], rolling: tuple[float, float, float], nodes: int) -> Task:
-    """A rolling contact over the transverse waves or the longitudinal ridges of Fig. 7: M, L and wavelength."""
-    M, L, wavelength = rolling
-    case, seconds = f"M{M:g}_L{L:g}_{wavelength:g}_{nodes}", rolling_seconds(1, nodes)
-    if kind == "longitudinal":
-        return Task(f"ridges_{case}", ridged_rolling, (*rolling, nodes), seconds)
-    return Task(f"transverse_{case}", rolling_response, (M, L, (wavelength,), nodes, inf), seconds)
+def straight_runs(plan: Plan) -> dict[tuple[Any, ...], list[Task]]:
+    """The rolling contacts over the transverse waves and the longitudinal ridges of Fig. 7, by shape, M, L, length."""
+    runs, grids = {}, plan.straight_grids
+    for *case, wavelength in plan.straight:
+        name, across = f"{_moes(case)}_{wavelength:g}", (*case, (wavelength,))
+        runs["transverse", *case, wavelength] = _on_grids(
+            f"transverse_{name}", rolling_response, across, grids, 7.0, options=(inf,)
+        )
+        runs["longitudinal", *case, wavelength] = _on_grids(
+            f"ridges_{name}", ridged_rolling, (*case, wavelength), grids, 7.0
+        )
+    return runs
+
+
+def starved_runs(plan: Plan) -> dict[tuple[str, float, float], list[Task]]:
+    """The contacts on layers of oil, by kind, M and L."""
+    contacts = [(kind, float(M), float(L)) for kind, cases in plan.starved.items() for M, L in cases]
+    return {
+        contact: _on_grids(
+            f"starved_{contact[0]}_{_moes(contact[1:])}",
+            starved_films,
+            contact,
+            plan.starved_grids,
+            seconds=0.0,
+            start=plan.starved_seconds,
+        )
+        for contact in contacts
+    }
