@@ -49,16 +49,12 @@ class Counts:
     rejected: int = 0
 
     def plus(self, work: Work) -> "Counts":
-        return Counts(
-            self.steps,
-            self.newton_iterations + work.newton,
-            self.krylov_iterations + work.krylov,
-            self.convolutions + work.convolutions,
-            self.rejected,
+        return replace(
+            self,
+            newton_iterations=self.newton_iterations + work.newton,
+            krylov_iterations=self.krylov_iterations + work.krylov,
+            convolutions=self.convolutions + work.convolutions,
         )
-
-    def minus(self, other: "Counts") -> "Counts":
-        return Counts(*(getattr(self, k) - getattr(other, k) for k in self.__dataclass_fields__))
 
 
 @dataclass(frozen=True)
@@ -164,7 +160,9 @@ def _accept(
     status = Status.CONVERGED if _ended(case, new, new.record["F"], reached) else Status.RUNNING
     if status is Status.CONVERGED and case.schedule.until != "max-approach":
         frames.append(frame_of(method, new, "end"))
-    spent = counts.minus(state.counts)
+    spent = {
+        name: float(value - getattr(state.counts, name)) for name, value in vars(counts).items() if name != "steps"
+    }
     record = {
         "T": new.T,
         "dT": levels[0].T - levels[1].T,
@@ -174,14 +172,9 @@ def _accept(
         "U": case.motion.entrainment(new.T),
         "w": case.motion.load(new.T),
         "error": error,
-        **{name: float(getattr(spent, name)) for name in Counts.__dataclass_fields__ if name != "steps"},
+        **spent,
     }
-    return Step(
-        RunState(levels, following, counts, next_frame, reached),
-        record,
-        _each_time_once(frames),
-        status,
-    )
+    return Step(RunState(levels, following, counts, next_frame, reached), record, _each_time_once(frames), status)
 
 
 def _ended(case: Case, level: State, F: float, reached: Mapping[str, float] | None) -> bool:
