@@ -33,9 +33,9 @@ SHORTEST_FILE = 60
 SHORT = {"case.status", "inputs.materials"}  # an enumeration and a public face
 LONGEST_FILE = 400
 <<<<<<< HEAD
-MOST_CODE, MOST_SHELL, MOST_FILES = 19_300, 12_168, 146  # aims: 15 000, 9 000, 140
+MOST_CODE, MOST_SHELL, MOST_FILES = 19_290, 12_158, 146  # aims: 15 000, 9 000, 140
 =======
-MOST_CODE, MOST_SHELL, MOST_FILES = 19_300, 12_159, 146  # aims: 15 000, 9 000, 140
+MOST_CODE, MOST_SHELL, MOST_FILES = 19_290, 12_158, 146  # aims: 15 000, 9 000, 140
 >>>>>>> main
 
 
