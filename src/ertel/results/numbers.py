@@ -23,10 +23,7 @@ Outcome = Mapping[str, Any]  # of a run, as `results.summary` and `summary.json`
 
 KEY = ("H_c", "H_min", "P_max")
 SHOWN = (*KEY, *FRICTION, "restitution")  # in a table of many runs
-WARM = {  # of those under `thermal`
-    **{"h_c_m": "h_c_warm", "h_min_m": "h_min_warm", "mu_sliding": "mu_sliding_warm", "T_1_max_K": "T_1_max_warm"},
-    **{"T_2_max_K": "T_2_max_warm", "T_film_max_K": "T_film_max_warm", "phi_T": "phi_T_warm"},
-}
+WARM = ("h_c_m", "h_min_m", "mu_sliding", "T_1_max_K", "T_2_max_K", "T_film_max_K", "phi_T")  # those under `thermal`
 WORK = {"newton_iterations": "newton_iterations", "krylov_iterations": "krylov_iterations", "wall_s": "wall_time"}
 IN_SI = ("m", "K", "s")  # units of numbers that are in SI in the summary itself
 FREE = ("name", "reference")  # keys of a case that change no result
@@ -82,7 +79,7 @@ def numbers(summary: Outcome) -> dict[str, Number]:
     values |= {f"{name}_extreme": one["value"] for name, one in summary.get("extremes", {}).items()}
     values |= {name: summary.get(name) for name in ("restitution", "contact_time", "F_max")}
     thermal = summary.get("thermal") or {}
-    values |= {name: thermal.get(key) for key, name in WARM.items()}
+    values |= {f"{key.removesuffix('_m').removesuffix('_K')}_warm": thermal.get(key) for key in WARM}
     values |= {name: summary.get(key) for key, name in WORK.items()}
     scales, errors = scales_in(summary), errors_of(summary)
     return {
