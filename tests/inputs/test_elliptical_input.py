@@ -7,7 +7,6 @@ from cases import ertel_
 
 import ertel
 from ertel.case.definition import grid_of
-from ertel.case.records import ConfigError
 from ertel.inputs.case_files import load_case, parse_case
 from ertel.physics.geometry import CIRCLE, Geometry
 
@@ -63,54 +62,6 @@ def test_keywords_are_those_of_case_files(tmp_path) -> None:
     assert ertel.Case.from_data(case.to_data()) == case
     slender = ertel.impact(radius_x=0.01, radius_y=0.05, **IMPACT, oil=ertel.Oil(**OIL))
     assert slender.parameters.radius_ratio == pytest.approx(0.2)
-
-
-BODY = {"radius_x_1": "10 mm", "radius_y_1": "10 mm"}
-
-
-@pytest.mark.parametrize(
-    ("contact", "said"),
-    [
-        ({**ROLLING, "radius_x_1": "10 mm"}, "contact.radius_y_1: missing"),
-        ({**ROLLING, **BODY, "radius_y_2": "-9 mm"}, 'contact.radius_y_1 = "10 mm" and contact.radius_y_2 = "-9 mm"'),
-        ({**ROLLING, **BODY, "radius_y_2": "-10 mm"}, "point contact"),
-        ({**ROLLING, **BODY, "radius_x_1": "0 mm"}, "contact.radius_x_1 = "),
-        ({**ROLLING, "radius_x": "10 mm"}, "contact.radius_y: missing"),
-        ({**ROLLING, "radius_x": "-10 mm", "radius_y": "10 mm"}, "contact.radius_x = "),
-        ({**ROLLING, "radius_x": "10 mm", "radius_y": "1.1 m"}, "allowed: from 1/100 to 100"),
-        *[
-            ({**ROLLING, "radius": "10 mm", key: "20 mm"}, f'"10 mm" and contact.{key} = "20 mm" are given together')
-            for key in REDUCED  # it suggested radius_2, which makes two spheres: half the film
-        ],
-        ({**ROLLING, **REDUCED, "radius_ratio": 0.2}, "contact.radius_ratio = 0.2"),
-        ({**ROLLING, **REDUCED, "entrainment_angle": "200 deg"}, 'contact.entrainment_angle = "200 deg"'),
-        ({**ROLLING, **REDUCED, "entrainment_angle": 30}, "contact.entrainment_angle = 30"),
-        ({**ROLLING, **REDUCED, "entrainment_angle": "30 mm"}, "contact.entrainment_angle = "),
-        ({**ROLLING, **REDUCED, "ball_density": "7850 kg/m^3"}, 'contact.ball_density = "7850 kg/m^3"'),
-        ({"kind": "rolling", **MOES, "radius_ratio": 0.005}, "contact.radius_ratio = 0.005"),
-        ({"kind": "rolling", **MOES, "radius_ratio": -1.0}, "contact.radius_ratio = -1.0"),
-        ({**MOES, "radius_ratio": 0.5, "entrainment_angle": "30 deg"}, 'contact.entrainment_angle = "30 deg"'),
-        ({**MOES, "ellipticity": 2.0}, "give radius_ratio"),
-    ],
-)
-def test_bad_input_is_refused(contact: dict, said: str) -> None:
-    with pytest.raises(ConfigError) as caught:
-        case_of(contact)
-    assert said in str(caught.value)
-    assert "\n" not in str(caught.value) and "did you mean" not in str(caught.value)
-
-
-@pytest.mark.parametrize(
-    ("solver", "ratio", "said"),
-    [
-        ({"method": "radial"}, 0.5, r'method = "radial": is for circular contacts, this one has R_x/R_y = 0\.5'),
-        ({"half_width_y": 1.5}, 0.5, r"half_width_y = 1\.5"),
-        ({"method": "radial", "half_width_y": 3.0}, 1.0, r"half_width_y = 3"),
-    ],
-)
-def test_grids_that_do_not_suit_are_refused(solver: dict, ratio: float, said: str) -> None:
-    with pytest.raises(ConfigError, match=rf"^solver\.{said}"):
-        case_of({**MOES, "radius_ratio": ratio}, solver=solver)
 
 
 # -- the default domain -----------------------------------------------------------------------------------------------

@@ -7,7 +7,7 @@ import pytest
 
 from ertel.case.case import Case
 from ertel.case.sections import ROLLING_UNTIL, SOLVERS, Time
-from ertel.inputs.case_files import ConfigError, parse_case
+from ertel.inputs.case_files import parse_case
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, Oscillation, Polyline, constant
 
 MOES = {"kind": "rolling", "M": 200, "L": 10}
@@ -113,18 +113,6 @@ def test_the_default_domain_of_an_ellipse_and_of_a_light_ball_in_si_is_wide():
     assert found.solver.half_width == pytest.approx(3 * (5 / found.parameters.M) ** (4 / 3), abs=0.25)
 
 
-@pytest.mark.parametrize(
-    ("M", "solver", "expected"),
-    [
-        (1, {"half_width": 3.0}, r"^solver\.half_width = 3\.0: must be at least 8\.39 at M = 1, .* leave it out"),
-        (0.01, {}, r"^contact: M = 0\.01 is too low: .*half_width = 1000"),
-    ],
-)
-def test_a_domain_that_the_load_lies_outside_of_is_refused(M, solver, expected):
-    with pytest.raises(ValueError, match=expected):
-        case({"kind": "rolling", "M": M, "L": 10}, solver=solver)
-
-
 def test_an_inlet_goes_with_the_width():
     assert case(solver={"half_width": 4.0}).solver.inlet == 6.0
     assert case(solver={"half_width": 4.0, "inlet": 4.0}).solver.inlet is None  # centred
@@ -188,68 +176,3 @@ def test_an_impact_without_motion_is_a_free_ball():
 )
 def test_roughness_at_rest_or_along_the_flow_is_steady(shape, slide):
     assert case(roughness=[shape], motion={"slide_to_roll": slide}).roughness
-
-
-# -- what is refused: the message names field, value and what is allowed ----------------------------------------------
-
-TWO_SPEEDS = {"speed_1": "1 m/s", "speed_2": "1 m/s"}
-OSCILLATION = {"mean": 1, "amplitude": 1, "period": 1}
-CONTACTS: list[tuple[dict[str, Any], list[str]]] = [
-    ({"kind": "rolling"}, ["contact.M: missing", "load", "mean_speed or speed_1 and speed_2"]),
-    (MOES | C1, ["contact.M = 200", 'contact.radius = "10 mm"', "given together"]),
-    (C1 | {"speed": "1 m/s"}, ['contact.speed = "1 m/s"', "rolling", "contact.mean_speed"]),
-    (C1 | {"drop_height": "1 m"}, ["contact.drop_height", "rolling", "contact.speed_1"]),
-    (BALL | {"load": "1 N"}, ['contact.load = "1 N"', "impact", "motion.load"]),
-    (BALL | {"speed_1": "1 m/s"}, ["contact.speed_1", "impact", "contact.mean_speed"]),
-    (BALL | {"slide_to_roll": 1}, ["contact.slide_to_roll = 1", "mean_speed"]),
-    (MOES | {"slide_to_roll": 1}, ["contact.slide_to_roll = 1", "motion.slide_to_roll"]),
-    (TRACK, ["contact.mean_speed: missing", "speed_1 and speed_2"]),
-    (TRACK | {"speed_1": "1 m/s"}, ["contact.speed_2: missing", 'contact.speed_1 = "1 m/s"']),
-    (C1 | TWO_SPEEDS, ["contact.mean_speed", "contact.speed_1", "together"]),
-    (TRACK | TWO_SPEEDS | {"speed_2": "-1 m/s"}, ["contact.speed_1", 'contact.speed_2 = "-1 m/s"', "not be zero"]),
-    (TRACK | TWO_SPEEDS | {"slide_to_roll": 1}, ["contact.slide_to_roll = 1", "mean_speed only"]),
-    (C1 | {"mean_speed": "0 m/s"}, ['contact.mean_speed = "0 m/s"', "must not be zero"]),
-    (C1 | {"load": "-1 N"}, ['contact.load = "-1 N"', "above zero", "40 N"]),
-    (C1 | {"mass": "1 g", "ball_density": "1 kg/m^3"}, ["contact.mass", "contact.ball_density"]),
-]
-LOADS: list[tuple[Any, list[str]]] = [
-    ([], ["motion.load = []", "[T, value]", "amplitude"]),
-    ([1, 2], ["motion.load[1] = 1", "[T, value]"]),
-    ([[0, 1], [1]], ["motion.load[2]", "[T, value]"]),
-    ([[0, 1, 2]], ["motion.load[1]", "[T, value]"]),
-    ([[0, "a"]], ['motion.load[1][2] = "a"', "number"]),
-    ("much", ['motion.load = "much"', "[T, value]", "amplitude"]),
-    (True, ["motion.load = true", "[T, value]"]),
-    ({"mean": 1}, ["motion.load.amplitude: missing"]),
-    (OSCILLATION | {"fase": 1}, ["motion.load.fase = 1", "did you mean phase?"]),
-    (OSCILLATION | {"period": 0}, ["motion.load.period = 0", "above zero"]),
-]
-WAVE = {"shape": "waviness", "amplitude": 1}
-SHAPES: list[tuple[Any, list[str]]] = [
-    (5, ["roughness[1] = 5: must be a table", "waviness, rings, spot"]),
-    (SPOT | {"radios": 1}, ["roughness[1].radios = 1", "did you mean radius?"]),
-    (SPOT | {"radius": -1}, ["roughness[1].radius = -1", "above zero", "units a,", "50 um"]),
-    (SPOT | {"radius": "1 s"}, ['roughness[1].radius = "1 s"', "wrong dimension"]),
-    (SPOT | {"depth": 1}, ["roughness[1].height", "together with depth"]),
-    ({"shape": "spot", "height": 1}, ["roughness[1].radius: missing"]),
-    (WAVE, ["roughness[1].wavelength_x: missing", "wavelength_y"]),
-    (WAVE | {"wavelength_x": 1, "ramp": 1}, ["roughness[1].ramp = 1", "front"]),
-]
-REFUSED: list[tuple[dict[str, Any], list[str]]] = [
-    *(({"contact": contact}, said) for contact, said in CONTACTS),
-    *(({"motion": {"load": load}}, said) for load, said in LOADS),
-    *(({"roughness": [shape]}, said) for shape, said in SHAPES),
-    ({"contact": C1, "solver": IN_TIME, "time": {"until": "5 mm"}}, ["time.until", "5 ms"]),
-    ({"motion": {"speed": 1}}, ["motion.speed = 1", "unknown key", "entrainment"]),
-    ({"roughness": [SPOT | {"surface": 2}], "motion": {"slide_to_roll": -2}}, ["roughness[1].surface = 2"]),
-    ({"roughness": SPOT}, ["roughness = ", "array of tables", "[[roughness]]"]),
-    ({"roughness": [SPOT, SPOT | {"shape": "dent"}]}, ['roughness[2].shape = "dent"', "waviness, rings, spot"]),
-]
-
-
-@pytest.mark.parametrize(("sections", "expected"), REFUSED, ids=str)
-def test_refused(sections, expected):
-    with pytest.raises(ConfigError) as caught:
-        case(**sections)
-    assert all(part in str(caught.value) for part in expected), caught.value
-    assert "\n" not in str(caught.value)

@@ -201,7 +201,8 @@ def named(place: str, function: Callable[..., T], *arguments: Any, **keywords: A
         raise ConfigError(f"{place}: has numbers too large or too small to compute with; check their units") from error
     except ValueError as error:
         message = str(error)
-        raise ConfigError(message if message.startswith(f"{place}.") else f"{place}.{message}") from error
+        is_complete = message.startswith((f"{place}.", f"{place}:"))
+        raise ConfigError(message if is_complete else f"{place}.{message}") from error
 
 
 @contextmanager
