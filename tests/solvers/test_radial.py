@@ -30,7 +30,7 @@ from ertel.physics.lubricant import Oil
 from ertel.physics.registry import VISCOSITY_LAWS
 from ertel.physics.scales import Parameters
 from ertel.results.result import Result
-from ertel.runs.drive import Recorder, TransientRun, drive, simulate
+from ertel.runs.drive import TransientRun, result_of, simulate
 from ertel.solvers import radial
 from ertel.solvers.radial import RadialImpact
 
@@ -404,9 +404,7 @@ def alone(case: Case) -> Result:
     """The result with P = 0 at the edge, as in the reference computations, whose radius was 3.5 to 4."""
     method = RadialImpact(case)
     method.outside = replace(method.outside, lambda_bar=0.0)  # the oil outside resists nothing
-    course = TransientRun(case, method)
-    gathering = Recorder(course)
-    return gathering.result(drive(course, [gathering]))
+    return result_of(TransientRun(case, method))
 
 
 def compare(name: str, result: Result, own_error: float) -> None:
