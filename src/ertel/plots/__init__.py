@@ -29,7 +29,7 @@ from ertel.plots import fields, histories
 from ertel.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, NoFigure, Sheet, SheetOptions, compose
 from ertel.plots.fields import comparison
 from ertel.plots.interferograms import animation, interferogram
-from ertel.plots.measured import measured
+from ertel.plots.measurements import measured
 from ertel.plots.view import View
 from ertel.results.profiles import At
 from ertel.results.variables import is_steady
