@@ -20,15 +20,10 @@ MOST_NODES = 65
 LINK = re.compile(r"\]\((?!https?:)([^)#\s]+)")
 
 
-def blocks(page: Path) -> list[tuple[int, str]]:
-    """The blocks to be run, each with its line."""
-    text = page.read_text(encoding="utf-8")
+def blocks(text: str) -> list[str]:
+    """The blocks of a page that are to be run, each below as many empty lines as stand above it in the page."""
     found = [match for match in BLOCK.finditer(text) if not match["skip"]]
-    return [(text.count("\n", 0, match.start("code")), match["code"]) for match in found]
-
-
-def named(page: Path) -> str:
-    return page.relative_to(ROOT).as_posix()
+    return ["\n" * text.count("\n", 0, match.start("code")) + match["code"] for match in found]
 
 
 def coarser(code: str) -> str:
@@ -36,14 +31,12 @@ def coarser(code: str) -> str:
     return NODES.sub(lambda found: f"nodes={min(int(found[1]), MOST_NODES)}", code)
 
 
-WITH_CODE = {page: "".join(code for _, code in blocks(page)) for page in PAGES if blocks(page)}
+TEXTS = {page.relative_to(ROOT).as_posix(): page.read_text(encoding="utf-8") for page in PAGES}
+CODES = {page: blocks(text) for page, text in TEXTS.items() if blocks(text)}
+FINE = [page for page, codes in CODES.items() if list(map(coarser, codes)) != codes]
 RUNS = [
-    *(pytest.param(page, coarser, id=named(page)) for page in WITH_CODE),
-    *(
-        pytest.param(page, str, id=f"{named(page)}-all nodes", marks=pytest.mark.slow)
-        for page, code in WITH_CODE.items()
-        if coarser(code) != code
-    ),
+    *(pytest.param(page, coarser, id=page) for page in CODES),
+    *(pytest.param(page, str, id=f"{page}-all nodes", marks=pytest.mark.slow) for page in FINE),
 ]
 
 
@@ -55,14 +48,13 @@ def test_python_of_the_documents_runs(page, made, tmp_path, monkeypatch):
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     matplotlib.use("agg")
     names = {"__name__": "__main__"}
-    for line, code in blocks(page):
-        exec(compile("\n" * line + made(code), str(page), "exec"), names)
+    for code in CODES[page]:
+        exec(compile(made(code), page, "exec"), names)
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES], ids=named)
-def test_links_of_the_documents_lead_somewhere(page):
-    missing = [link for link in LINK.findall(page.read_text(encoding="utf-8")) if not (page.parent / link).exists()]
-    assert missing == []
+def test_links_of_the_documents_lead_somewhere():
+    links = [(page, link) for page, text in TEXTS.items() for link in LINK.findall(text)]
+    assert [(page, link) for page, link in links if not ((ROOT / page).parent / link).exists()] == []
 
 
 def test_every_public_name_is_on_the_pages_of_the_api():
@@ -71,7 +63,6 @@ def test_every_public_name_is_on_the_pages_of_the_api():
     assert set(ertel.__all__) - {"__version__"} - listed == set()
 
 
-def test_blocks_are_found(tmp_path):
-    page = tmp_path / "page.md"
-    page.write_text("a\n```python\nx = 1\n```\n<!-- not run -->\n```python\nx = 2\n```\n```sh\ny\n```\n")
-    assert blocks(page) == [(2, "x = 1")]
+def test_blocks_are_found():
+    text = "a\n```python\nx = 1\n```\n<!-- not run -->\n```python\nx = 2\n```\n```sh\ny\n```\n"
+    assert blocks(text) == ["\n\nx = 1"]

@@ -8,50 +8,35 @@ import pytest
 from matplotlib import pyplot
 
 GALLERY = Path(__file__).parents[1] / "examples/gallery"
-SCRIPTS = sorted(GALLERY.glob("plot_*.py"))
+SCRIPTS = {script.stem: script.read_text(encoding="utf-8") for script in sorted(GALLERY.glob("plot_*.py"))}
 LONGEST = 60
 COARSER = {
     "plot_bell_interferogram": {"nodes=151": "nodes=97"},
     "plot_film_against_speed": {"129)": "65)", "[0.25, 0.5, 1.0, 2.0]": "[2.0, 4.0]"},  # thick films
 }
+RUNS = [
+    *((name, COARSER[name]) for name in COARSER),
+    *(pytest.param(name, {}, marks=pytest.mark.slow) for name in SCRIPTS),
+]
 
 
-def named(script: Path) -> str:
-    return script.stem
-
-
-def test_there_are_ten():
+def test_scripts_are_ten_or_more_and_short_and_check_a_number():
     assert len(SCRIPTS) >= 10
-
-
-@pytest.mark.parametrize("script", SCRIPTS, ids=named)
-def test_a_script_is_short_and_checks_a_number(script):
-    text = script.read_text(encoding="utf-8")
-    tree = ast.parse(text)
-    title, line, *_ = ast.get_docstring(tree).splitlines()
-    assert len(title) == len(line) and set(line) == {"="}
-    assert len(text.splitlines()) <= LONGEST
-    assert any(isinstance(node, ast.Assert) for node in tree.body)
-
-
-def run(text: str, name: str) -> None:
-    matplotlib.use("agg")
-    exec(compile(text, name, "exec"), {"__name__": "__main__"})
-    pyplot.close("all")
+    for name, text in SCRIPTS.items():
+        tree = ast.parse(text)
+        title, line, *_ = ast.get_docstring(tree).splitlines()
+        assert len(title) == len(line) and set(line) == {"="}, name
+        assert len(text.splitlines()) <= LONGEST, name
+        assert any(isinstance(node, ast.Assert) for node in tree.body), name
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
-@pytest.mark.parametrize("name", COARSER)
-def test_a_script_runs_on_a_coarse_grid(name):
-    text = (GALLERY / f"{name}.py").read_text(encoding="utf-8")
-    for fine, coarse in COARSER[name].items():
+@pytest.mark.parametrize(("name", "coarser"), RUNS)
+def test_a_script_runs(name, coarser):
+    matplotlib.use("agg")
+    text = SCRIPTS[name]
+    for fine, coarse in coarser.items():
         assert fine in text
         text = text.replace(fine, coarse)
-    run(text, name)
-
-
-@pytest.mark.slow
-@pytest.mark.filterwarnings("ignore::UserWarning")
-@pytest.mark.parametrize("script", SCRIPTS, ids=named)
-def test_a_script_runs(script):
-    run(script.read_text(encoding="utf-8"), script.name)
+    exec(compile(text, name, "exec"), {"__name__": "__main__"})
+    pyplot.close("all")

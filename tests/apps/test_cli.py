@@ -183,13 +183,11 @@ def test_plot_in_a_format_at_a_moment_and_elsewhere(here, ball, monkeypatch, kin
 
 
 def test_plot_of_one_figure_for_print(small):
-    """One column at 300 dots an inch, for all figures and an interferogram; not for a movie."""
+    """One column at 300 dots an inch."""
     command = ("plot", "runs/small", "--what", "history", "--columns", "1", "--no-title")
     assert ertel_(*command).stdout == "runs/small/plots/history.png\n"
     with Image.open(small / "plots" / "history.png") as picture:
         assert picture.width == pytest.approx(85 / 25.4 * 300, abs=1)
-    movie = refused("plot", "runs/small", "--interferogram", "mono", "--format", "gif", "--columns", "1")
-    assert "--columns, --no-title: only for pictures" in movie
 
 
 def test_plot_refused(small):

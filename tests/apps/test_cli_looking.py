@@ -1,4 +1,4 @@
-"""`ertel ls`, `ertel compare` and `ertel export`."""
+"""`ertel ls`, `compare` and `export`, and `plot --interferogram`: pictures and movies with the right names."""
 
 import csv
 import json
@@ -6,14 +6,19 @@ import re
 import struct
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import xarray as xr
 from app_runs import given, refused
-from cases import SMALL_IMPACT, ertel_
+from cases import SMALL_IMPACT, ertel_, names
+from made_up import BALL_FALLS, BALL_ROLLS, MOES_FALLS, dry_impact, steady
+from PIL import Image
 
 import ertel
+from ertel.plots import interferograms as page
+from ertel.runs.store import RunStore
 
 BALL = SMALL_IMPACT + "until = 0.1\n[output]\ninterval = 0.05\n"
 RADIAL = ["solver.method=radial", "solver.nodes=17", "time.tolerance=0.1", "output.interval=10"]
@@ -132,18 +137,6 @@ def test_what_to_install_is_said(runs, monkeypatch):
     assert 'pip install "ertel[paraview]"' in refused("export", str(runs / "plane"), "--to", "vtk")
 
 
-@pytest.mark.parametrize(
-    ("run", "flags", "said"),
-    [
-        ("radial", "--to vtk", "ParaView: a run by the radial method has profiles only; use netcdf or csv"),
-        ("moes", "--to csv --si", "the case is dimensionless"),
-    ],
-)
-def test_what_cannot_be_exported(runs, run, flags, said):
-    assert said in refused("export", str(runs / "below" / run), *flags.split())
-    assert not (runs / "below" / run / "export").exists()
-
-
 # -- measurements -----------------------------------------------------------------------------------------------------
 
 
@@ -164,17 +157,26 @@ def test_a_profile_is_exported_and_compared_with_its_run(runs, tmp_path):
     assert (tmp_path / "both.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_measurements_refused(runs, tmp_path):
-    plane = str(runs / "plane")
-    (tmp_path / "film.csv").write_text("place,film\n1,2\n")
-    assert "it has 'place', 'film'" in refused("compare", plane, str(tmp_path / "film.csv"))
-    assert "--column at: must be" in refused("compare", plane, str(tmp_path / "film.csv"), "--column", "at=s")
-    assert "--at: only for a measurement" in refused("compare", plane, plane, "--at", "1")
-    assert "--along: only for a measurement" in refused("compare", plane, plane, "--along", "y")
-    assert "--along y: only for --what profile" in refused("export", plane, "--along", "y")
-    assert "--sigma 1 nm,2 nm,3 nm: must be one" in refused("show", plane, "--sigma", "1 nm,2 nm,3 nm")
-    assert "--at 1: only for --what profile" in refused("export", plane, "--at", "1")
-    assert "--to vtk: a profile is written as csv" in refused("export", plane, "--to", "vtk", "--what", "profile")
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        ("compare plane film.csv", "it has 'place', 'film'"),
+        ("compare plane film.csv --column at=s", "--column at: must be"),
+        ("compare plane plane --at 1", "--at: only for a measurement"),
+        ("compare plane plane --along y", "--along: only for a measurement"),
+        ("export plane --along y", "--along y: only for --what profile"),
+        ("export plane --at 1", "--at 1: only for --what profile"),
+        ("export plane --to vtk --what profile", "--to vtk: a profile is written as csv"),
+        ("export below/radial --to vtk", "ParaView: a run by the radial method has profiles only; use netcdf or csv"),
+        ("export below/moes --to csv --si", "the case is dimensionless"),
+        ("show plane --sigma 1nm,2nm,3nm", "--sigma 1nm,2nm,3nm: must be one"),
+    ],
+)
+def test_refused(runs, monkeypatch, command, said):
+    monkeypatch.chdir(runs)
+    (runs / "film.csv").write_text("place,film\n1,2\n")
+    assert said in refused(*command.split())
+    assert not list(runs.rglob("export"))
 
 
 def test_the_verdict_with_the_lambda_ratio(tmp_path):
@@ -188,3 +190,65 @@ def test_the_verdict_with_the_lambda_ratio(tmp_path):
     assert shown == f"{verdict}, Lambda = {films['h_min_m'] / 50e-9:.2g}"
     assert "sigma = '0 nm': must be" in refused("show", run, "--sigma", "0 nm")
     assert "unit" in refused("show", run, "--sigma", "30")
+
+
+# -- interferograms ---------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def data():
+    ball = dry_impact(BALL_FALLS).isel(frame=slice(0, 50, 16))
+    return {"ball": ball, "moes": dry_impact(MOES_FALLS), "rolls": steady(BALL_ROLLS)}
+
+
+@pytest.fixture
+def seen(tmp_path, monkeypatch, data):
+    """Runs that were never computed, by the name of their directory."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(RunStore, "open", lambda directory: SimpleNamespace(dataset=lambda: data[directory.name]))
+    monkeypatch.setattr(page, "PIXELS", 40)
+    return tmp_path
+
+
+@pytest.mark.parametrize("sight", ["two-beam", "white"])  # a movie shows the other
+def test_picture(seen, sight):
+    printed = ertel_("plot", "ball", "--interferogram", sight, "--at", "1").stdout.split()
+    assert printed == [f"ball/plots/interferogram-{sight}.png"]
+    assert names(seen / "ball" / "plots") == {f"interferogram-{sight}.png"}
+
+
+@pytest.mark.parametrize("kind", ["gif", "webp"])
+def test_movies(seen, kind):
+    ertel_("plot", "ball", "--interferogram", "mono", "--wavelength", "653 nm", "--format", kind, "--out", "movies")
+    with Image.open(seen / "movies" / f"interferogram-mono.{kind}") as movie:
+        assert movie.n_frames == 4
+
+
+def test_mp4(seen):
+    pytest.importorskip("imageio_ffmpeg", reason="writes MP4, of the extra movie")
+    ertel_("plot", "ball", "--interferogram", "mono", "--format", "mp4")
+    assert (seen / "ball" / "plots" / "interferogram-mono.mp4").read_bytes()[4:8] == b"ftyp"
+
+
+def test_mp4_needs_its_extra(seen, monkeypatch):
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    assert "ertel[movie]" in refused("plot", "ball", "--interferogram", "mono", "--format", "mp4")
+
+
+@pytest.mark.parametrize(
+    ("directory", "flags", "said"),
+    [
+        ("ball", "--format gif", "--format gif: only an interferogram can be a movie; add --interferogram mono"),
+        ("ball", "--format gif --interferogram mono --at end", "--at end: a movie shows all times"),
+        ("ball", "--format gif --interferogram mono --columns 1", "--columns, --no-title: only for pictures"),
+        ("ball", "--wavelength 532nm", "--wavelength 532nm: only for --interferogram mono or two-beam"),
+        ("ball", "--wavelength 532nm --interferogram white", "only for --interferogram mono or two-beam"),
+        ("ball", "--wavelength green --interferogram mono", '--wavelength green: must be a quantity above zero with a'),
+        ("ball", "--wavelength 5mm --interferogram mono", "wavelength = 0.005 m: must be from 2e-7 to 1e-5 m"),
+        ("moes", "--interferogram mono", "the run is dimensionless, and light needs a film in nm; run a case in SI"),
+        ("rolls", "--interferogram mono --format webp", "a steady contact does not move"),
+    ],
+)  # fmt: skip
+def test_interferograms_refused(seen, directory, flags, said):
+    assert said in refused("plot", directory, *flags.split())
+    assert names(seen) == set()

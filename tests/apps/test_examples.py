@@ -10,7 +10,6 @@ import pytest
 
 import ertel
 from ertel.case.definition import grid_of
-from ertel.case.sections import METHODS
 from ertel.equations import discretise
 from ertel.inputs.case_files import load_case
 from ertel.inputs.studies import load_study
@@ -53,12 +52,6 @@ def test_case_files_mean_what_they_always_did(name: str) -> None:
     found = [case.parameters.lambda_bar, case.parameters.alpha_bar, scales and scales.p_h, scales and scales.t0]
     found += [float(oil.viscosity(1.0)), float(oil.density(1.0))]
     assert found == [value and pytest.approx(value, rel=1e-13) for value in PARAMETERS[name]]
-
-
-@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.toml")), ids=lambda path: path.stem)
-def test_case_files_load(path: Path) -> None:
-    case = load_case(path)
-    assert case.solver.method in METHODS[case.kind]
 
 
 def test_studies_load() -> None:

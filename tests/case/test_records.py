@@ -90,7 +90,7 @@ def test_a_signal_has_three_forms(signal, data) -> None:
 
 def test_times_of_a_signal_rise() -> None:
     with pytest.raises(ValueError, match=r"^motion\.load = \[\[1.0, 1.0\], \[0.0, 2.0\]\]: .*rising T"):
-        READER.signal([[1.0, 1.0], [0.0, 2.0]], "motion.load")
+        READER.record(Drive, {"load": [[1.0, 1.0], [0.0, 2.0]]}, "motion")
 
 
 def test_a_law_with_data_of_its_own_is_a_table() -> None:

@@ -125,16 +125,6 @@ def test_forces_without_a_film():
     assert line.value / line.approach_weight == pytest.approx(2.0 * T[0] ** 2, rel=1e-12)
 
 
-@given(TIMES, st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), st.floats(-1.0, 1.0))
-def test_newtons_law_under_a_constant_load_is_exact(times, Delta0, V0, F):
-    """BDF2 of both laws has no error when V is linear and Delta a parabola."""
-    t = np.array(times[:3])
-    V = V0 - NEWTON * F * t
-    Delta = Delta0 + V0 * t - NEWTON * F * t**2 / 2
-    line = BALL.line(times[0], derivative_weights(t), Delta[1:], V[1:])
-    assert line.approach_weight * Delta[0] + line.load_weight * F == pytest.approx(line.value, abs=1e-11)
-
-
 @given(TIMES, st.floats(0.01, 10.0), st.floats(0.1, 2.0))
 def test_a_ball_at_rest_carries_the_load_that_is_applied(times, inertia, load):
     """Delta constant: F = w(T), at every inertia; without any whatever the motion was before."""

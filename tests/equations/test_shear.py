@@ -30,12 +30,13 @@ EYRING = traceable(ReeEyring(1.0))
 CARREAU = traceable(Carreau(1.0, 0.5))
 NEWTON = traceable(NewtonianOil())
 SQUALANE = traceable(Carreau(1.0, 0.42))
+YASUDA = traceable(CarreauYasuda(1.0, 0.5, 1.3))
 LIMITED = traceable(Limited(ReeEyring(1.0), 0.05, ambient=8.0, sharpness=0.1))
 LAWS = {
     "eyring": EYRING,
     "carreau": CARREAU,
     "squalane": SQUALANE,
-    "yasuda": traceable(CarreauYasuda(1.0, 0.5, 1.3)),
+    "yasuda": YASUDA,
     "limited": LIMITED,
 }
 every_law = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
@@ -82,33 +83,18 @@ def twin(law: Fluidity, sliding: np.ndarray, gradient: np.ndarray) -> tuple[np.n
 SIGMA = [0.5, 1.0, 2.0, 4.0, 8.0]
 
 
-@pytest.mark.parametrize("B", [0, 1, 10, 100])
+@pytest.mark.parametrize("B", [0.0, 1.0, 10.0, 100.0, 1e3, 1e6])
 def test_eyring_in_one_dimension(B: float) -> None:
-    """Against the closed forms of Conry et al."""
-    film = flow(EYRING, [[B, 0.0]] * 5, [[2.0 * S, 0.0] for S in SIGMA])
-    assert_allclose(6.0 * film.flux[0] / np.array(SIGMA), eyring_flow_factor(B, SIGMA), rtol=6e-7)
-    assert_allclose(film.stress[0], eyring_stress(B, SIGMA), rtol=1e-6, atol=1e-15)
-    assert np.all(film.flux[1] == 0) and np.all(film.stress[1] == 0)
+    """Against the closed forms of Conry et al.
 
-
-@pytest.mark.parametrize(
-    ("p_x", "p_y", "B", "stress", "factors"),
-    [
-        (0.2, 0.2, 10, (2.996194, -0.002236), (10.040157, 3.333526)),
-        (1, 1, 10, (2.948142, -0.054342), (9.817365, 3.296364)),
-        (4, 4, 10, (2.31089, -0.581493), (7.997324, 3.636129)),
-        (4, 0, 10, (2.408634, 0), (8.191172, None)),
-        (0, 4, 10, (2.842233, 0), (None, 3.944414)),
-        (1, 1, 0, (0, 0), (1.050901, 1.050901)),
-        (4, 4, 0, (0, 0), (2.06571, 2.06571)),
-    ],
-)
-def test_eyring_in_two_dimensions(p_x: float, p_y: float, B: float, stress: tuple, factors: tuple) -> None:
-    film = flow(EYRING, [B, 0.0], [p_x, p_y])
-    assert_allclose(film.stress[:, 0], stress, atol=6e-7)
-    for flux, slope, factor in zip(film.flux[:, 0], (p_x, p_y), factors, strict=True):
-        if factor is not None:
-            assert 12.0 * flux / slope == pytest.approx(factor, abs=6e-7)
+    sinh(100) = 1e43: in steep gradients the nodes move to the walls, and 8 of them give the flux to 1e-5.
+    """
+    for Sigma, close in ((np.array(SIGMA), 6e-7), (np.array([10.0, 30.0, 100.0]), 1e-5)):
+        film = flow(EYRING, [[B, 0.0]] * len(Sigma), [[2.0 * S, 0.0] for S in Sigma])
+        assert_allclose(6.0 * film.flux[0] / Sigma, eyring_flow_factor(B, Sigma), rtol=close)
+        if close < 1e-6:
+            assert_allclose(film.stress[0], eyring_stress(B, Sigma), rtol=1e-6, atol=1e-15)
+        assert np.all(film.flux[1] == 0) and np.all(film.stress[1] == 0)
 
 
 @pytest.mark.parametrize(
@@ -163,14 +149,6 @@ def test_the_slow_twin_agrees(law: Fluidity, point: tuple) -> None:
     assert_allclose(film.flux[:, 0], flux, rtol=close, atol=close * np.linalg.norm(flux))
 
 
-@pytest.mark.parametrize("Sigma", [10.0, 30.0, 100.0])
-def test_steep_gradients_do_not_overflow(Sigma: float) -> None:
-    """sinh(100) = 1e43: the nodes move to the walls, and 8 of them give the closed form to 1e-5."""
-    B = np.array([0.0, 1.0, 1e3, 1e6])
-    film = flow(EYRING, np.stack([B, 0 * B], 1), [[2.0 * Sigma, 0.0]] * 4)
-    assert_allclose(6.0 * film.flux[0] / Sigma, eyring_flow_factor(B, Sigma), rtol=1e-5)
-
-
 # -- derivatives ------------------------------------------------------------------------------------------------------
 
 
@@ -191,21 +169,7 @@ def numbers(law: Fluidity, value: float) -> Fluidity:
     return jax.tree.map(lambda _: value, law)
 
 
-@pytest.mark.parametrize(
-    "law",
-    [pytest.param(law, id=name, marks=[pytest.mark.slow] if name == "yasuda" else []) for name, law in LAWS.items()],
-)
-def test_derivatives_are_those_of_the_slow_twin(law: Fluidity) -> None:
-    s, g = (np.array(v) for v in ([3.0, 0.4], [0.6, 0.3]))
-    ds, dg, step = np.array([0.7, -0.2]), np.array([0.3, 0.5]), 1e-4
-    more, less = (twin(law, s + sign * step * ds, g + sign * step * dg) for sign in (1, -1))
-    nothing, (s, g, ds, dg) = np.zeros(WIDTH), (filled([v]) for v in (s, g, ds, dg))
-    _, changes = WITH_CHANGES((law, nothing, s, g), (numbers(law, 0.0), nothing, ds, dg))
-    for change, up, down in zip(changes, more, less, strict=True):
-        assert_allclose(change[:, 0], (up - down) / (2 * step), rtol=1e-5)
-
-
-@pytest.mark.parametrize("law", [EYRING, SQUALANE, LIMITED], ids=str)
+@pytest.mark.parametrize("law", [EYRING, SQUALANE, LIMITED, pytest.param(YASUDA, marks=pytest.mark.slow)], ids=str)
 def test_derivatives_are_those_of_differences(law: Fluidity) -> None:
     """In all arguments and in the numbers of the law, in many points."""
     draw = np.random.default_rng(1)
@@ -389,15 +353,20 @@ def corners(points: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
     return np.stack([B, 0 * B], 1), (2.0 * Sigma * np.stack([np.cos(angle), np.sin(angle)])).T
 
 
-@pytest.mark.parametrize(("law", "most"), [(EYRING, 9), *((Carreau(1.0, n), 7) for n in (0.2, 0.42, 0.8))], ids=str)
-def test_iterations_are_few_in_every_corner(law: Fluidity, most: int) -> None:
-    film = flow(law, *corners(20000, 3))
+@pytest.mark.parametrize(
+    ("law", "most", "points"),
+    [
+        (EYRING, 9, 20000),
+        *((Carreau(1.0, n), 7, 20000) for n in (0.2, 0.42, 0.8)),
+        *(
+            (traceable(Limited(EYRING, 0.05, ambient, sharpness)), LIMIT - 1, 2000)
+            for ambient, sharpness in product((1.0, 8.0, 100.0), (0.02, 0.05))
+        ),
+    ],
+    ids=str,
+)
+def test_iterations_are_few_in_every_corner(law: Fluidity, most: int, points: int) -> None:
+    """A limit of the stress needs more and never fails."""
+    film = flow(law, *corners(points, 3))
     assert np.all(np.isfinite(film.stress)) and np.all(np.isfinite(film.flux))
     assert int(film.iterations) <= most
-
-
-def test_a_limit_of_the_stress_needs_more_and_never_fails() -> None:
-    for ambient, sharpness in product((1.0, 8.0, 100.0), (0.02, 0.05)):
-        film = flow(traceable(Limited(EYRING, 0.05, ambient, sharpness)), *corners(2000, 4))
-        assert np.all(np.isfinite(film.stress)) and np.all(np.isfinite(film.flux))
-        assert int(film.iterations) < LIMIT

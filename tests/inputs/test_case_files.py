@@ -134,107 +134,6 @@ def test_malformed_override(item):
         apply_overrides({}, [item])
 
 
-# -- what is refused: the message names field, value and what is allowed ----------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("sections", "expected"),
-    [
-        ({"contat": {}}, ["contat", "unknown key", "did you mean contact?", "solver"]),
-        ({"solver": {"node": 3}}, ["solver.node = 3", "unknown key", "did you mean nodes?", "half_width"]),
-        ({"contact": MOES | {"raduis": "1 mm"}}, ['contact.raduis = "1 mm"', "did you mean radius?"]),
-        ({"solver": 5}, ["solver = 5", "must be a section", "[solver]"]),
-        ({"contact": MOES | {"kind": "bounce"}}, ['contact.kind = "bounce"', "allowed: 'impact' or 'rolling'"]),
-        ({"lubricant": {"viscosity": "baras"}}, ['lubricant.viscosity = "baras"', "'barus'"]),
-        ({"contact": {"M": -5, "L": 10}}, ["contact.M = -5", "greater than 0"]),
-        ({"contact": {"M": "1000", "L": 10}}, ['contact.M = "1000"', "must be a number"]),
-        ({"contact": {"M": True, "L": 10}}, ["contact.M = true", "must be a number"]),
-        ({"contact": {}}, ["contact.M: missing", "lambda_bar and alpha_bar", "radius"]),
-        ({"contact": {"M": 1000}}, ["contact.L: missing", "contact.M = 1000", "M and L"]),
-        ({"contact": MOES | {"lambda_bar": 1}}, ["contact.M = 1000", "contact.lambda_bar = 1", "together", "allowed"]),
-        ({"contact": MOES | BALL}, ["contact.M = 1000", 'contact.radius = "10 mm"', "together", "allowed"]),
-        ({"solver": {"nodes": 100}}, ["solver.nodes = 100", "97", "105"]),
-        ({"time": {"until": "never"}}, ['time.until = "never"', '"max-approach"', '"rebound"', "above zero"]),
-        ({"lubricant": {"alpha": "3 m"}}, ['lubricant.alpha = "3 m"', "[length]", "22 / GPa"]),
-        ({"lubricant": {"alpha": "3 quux"}}, ['lubricant.alpha = "3 quux"', "unknown unit", "22 / GPa"]),
-        ({"lubricant": {"alpha": "-3 1/Pa"}}, ['lubricant.alpha = "-3 1/Pa"', "above zero"]),
-        ({"lubricant": {"alpha": 2.2e-8}}, ["lubricant.alpha = 2.2e-08", "unit", "22 / GPa"]),
-    ],
-    ids=str,
-)
-def test_refused(sections, expected):
-    message = complaint(**sections)
-    assert all(part in message for part in expected), message
-
-
-def without(key: str, *tables: dict[str, Any]) -> dict[str, Any]:
-    return {k: v for table in tables for k, v in table.items() if k != key}
-
-
-ELASTIC = without("E_prime", BALL) | STEEL
-
-
-@pytest.mark.parametrize(
-    ("contact", "oil", "message"),
-    [
-        *[(without(key, BALL), OIL, f"contact.{key}: missing; allowed: {key}; or ") for key in BALL],
-        *[(without(key, ELASTIC), OIL, f"contact.{key}: missing; contact.") for key in STEEL],
-        *[(BALL, without(key, OIL), f"lubricant.{key}: missing") for key in OIL],
-        *[(ELASTIC | {"nu1": nu}, OIL, "contact.nu1 = ") for nu in (-1, 0.51, float("nan"))],
-    ],
-)
-def test_what_a_physical_contact_needs(contact, oil, message):
-    assert complaint(contact=contact, lubricant=oil).startswith(message)
-
-
-@pytest.mark.parametrize(
-    ("extra", "pair"),
-    [
-        ({"ball_density": "8 g/cm^3"}, ("mass", "ball_density")),
-        ({"drop_height": "1 m"}, ("speed", "drop_height")),
-        ({"radius_1": "1 m", "radius_2": "1 m"}, ("radius", "radius_1")),
-        (STEEL, ("E_prime", "E1")),
-    ],
-    ids=str,
-)
-def test_overdetermined_ball(extra, pair):
-    message = complaint(contact=BALL | extra, lubricant=OIL)
-    assert all(f"contact.{key} = " in message for key in pair)
-    assert "given together" in message
-
-
-def test_no_contact():
-    with pytest.raises(ConfigError, match=r"contact: the section .* is missing"):
-        parse_case({})
-
-
-# -- which field a message names where several could be wrong, and a digest that stored studies rest on ---------------
-
-ROLLING = {"kind": "rolling", "radius": "10 mm", "load": "30 N", "mean_speed": "1 m/s", "E_prime": "226 GPa"}
-SHEET = {"nu40": "68 mm^2/s", "nu100": "8.7 mm^2/s", "density": 1000}
-MAP = {"shape": "measured", "file": "map.npy", "length_xx": "500 um", "unit": "um"}
-
-
-@pytest.mark.parametrize(
-    ("sections", "said"),
-    [
-        ({"roughness": False}, r"^roughness = false: must be an array"),
-        ({"roughness": [{"shape": "measured", "file": 0}]}, r"^roughness\[1\]\.file = 0: must be a string"),
-        ({"roughness": [MAP]}, r"^roughness\[1\]\.length_xx = .*did you mean length_x"),
-        ({"lubricant": {"oil": SHEET, "temperature": "60 degC"}, "thermal": {}}, r"^lubricant\.oil\.density = 1000"),
-        (
-            {"lubricant": {"temperature": 65}, "thermal": {"temperature": "40 degC"}},
-            r"^lubricant\.temperature = 65: m",
-        ),
-    ],
-    ids=["roughness", "file", "misspelt", "sheet", "temperature"],
-)
-def test_message_names_the_field(sections, said, tmp_path):
-    np.save(tmp_path / "map.npy", np.eye(20))
-    with pytest.raises(ConfigError, match=said):
-        parse_case({"contact": ROLLING, "lubricant": {"eta0": "40 mPa*s", "alpha": "20 / GPa"}} | sections, tmp_path)
-
-
 def test_digest_of_a_default_domain_stays_to_the_last_bit():
     radii = {"radius_x_1": "12.8 mm", "radius_y_1": "100 mm", "radius_x_2": "21.7 mm", "entrainment_angle": "30 deg"}
     speeds = {"load": "250 N", "speed_1": "2.01 m/s", "speed_2": "2.27 m/s"}
@@ -336,12 +235,6 @@ def test_any_unknown_key_is_named(place, key):
     message = complaint(**({place: {**(MOES if place == "contact" else {}), key: 1}} if place else {key: 1}))
     quoted = show(key)
     assert message.startswith(f"{place}.{quoted} = 1: unknown key" if place else f"{quoted} = 1: unknown key")
-
-
-def test_true_is_no_number_one():
-    spot = {"shape": "spot", "radius": 1, "height": 1, "surface": True}
-    assert complaint(roughness=[spot]) == "roughness[1].surface = true: allowed: 1 or 2"
-    assert complaint(schema=True) == "schema = true: allowed: 1"
 
 
 # -- whole files, valid and spoiled -----------------------------------------------------------------------------------

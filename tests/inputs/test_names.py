@@ -87,45 +87,6 @@ def test_the_temperature_of_a_case_file_can_be_replaced():
     assert warm.oil == oils.at("squalane", "80 degC")
 
 
-# -- what is wrong ----------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("lubricant", "message"),
-    [
-        *[({**NAMED, "oil": oil}, "oil = .*: allowed: .*squalane$") for oil in ("squalan", 7, ["squalane"])],
-        ({**NAMED, "temperature": "120 degC"}, 'temperature = "120 degC": must be between 25 degC and 100 degC'),
-        ({**NAMED, "temperature": 40}, "temperature = 40: must be a temperature with its unit"),
-        ({**NAMED, "temperature": "40"}, 'temperature = "40": must be a temperature with its unit'),
-        ({"oil": "squalane"}, 'temperature: missing; oil = "squalane" needs it'),
-        ({"temperature": "40 degC"}, 'temperature = "40 degC": needs lubricant.oil, one of iso-vg-100'),
-        ({**NAMED, "oill": 1}, r"oill = 1: unknown key; did you mean oil\? allowed: oil, temperature"),
-    ],
-)
-def test_what_is_wrong_with_an_oil(lubricant, message):
-    with pytest.raises(ConfigError, match=f"^lubricant.{message}"):
-        case_of(**lubricant)
-
-
-@pytest.mark.parametrize(
-    ("contact", "message"),
-    [
-        ({**BODIES, "material_2": "wood"}, 'material_2 = "wood": allowed: glass, sapphire, '),
-        ({**BODIES, "material_2": 2}, "material_2 = 2: allowed: glass, sapphire, "),
-        ({"material_1": "steel"}, "E2: missing"),
-        ({**BODIES, "temperature": "40 degC"}, 'temperature = "40 degC": unknown key; allowed: material_1, '),
-    ],
-)
-def test_what_is_wrong_with_a_material(contact, message):
-    with pytest.raises(ConfigError, match=f"^contact.{message}"):
-        case_of(contact)
-
-
-def test_a_dimensionless_contact_has_no_materials():
-    with pytest.raises(ConfigError, match=r'^contact.material_1 = "steel": a dimensionless contact has no materials'):
-        parse_case({"contact": {"M": 100, "L": 5, "material_1": "steel"}})
-
-
 SHEET = {"nu40": "68 mm^2/s", "nu100": "8.7 mm^2/s", "density": "880 kg/m^3"}
 
 
@@ -137,18 +98,67 @@ def test_an_oil_is_described_by_its_data_sheet():
     assert parse_case(tomllib.loads(ertel.to_toml(case))) == case
 
 
-@pytest.mark.parametrize(
-    ("sheet", "message"),
-    [
-        ({**SHEET, "nu20": "200 mm^2/s"}, 'lubricant.oil.nu20 = "200 mm^2/s": unknown key; did you mean '),
-        ({"nu40": "68 mm^2/s", "density": "880 kg/m^3"}, "lubricant.oil.nu100: missing"),
-        ({**SHEET, "nu100": "70 mm^2/s"}, "lubricant.oil.nu40 = 68 mm^2/s and nu100 = 70 mm^2/s: must be nu40 > nu100"),
-        ({**SHEET, "k" * 3000: 1.0}, 'lubricant.oil."kkk'),
-        ({**SHEET, "nu40": 10**400}, "lubricant.oil.nu40 = (an integer of about 400 digits"),
-    ],
-    ids=lambda value: str(value)[:40],
-)
-def test_a_wrong_data_sheet_is_refused(sheet: dict[str, Any], message: str):
-    with pytest.raises(ConfigError) as error:
-        case_of(oil=sheet, temperature="60 degC")
-    assert str(error.value).startswith(message) and len(str(error.value)) < 500
+# -- the section [thermal] --------------------------------------------------------------------------------------------
+
+NUMBERS = {"eta0": "15 mPa*s", "alpha": "18 / GPa"}
+ELASTIC = {"E_prime": "226 GPa"}
+OIL = {"temperature": "40 degC", "conductivity": "0.15 W/(m*K)", "beta": "0.04 / K"}
+STEEL = {"density": "7850 kg/m^3", "heat_capacity": "460 J/(kg*K)", "conductivity": "47 W/(m*K)"}
+ALL = OIL | {f"{key}_{number}": value for number in (1, 2) for key, value in STEEL.items()}
+Data = dict[str, Any]
+
+
+def warm(thermal: Data, contact: Data = BODIES, lubricant: Data = NAMED) -> ertel.Case:
+    return parse_case({"contact": {**CONTACT, **contact}, "lubricant": lubricant, "thermal": thermal})
+
+
+def test_names_give_all_thermal_data():
+    found = warm({}).thermal
+    assert warm({"temperature": "313.15 K"}).thermal == found  # as it is in [lubricant]
+    assert (found.temperature, found.temperature_1, found.temperature_2) == (313.15, 313.15, 313.15)
+    assert found.conductivity == 0.14
+    assert found.beta == pytest.approx(0.0367, abs=1e-4)
+    assert found.bodies[0].conductivity == 47.0 and found.bodies[0].density == 7850.0
+    assert found.bodies[1].heat_capacity == 880.0
+    assert (found.viscosity, found.inlet_factor) == ("houpert", "gupta")
+
+
+def test_given_thermal_data_win():
+    found = warm({"beta": "0.05 / K", "conductivity_2": "2 W/(m*K)", "temperature_1": "60 degC"}).thermal
+    assert (found.beta, found.bodies[1].conductivity, found.temperature_1) == (0.05, 2.0, 333.15)
+    assert found.temperature_2 == 313.15
+
+
+def test_numbers_do_without_names():
+    found = warm({**ALL, "inlet_factor": "none", "viscosity": "exponential"}, ELASTIC, NUMBERS).thermal
+    assert found.bodies[0] == found.bodies[1]
+    assert (found.viscosity, found.inlet_factor) == ("exponential", "none")
+
+
+def test_thermal_data_mean_the_same_in_python():
+    named = {"radius": "10 mm", "load": 20, "mean_speed": 0.5, **BODIES, "oil": "squalane", "temperature": "40 degC"}
+    assert ertel.rolling(**named, thermal={}) == warm({})
+    one = ertel.rolling(**named, thermal={"temperature_2": 333.15, "beta": 0.04})
+    assert one == warm({"temperature_2": "60 degC", "beta": "0.04 / K"})
+
+
+def test_an_inlet_far_too_hot_for_the_formula():
+    contact = {**BODIES, "mean_speed": "500 m/s", "load": "2000 N"}
+    oil = {**NAMED, "oil": "iso-vg-100"}
+    with pytest.raises(ConfigError, match=r'^thermal.inlet_factor = "gupta": its formula gives phi_T = -'):
+        warm({}, contact, oil)
+    assert warm({"inlet_factor": "wilson-sheu"}, contact, oil).thermal
+
+
+def test_heat_needs_a_law_of_shear_thinning_where_the_surfaces_slide():
+    sliding, oil = {**BODIES, "slide_to_roll": 0.1}, {**NAMED, "oil": "iso-vg-68"}
+    with pytest.raises(ConfigError, match=r"^lubricant.rheology: missing; \[thermal\] needs it, .* stress of about 2"):
+        warm({}, sliding, oil)
+    with pytest.raises(ConfigError, match=r"^lubricant.rheology: missing"):
+        warm(ALL, {**sliding, **ELASTIC}, {**NUMBERS, "viscosity": "barus", "alpha": "28 / GPa"})
+    for rheology in ("newtonian", {"law": "ree-eyring", "tau0": "5 MPa"}):
+        assert warm({}, sliding, {**oil, "rheology": rheology}).thermal
+    assert warm({}, sliding, {**NAMED, "temperature": "25 degC"}).thermal  # it brings its law
+    assert warm({}, {**sliding, "slide_to_roll": 1e-4}, oil).thermal
+    written = warm({}, sliding, {**oil, "rheology": "newtonian"}).to_data()
+    assert parse_case(written).thermal  # a stored run can be read

@@ -1,13 +1,18 @@
-"""Case files of rolling contacts, of motion and of roughness: what they may say, mean, and what is refused."""
+"""Case files of rolling and of elliptical contacts, and of motion: what they may say, and what it means."""
 
+import json
 from math import pi
 from typing import Any
 
 import pytest
+from cases import ertel_
 
+import ertel
 from ertel.case.case import Case
+from ertel.case.definition import grid_of
 from ertel.case.sections import ROLLING_UNTIL, SOLVERS, Time
-from ertel.inputs.case_files import ConfigError, parse_case
+from ertel.inputs.case_files import parse_case
+from ertel.physics.geometry import CIRCLE, Geometry
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, Oscillation, Polyline, constant
 
 MOES = {"kind": "rolling", "M": 200, "L": 10}
@@ -26,7 +31,7 @@ TRACK = {k: v for k, v in C1.items() if k != "mean_speed"}
 
 
 def case(contact: dict[str, Any] = MOES, **sections: Any) -> Case:
-    oil = {"lubricant": OIL} if "radius" in contact else {}
+    oil = {} if "M" in contact else {"lubricant": OIL}
     return parse_case({"contact": contact, **oil, **sections})
 
 
@@ -113,18 +118,6 @@ def test_the_default_domain_of_an_ellipse_and_of_a_light_ball_in_si_is_wide():
     assert found.solver.half_width == pytest.approx(3 * (5 / found.parameters.M) ** (4 / 3), abs=0.25)
 
 
-@pytest.mark.parametrize(
-    ("M", "solver", "expected"),
-    [
-        (1, {"half_width": 3.0}, r"^solver\.half_width = 3\.0: must be at least 8\.39 at M = 1, .* leave it out"),
-        (0.01, {}, r"^contact: M = 0\.01 is too low: .*half_width = 1000"),
-    ],
-)
-def test_a_domain_that_the_load_lies_outside_of_is_refused(M, solver, expected):
-    with pytest.raises(ValueError, match=expected):
-        case({"kind": "rolling", "M": M, "L": 10}, solver=solver)
-
-
 def test_an_inlet_goes_with_the_width():
     assert case(solver={"half_width": 4.0}).solver.inlet == 6.0
     assert case(solver={"half_width": 4.0, "inlet": 4.0}).solver.inlet is None  # centred
@@ -190,66 +183,75 @@ def test_roughness_at_rest_or_along_the_flow_is_steady(shape, slide):
     assert case(roughness=[shape], motion={"slide_to_roll": slide}).roughness
 
 
-# -- what is refused: the message names field, value and what is allowed ----------------------------------------------
+# -- elliptical contacts: radii of both bodies, reduced radii, or a ratio ---------------------------------------------
 
-TWO_SPEEDS = {"speed_1": "1 m/s", "speed_2": "1 m/s"}
-OSCILLATION = {"mean": 1, "amplitude": 1, "period": 1}
-CONTACTS: list[tuple[dict[str, Any], list[str]]] = [
-    ({"kind": "rolling"}, ["contact.M: missing", "load", "mean_speed or speed_1 and speed_2"]),
-    (MOES | C1, ["contact.M = 200", 'contact.radius = "10 mm"', "given together"]),
-    (C1 | {"speed": "1 m/s"}, ['contact.speed = "1 m/s"', "rolling", "contact.mean_speed"]),
-    (C1 | {"drop_height": "1 m"}, ["contact.drop_height", "rolling", "contact.speed_1"]),
-    (BALL | {"load": "1 N"}, ['contact.load = "1 N"', "impact", "motion.load"]),
-    (BALL | {"speed_1": "1 m/s"}, ["contact.speed_1", "impact", "contact.mean_speed"]),
-    (BALL | {"slide_to_roll": 1}, ["contact.slide_to_roll = 1", "mean_speed"]),
-    (MOES | {"slide_to_roll": 1}, ["contact.slide_to_roll = 1", "motion.slide_to_roll"]),
-    (TRACK, ["contact.mean_speed: missing", "speed_1 and speed_2"]),
-    (TRACK | {"speed_1": "1 m/s"}, ["contact.speed_2: missing", 'contact.speed_1 = "1 m/s"']),
-    (C1 | TWO_SPEEDS, ["contact.mean_speed", "contact.speed_1", "together"]),
-    (TRACK | TWO_SPEEDS | {"speed_2": "-1 m/s"}, ["contact.speed_1", 'contact.speed_2 = "-1 m/s"', "not be zero"]),
-    (TRACK | TWO_SPEEDS | {"slide_to_roll": 1}, ["contact.slide_to_roll = 1", "mean_speed only"]),
-    (C1 | {"mean_speed": "0 m/s"}, ['contact.mean_speed = "0 m/s"', "must not be zero"]),
-    (C1 | {"load": "-1 N"}, ['contact.load = "-1 N"', "above zero", "40 N"]),
-    (C1 | {"mass": "1 g", "ball_density": "1 kg/m^3"}, ["contact.mass", "contact.ball_density"]),
-]
-LOADS: list[tuple[Any, list[str]]] = [
-    ([], ["motion.load = []", "[T, value]", "amplitude"]),
-    ([1, 2], ["motion.load[1] = 1", "[T, value]"]),
-    ([[0, 1], [1]], ["motion.load[2]", "[T, value]"]),
-    ([[0, 1, 2]], ["motion.load[1]", "[T, value]"]),
-    ([[0, "a"]], ['motion.load[1][2] = "a"', "number"]),
-    ("much", ['motion.load = "much"', "[T, value]", "amplitude"]),
-    (True, ["motion.load = true", "[T, value]"]),
-    ({"mean": 1}, ["motion.load.amplitude: missing"]),
-    (OSCILLATION | {"fase": 1}, ["motion.load.fase = 1", "did you mean phase?"]),
-    (OSCILLATION | {"period": 0}, ["motion.load.period = 0", "above zero"]),
-]
-WAVE = {"shape": "waviness", "amplitude": 1}
-SHAPES: list[tuple[Any, list[str]]] = [
-    (5, ["roughness[1] = 5: must be a table", "waviness, rings, spot"]),
-    (SPOT | {"radios": 1}, ["roughness[1].radios = 1", "did you mean radius?"]),
-    (SPOT | {"radius": -1}, ["roughness[1].radius = -1", "above zero", "units a,", "50 um"]),
-    (SPOT | {"radius": "1 s"}, ['roughness[1].radius = "1 s"', "wrong dimension"]),
-    (SPOT | {"depth": 1}, ["roughness[1].height", "together with depth"]),
-    ({"shape": "spot", "height": 1}, ["roughness[1].radius: missing"]),
-    (WAVE, ["roughness[1].wavelength_x: missing", "wavelength_y"]),
-    (WAVE | {"wavelength_x": 1, "ramp": 1}, ["roughness[1].ramp = 1", "front"]),
-]
-REFUSED: list[tuple[dict[str, Any], list[str]]] = [
-    *(({"contact": contact}, said) for contact, said in CONTACTS),
-    *(({"motion": {"load": load}}, said) for load, said in LOADS),
-    *(({"roughness": [shape]}, said) for shape, said in SHAPES),
-    ({"contact": C1, "solver": IN_TIME, "time": {"until": "5 mm"}}, ["time.until", "5 ms"]),
-    ({"motion": {"speed": 1}}, ["motion.speed = 1", "unknown key", "entrainment"]),
-    ({"roughness": [SPOT | {"surface": 2}], "motion": {"slide_to_roll": -2}}, ["roughness[1].surface = 2"]),
-    ({"roughness": SPOT}, ["roughness = ", "array of tables", "[[roughness]]"]),
-    ({"roughness": [SPOT, SPOT | {"shape": "dent"}]}, ['roughness[2].shape = "dent"', "waviness, rings, spot"]),
-]
+LOADED = {"kind": "rolling", "load": "100 N", "mean_speed": "0.5 m/s", "E_prime": "226.37 GPa"}
+REDUCED = {"radius_x": "10 mm", "radius_y": "50 mm"}
+GROOVE = {"radius_x_1": "6 mm", "radius_y_1": "6 mm", "radius_x_2": "20 mm", "radius_y_2": "-6.24 mm"}
 
 
-@pytest.mark.parametrize(("sections", "expected"), REFUSED, ids=str)
-def test_refused(sections, expected):
-    with pytest.raises(ConfigError) as caught:
-        case(**sections)
-    assert all(part in str(caught.value) for part in expected), caught.value
-    assert "\n" not in str(caught.value)
+@pytest.mark.parametrize(
+    ("radii", "R", "ratio"),
+    [
+        (REDUCED, 0.01, 0.2),
+        ({"radius_x_1": "10 mm", "radius_y_1": "50 mm"}, 0.01, 0.2),  # against a plane
+        ({"radius_x_1": "20 mm", "radius_x_2": "20 mm", "radius_y_1": "25 mm", "radius_y_2": "-50 mm"}, 0.01, 0.2),
+        (GROOVE, 60 / 13e3, 60 / 13 / 156),  # of an inner ring, with a ball: 1/R_x = 1/6 + 1/20, 1/R_y = 1/156
+    ],
+)
+def test_reduced_radii(radii, R, ratio):
+    found = case(LOADED | radii)
+    assert (found.scales.R, found.parameters.radius_ratio) == pytest.approx((R, ratio))
+
+
+def test_equal_radii_are_the_circle():
+    one, ball = case(LOADED | {"radius_x": "10 mm", "radius_y": "10 mm"}), case(LOADED | {"radius": "10 mm"})
+    assert one.geometry is CIRCLE
+    assert (one.scales, one.parameters, one.solver) == (ball.scales, ball.parameters, ball.solver)
+
+
+@pytest.mark.parametrize(("written", "angle"), [("0.5 rad", 28.64788975654), (30, 30.0), ("90 deg", 90.0)])
+def test_an_angle_in_python_and_in_a_case_file(written, angle):
+    found = ertel.rolling(M=200, L=10, radius_ratio=0.4, entrainment_angle=written)
+    assert found.geometry == Geometry(0.4, pytest.approx(angle))
+    text = f"{written} deg" if written == 30 else written
+    assert found.contact == case(MOES | {"radius_ratio": 0.4, "entrainment_angle": text}).contact
+
+
+@pytest.mark.parametrize("kind", ["impact", "rolling"])
+@pytest.mark.parametrize("D", [0.05, 0.3, 1.0, 3.0, 20.0])
+@pytest.mark.parametrize("angle", [0.0, 35.0, 90.0])
+def test_the_default_grid_follows_the_ellipse(kind, D, angle):
+    """Distances from the contact, and the spacing, are those of the circle in units of the smaller half width."""
+    turned = {"entrainment_angle": f"{angle} deg"} if angle else {}
+    drive = {"motion": {"entrainment": 0.5}} if kind == "impact" and angle else {}
+    found = case(MOES | {"kind": kind, "radius_ratio": D} | turned, **drive)
+    grid, unit, (wide, high) = grid_of(found), found.geometry.smaller, found.geometry.extent
+    circle = grid_of(case({"kind": kind, "M": found.parameters.as_ball.M, "L": 10.0}))
+    left, right = (1e-9 + (abs(edge) - 1) * unit for edge in (circle.x[0], circle.x[-1]))
+    assert -grid.x[0] - wide >= 0.94 * left and grid.x[-1] - wide >= 0.94 * right - 0.02
+    assert grid.x[-1] - grid.x[0] >= 2 * wide + left + right - 1e-6
+    assert grid.y[-1] - high >= 0.999 * unit * (circle.y[-1] - 1)
+    assert 0.8 * circle.spacing * unit < grid.spacing <= 1.15 * circle.spacing * unit
+    assert all((abs(axis) < 1e-9).any() for axis in (grid.x, grid.y))  # a node at zero
+
+
+def test_a_half_grid_covers_the_same_domain():
+    found = case(MOES | {"radius_ratio": 0.17}, solver={"nodes": 129})
+    fine, half = grid_of(found), grid_of(found.on_half_grid())
+    assert (half.nodes_x, half.nodes_y) == ((fine.nodes_x + 1) // 2, (fine.nodes_y + 1) // 2)
+    assert (half.x[0], half.y[0]) == pytest.approx((fine.x[0], fine.y[0]))
+
+
+def test_params_and_films_of_the_worked_example():
+    """The numbers are those of the formulas' own test; here are their names, from the command line."""
+    sections = {"contact": LOADED | REDUCED, "lubricant": OIL}
+    given = [f"{name}.{key}={value}" for name, keys in sections.items() for key, value in keys.items()]
+    words = [word for item in given for word in ("--set", item)]
+    content, films = (json.loads(ertel_(command, *words, "--json").stdout) for command in ("params", "film"))
+    expected = {"M": 512.567, "M_BH": 185.188, "L_BH": 8.96790, "radius_ratio": 0.2, "kappa": 0.345999}
+    assert {name: content[name] for name in expected} == pytest.approx(expected, rel=4e-6)
+    si = {"a_m": 139.690e-6, "a_y_m": 403.729e-6, "p_h_Pa": 846.615e6, "delta_m": 2.60564e-6}
+    assert {name: content["si"][name] for name in si} == pytest.approx(si, rel=4e-6)
+    central = {row["name"]: row["si"]["h_c_m"] for row in films["films"]}
+    assert central["Nijenbanning-Venner-Moes"] == pytest.approx(203.69e-9, abs=5e-12)

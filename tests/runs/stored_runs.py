@@ -13,7 +13,7 @@ from cases import RADIAL, SHORT_FALL, physics, stop_after
 
 import ertel
 from ertel.inputs.case_files import parse_case
-from ertel.runs.drive import Recorder, Run, TransientRun, drive, method_of, run_of
+from ertel.runs.drive import Run, TransientRun, method_of, result_of, run_of
 from ertel.runs.files import StoreError
 from ertel.runs.stepping import StepLimits
 from ertel.runs.store import RunStore, compute
@@ -55,8 +55,7 @@ class Kind:
 
     @cached_property
     def whole(self) -> ertel.Result:
-        recorder = Recorder(self.run)
-        return recorder.result(drive(recorder.run, [recorder]))
+        return result_of(self.run)
 
     def _stored(self, name: str, *observers: Any) -> Path:
         store = RunStore.create(self._place / name, self.case, self.run)

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import psutil
@@ -353,26 +354,17 @@ def never_ends() -> None:
         time.sleep(1)
 
 
-def started(script: Path, text: str, *arguments: str) -> subprocess.Popen[str]:
-    script.write_text(text)
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *sys.path])}
-    command = [sys.executable, str(script), *arguments]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment, start_new_session=True)
-
-
-def rest_of_output(parent: subprocess.Popen[str]) -> str:
-    """What is printed until parent and workers have ended; where they do not, they are killed and the test fails."""
-    try:
-        return parent.communicate(timeout=HANG)[0]
-    except subprocess.TimeoutExpired:
-        os.killpg(parent.pid, signal.SIGKILL)
-        raise
-
-
 @pytest.mark.slow
 def test_workers_end_with_a_parent_that_is_killed(tmp_path):
-    parent = started(tmp_path / "killed.py", KILLED)
-    assert parent.stdout and parent.stdout.readline() == "running\n"
-    parent.send_signal(signal.SIGKILL)
-    assert rest_of_output(parent) == ""
+    (tmp_path / "killed.py").write_text(KILLED)
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *sys.path])}
+    command, pipes = [sys.executable, str(tmp_path / "killed.py")], {"stdout": subprocess.PIPE, "text": True}
+    with subprocess.Popen(command, **pipes, env=environment, start_new_session=True) as parent:
+        assert parent.stdout and parent.stdout.readline() == "running\n"
+        parent.send_signal(signal.SIGKILL)
+        try:  # what is printed until parent and workers have ended
+            assert parent.communicate(timeout=HANG)[0] == ""
+        finally:
+            with suppress(ProcessLookupError):
+                os.killpg(parent.pid, signal.SIGKILL)
     assert parent.returncode == -signal.SIGKILL

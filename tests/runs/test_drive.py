@@ -8,24 +8,15 @@ import numpy as np
 import pytest
 from cases import impact, march
 
-from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.equations.approach import ClosureLine, NewtonsLaw
-from ertel.equations.state import Method
 from ertel.physics.motion import constant
 from ertel.results.result import Result
 from ertel.results.summary import with_error
-from ertel.runs.drive import Recorder, TransientRun, drive, run_of, simulate
+from ertel.runs.drive import TransientRun, drive, result_of, run_of, simulate
 from ertel.runs.stepping import StepLimits
 from ertel.solvers.radial import RadialImpact
 from ertel.solvers.transient import Transient2D
-
-
-def simulated(case: Case, method: Method) -> Result:
-    """A run in memory with a method that is not the case's own."""
-    run = TransientRun(case, method)
-    recorder = Recorder(run)
-    return recorder.result(drive(run, [recorder]))
 
 
 @cache
@@ -53,9 +44,7 @@ def test_values_at_maximum_approach_come_from_the_turning_point() -> None:
 
 def test_a_run_that_must_give_up_keeps_what_it_has() -> None:
     case = impact(200, 10, 33, time={"until": 1.2})
-    run = TransientRun(case, Transient2D(case), StepLimits(first=0.03, smallest=0.02))
-    recorder = Recorder(run)
-    result = recorder.result(drive(run, [recorder]))
+    result = result_of(TransientRun(case, Transient2D(case), StepLimits(first=0.03, smallest=0.02)))
     assert result.status is Status.STEP_TOO_SMALL
     assert result.status.advice
     assert (result.summary["status"], result.summary["max_approach"]) == ("the time step became too small", None)
@@ -87,7 +76,7 @@ def test_a_rig_may_prescribe_the_approach(method: type[Transient2D] | type[Radia
     case = impact(200, 10, 33, time={"until": 2.5, "tolerance": 1e-3})
     pressed = method(case)
     pressed.closure = Rig.of(case.motion)
-    data = simulated(case, pressed).dataset
+    data = result_of(TransientRun(case, pressed)).dataset
     np.testing.assert_allclose(data.Delta.values, [motion(T) for T in data.time.values], atol=1e-12)
     H_c = float(data.H_c[-1])
     assert H_c > 0.1

@@ -1,13 +1,11 @@
 """Runs with rough surfaces: what a grid keeps of them, and a run directory that needs nothing from outside."""
 
 import sys
-from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import xarray as xr
@@ -28,10 +26,10 @@ from ertel.runs.files import StoreError
 from ertel.runs.store import RunStore, compute
 from ertel.solvers import steady
 
-pytestmark = pytest.mark.filterwarnings("ignore:the film is not resolved", "ignore:the oil outside the domain")
 ROUGH = SelfAffine(rms=0.02, hurst=0.8, shortest=0.2, longest=1.0, seed=3)
 SHORT: dict[str, dict[str, Any]] = {"time": {"tolerance": 0.01, "until": 0.4}}
 HEIGHTS = np.random.default_rng(0).normal(size=(20, 30))
+DISC = Measured(HeightMap(HEIGHTS), 6.0, 4.0, 0.02)
 TOML = """
 name = "rough"
 contact = { M = 200, L = 10 }
@@ -54,9 +52,7 @@ def rough(nodes: int, shape: Any = ROUGH) -> Case:
 # -- on a grid --------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    "shape", [ROUGH, Measured(HeightMap(HEIGHTS), 6.0, 4.0, 0.02)], ids=["self-affine", "measured"]
-)
+@pytest.mark.parametrize("shape", [ROUGH, DISC], ids=["self-affine", "measured"])
 def test_a_coarse_grid_has_no_waves_that_are_none(shape) -> None:
     """Taken at every fourth node the short waves would look like long ones: as high as they are themselves."""
     case = rough(129, shape)
@@ -107,9 +103,9 @@ def test_the_rate_of_the_gap_is_that_of_the_surface_on_the_grid() -> None:
         (ROUGH, 65, "3.2 cells across its smallest width 0.2 a, about 16 are needed; waves below 4 cells are"),
         (ROUGH, 65, "or leave out waves of roughness[1] below 1 a"),
         (replace(ROUGH, longest=3.0, shortest=1.0), 65, ""),
-        (Measured(HeightMap(HEIGHTS), 6.0, 4.0, 0.02), 65, "6.4 cells across its smallest width 0.4 a"),
-        (Measured(HeightMap(HEIGHTS), 6.0, 4.0, 0.02, cutoff=1.0), 65, ""),
-        (Measured(HeightMap(HEIGHTS), 2.4, 4.0, 0.02, cutoff=1.0), 65, "the map is smaller than the contact (without"),
+        (DISC, 65, "6.4 cells across its smallest width 0.4 a"),
+        (replace(DISC, cutoff=1.0), 65, ""),
+        (replace(DISC, length_x=2.4, cutoff=1.0), 65, "the map is smaller than the contact (without"),
     ],
 )
 def test_what_the_grid_and_the_map_lack_is_said(shape, nodes, said) -> None:
@@ -122,7 +118,7 @@ def test_another_surface_needs_no_compilation() -> None:
     """Its heights are data of the programs."""
     simulate(rough(33))
     compiled = compilations()
-    for shape in (replace(ROUGH, seed=5, longest=0.7), Measured(HeightMap(HEIGHTS), 6.0, 4.0, 0.02)):
+    for shape in (replace(ROUGH, seed=5, longest=0.7), DISC):
         simulate(rough(33, shape))
     assert compilations() == compiled
 
@@ -141,10 +137,8 @@ def case(tmp_path: Path) -> Case:
 
 
 @pytest.fixture(autouse=True)
-def _closed(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+def _closed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
-    yield
-    plt.close("all")
 
 
 def test_a_run_is_resumed_shown_and_plotted_without_the_file(tmp_path, case) -> None:

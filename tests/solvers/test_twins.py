@@ -52,25 +52,13 @@ def test_the_twins_agree_in_everything(nodes: int, radial: int) -> None:
         assert two["H_min"] == pytest.approx(one["H_min"], rel=0.03)
 
 
-@pytest.mark.parametrize(
-    ("M", "nodes"),
-    [
-        (200, 201),
-        *(pytest.param(M, nodes, marks=pytest.mark.slow) for M, nodes in ((1000, 201), (200, 401), (1000, 401))),
-    ],
-)
-def test_radial_reference(M: int, nodes: int) -> None:
-    """Within the reference's accuracy plus our own error, the change from half the nodes."""
-    fine, coarse = (at_maximum(M, "radial", n, 4.0) for n in (nodes, nodes // 2 + 1))
-    for name, value in REFERENCE[M].items():
-        allowed = ACCURACY[name] * value + abs(fine[name] - coarse[name])
-        assert abs(fine[name] - value) < allowed, name
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(("M", "half_width"), [(200, 4.0), (1000, 2.0)])
 def test_2d_reference(M: int, half_width: float) -> None:
-    """The same for the 2-D method, with its half grid; the quick tests reach it through the radial twin."""
+    """Within the reference's accuracy plus our own error, the change from half the nodes.
+
+    The quick tests reach it through the radial twin, whose reference impacts are in its own tests.
+    """
     fine, coarse = (at_maximum(M, "2d", nodes, half_width) for nodes in (257, 129))
     for name, value in REFERENCE[M].items():
         allowed = ACCURACY[name] * value + abs(fine[name] - coarse[name])

@@ -10,6 +10,7 @@ Units: the half width b = 4 p_h R/E', p_h and b^2/R, so that
     d/dX [rho H - rho H^3/(eta lambda) dP/dX] = 0 where P > 0,    lambda = 12 eta0 u_m R^2/(b^3 p_h)
 """
 
+import sys
 import warnings
 from math import pi
 from pathlib import Path
@@ -23,6 +24,9 @@ from ertel.physics import film_formulas
 from ertel.physics.geometry import hertz_ellipse
 from ertel.physics.lubricant import Lubricant
 from ertel.physics.scales import HamrockDowson
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from common import table
 
 HERE = Path(__file__).parent
 Values = NDArray[np.float64]
@@ -103,18 +107,17 @@ def section(p_h: float, speed: float) -> str:
     line = line_center(case.lubricant, 12 * ETA0 * speed * R**2 / (b**3 * p_h)) * b**2 / R
     ugw = HamrockDowson(ETA0 * speed / (E * R), ALPHA * E, 2 * pi * (p_h / E) ** 2)
     formula = film_formulas.dowson_toyoda_central(ugw) * R
-    rows = [f"| infinite line | | {1e9 * line:.1f} | | |\n"]
-    rows.append(f"| Dowson-Toyoda | | {1e9 * formula:.1f} | {formula / line - 1:+.1%} | |\n")
+    rows = [["infinite line", "", f"{1e9 * line:.1f}", "", ""]]
+    rows.append(["Dowson-Toyoda", "", f"{1e9 * formula:.1f}", f"{formula / line - 1:+.1%}", ""])
     for ratio in RATIOS:
         case = ellipse(ratio, p_h, speed)
         found = ertel.simulate(case).summary
         film, error = found["H_c_extrapolated"] * case.scales.film, found["H_c_error"] / found["H_c"]
         across = case.geometry.radius_ratio**-1
-        films = f"{1e9 * film:.1f} | {film / line - 1:+.1%} | {error:.1%}"
-        rows.append(f"| ellipse, k = {ratio} | {across:.3g} | {films} |\n")
+        films = f"{1e9 * film:.1f}", f"{film / line - 1:+.1%}", f"{error:.1%}"
+        rows.append([f"ellipse, k = {ratio}", f"{across:.3g}", *films])
     head = ["", "R_y/R_x", "H_c, nm", "over the line's", "estimated error on the grid"]
-    text = f"\np_h = {p_h / 1e9:g} GPa, {speed:g} m/s:\n\n| {' | '.join(head)} |\n|{' --- |' * len(head)}\n"
-    return text + "".join(rows)
+    return f"\np_h = {p_h / 1e9:g} GPa, {speed:g} m/s:\n\n" + table(head, rows)
 
 
 def main() -> None:

@@ -6,11 +6,11 @@ Each table takes some minutes on two cores, most of them for compiling: every el
 """
 
 import sys
+from collections.abc import Iterator
 from itertools import product
 from pathlib import Path
 from typing import Any
 
-import jax
 import numpy as np
 
 from ertel import Case, parse_case
@@ -18,14 +18,13 @@ from ertel.physics.film_formulas import expected_film
 from ertel.results import diagnostics
 from ertel.results.parameters import formula_films
 from ertel.solvers import steady
-from ertel.solvers.steady import GridSolution, Rolling
+from ertel.solvers.steady import GridSolution
 
-jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from common import BARUS, ISOVISCOUS, table, write
 
 HERE = Path(__file__).parent
-BARUS = {"viscosity": "barus", "density": "incompressible"}
 FLUIDS = {"barus, incompressible": BARUS, "roelands, dowson-higginson": {}}
-ISOVISCOUS = {"viscosity": "isoviscous", "density": "incompressible"}
 TABLE = [(20, 10), (200, 10), (1000, 10), (200, 5), (200, 0)]
 RATIOS = [1.0, 0.5, 0.2, 0.1, 0.05]
 
@@ -41,11 +40,6 @@ def case(M: float, L: float, D: float, nodes: int, oil: dict[str, Any], **more: 
     )
 
 
-def table(head: list[str], rows: list[list[str]]) -> str:
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
-
-
 def moes(c: Case) -> float:
     """H of Moes over H in a^2/R."""
     p = c.parameters
@@ -57,14 +51,16 @@ def moes(c: Case) -> float:
 
 def formula(nodes: int) -> str:
     """The central film against Nijenbanning, Venner and Moes, in Moes' unit."""
-    rows = []
+    head = ["R_x/R_y", "M", "L", "fluid", "grid", "H_Moes", "extrapolated", "formula", "formula/extrapolated - 1"]
+    head += ["the same at ambient pressure", "Krylov per Newton iteration", "warned of"]
+    return table(head, _formulas(nodes))
+
+
+def _formulas(nodes: int) -> Iterator[list[str]]:
     for D, (M, L), (fluid, oil) in product(RATIOS, TABLE, FLUIDS.items()):
         if L or oil:
             cells = (nodes - 1) * (2 if M > 500 and D > 0.1 else 1)
-            rows.append(_formula(case(M, L, D, cells + 1, oil), fluid if L else "isoviscous", M, L, D))
-            print(rows[-1], flush=True)
-    head = ["R_x/R_y", "M", "L", "fluid", "grid", "H_Moes", "extrapolated", "formula", "formula/extrapolated - 1"]
-    return table([*head, "the same at ambient pressure", "Krylov per Newton iteration", "warned of"], rows)
+            yield _formula(case(M, L, D, cells + 1, oil), fluid if L else "isoviscous", M, L, D)
 
 
 def _formula(c: Case, fluid: str, M: float, L: float, D: float) -> list[str]:
@@ -72,7 +68,8 @@ def _formula(c: Case, fluid: str, M: float, L: float, D: float) -> list[str]:
     s, x, unit = rolling.finest, rolling.extrapolate("H_c"), moes(c)
     joined = expected_film(c.parameters) * unit
     ambient = float(c.lubricant.density(s.measure()["P_c"])) * x.extrapolated * unit  # the oil of the film, expanded
-    said = [name for name in ("inlet", "uncertain") if any(name in text for text in _warnings(c, rolling))]
+    warnings = diagnostics.steady_warnings(c, rolling.solutions)
+    said = [name for name in ("inlet", "uncertain") if any(name in text for text in warnings)]
     return [
         *(f"{D:g}", f"{M:g}", f"{L:g}", fluid, f"{s.grid.nodes_x} x {s.grid.nodes_y}"),
         *(f"{x.value * unit:.3f}", f"{x.extrapolated * unit:.3f}", f"{joined:.3f}"),
@@ -81,23 +78,20 @@ def _formula(c: Case, fluid: str, M: float, L: float, D: float) -> list[str]:
     ]
 
 
-def _warnings(c: Case, rolling: Rolling) -> list[str]:
-    return diagnostics.steady_warnings(c, rolling.solutions)
-
-
 # -- rolling resistance -----------------------------------------------------------------------------------------------
 
 
 def resistance(nodes: int) -> str:
     """1/2 of the double integral of H dP/dX, over the limit 7.5/(kappa M_BH) of Biboulet and Houpert (2010)."""
-    rows = []
+    return table(["R_x/R_y", "M_BH", "inlet", "share of the limit", "extrapolated"], _resistances(nodes))
+
+
+def _resistances(nodes: int) -> Iterator[list[str]]:
     for D, M_BH, inlet in product([1.0, 0.25], [50.0, 100.0, 200.0], [4.5, 9.0, 18.0]):
         c = _long_inlet(D, M_BH, inlet, nodes)
         kappa = c.parameters.ellipse.kappa
         coarse, fine = (_moment(s) * kappa * M_BH / 7.5 for s in steady.steady_film(c).solutions[-2:])
-        rows.append([f"{D:g}", f"{M_BH:g}", f"{inlet:g}", f"{fine:.3f}", f"{fine + (fine - coarse) / 3:.3f}"])
-        print(rows[-1], flush=True)
-    return table(["R_x/R_y", "M_BH", "inlet", "share of the limit", "extrapolated"], rows)
+        yield [f"{D:g}", f"{M_BH:g}", f"{inlet:g}", f"{fine:.3f}", f"{fine + (fine - coarse) / 3:.3f}"]
 
 
 def _long_inlet(D: float, M_BH: float, inlet: float, nodes: int) -> Case:
@@ -119,25 +113,21 @@ def _moment(s: GridSolution) -> float:
 
 def angle(nodes: int) -> str:
     """Films at angles from 0 to 90 degrees against Chittenden's formula; a steel contact with R_x/R_y = 1/4."""
-    rows = []
-    for degrees in (0.0, 30.0, 60.0, 90.0):
-        c = parse_case(
-            {
-                "contact": {
-                    **{"kind": "rolling", "radius_x": "10 mm", "radius_y": "40 mm", "load": "60 N"},
-                    **{"mean_speed": "1.5 m/s", "E_prime": "226.37 GPa", "entrainment_angle": f"{degrees} deg"},
-                },
-                "lubricant": {**BARUS, "eta0": "40 mPa*s", "alpha": "22 / GPa"},
-                "solver": {"nodes": nodes, "tolerance": 0.03},
-            }
-        )
-        rows.append(_angle(c, degrees))
-        print(rows[-1], flush=True)
     head = ["angle", "grid", "h_c (nm)", "extrapolated", "Chittenden", "h_min (nm)", "extrapolated", "Chittenden"]
-    return table(head, rows)
+    return table(head, (_angle(nodes, degrees) for degrees in (0.0, 30.0, 60.0, 90.0)))
 
 
-def _angle(c: Case, degrees: float) -> list[str]:
+def _angle(nodes: int, degrees: float) -> list[str]:
+    c = parse_case(
+        {
+            "contact": {
+                **{"kind": "rolling", "radius_x": "10 mm", "radius_y": "40 mm", "load": "60 N"},
+                **{"mean_speed": "1.5 m/s", "E_prime": "226.37 GPa", "entrainment_angle": f"{degrees} deg"},
+            },
+            "lubricant": {**BARUS, "eta0": "40 mPa*s", "alpha": "22 / GPa"},
+            "solver": {"nodes": nodes, "tolerance": 0.03},
+        }
+    )
     assert c.scales is not None
     rolling, nm = steady.steady_film(c), c.scales.film * 1e9
     chittenden = next(film for film in formula_films(c) if film.name.startswith("Chittenden"))
@@ -149,20 +139,12 @@ def _angle(c: Case, degrees: float) -> list[str]:
     return [f"{degrees:g}", f"{grid.nodes_x} x {grid.nodes_y}", *cells]
 
 
-ALL = {name: globals()[name] for name in ("formula", "resistance", "angle")}
-TITLES = {"formula": "the film formula", "resistance": "rolling resistance", "angle": "flow at an angle"}
-
-
-def main(arguments: list[str]) -> None:
-    nodes = 129
-    if "--nodes" in arguments:
-        at = arguments.index("--nodes")
-        nodes = int(arguments[at + 1])
-        arguments = arguments[:at] + arguments[at + 2 :]
-    for name in arguments or ALL:
-        text = f"# Ellipses: {TITLES[name]}\n\n{ALL[name](nodes)}"
-        (HERE / f"{name}.md").write_text(text, encoding="utf-8")
-
-
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    write(
+        HERE,
+        {
+            "formula": ("Ellipses: the film formula", formula, 129),
+            "resistance": ("Ellipses: rolling resistance", resistance, 129),
+            "angle": ("Ellipses: flow at an angle", angle, 129),
+        },
+    )

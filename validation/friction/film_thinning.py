@@ -5,13 +5,16 @@
 prints the table of README.md.  The constants of Carreau's law are those of the library (`ertel oils squalane`).
 """
 
-import jax
+import sys
+from collections.abc import Iterator
+from pathlib import Path
 
 import ertel
 from ertel.case.case import Case
 from ertel.solvers import steady
 
-jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from common import table
 
 SLIDE_TO_ROLL = (0.0, 0.1, 0.3, 1.0, 1.9)
 NODES = 129  # nested iteration solves 65 on the way: the difference of the two shows the error of the grid
@@ -45,21 +48,20 @@ def films(slide_to_roll: float, rheology: str) -> list[tuple[float, float, int]]
     return found
 
 
-def main() -> None:
-    """Print the table."""
-    plain = case(0.0, "newtonian")
-    assert plain.scales is not None
-    print(f"M = {plain.parameters.M:.0f}, L = {plain.parameters.L:.1f}, p_h = {plain.scales.p_h / 1e9:.2f} GPa\n")
+def rows() -> Iterator[list[str]]:
+    """One for each slide-to-roll ratio, after that of the Newtonian oil."""
     newtonian = films(0.0, "newtonian")
-    print("| oil | S | h_c (nm) | h_min (nm) | h_c/Newtonian, 129 nodes | 65 nodes | Krylov iterations, 129 nodes |")
-    print("|---|---|---|---|---|---|---|")
     for S, rheology in ((0.0, "newtonian"), *((S, "carreau") for S in SLIDE_TO_ROLL)):
         coarse, fine = films(S, rheology)
-        ratios = [found[0] / plain_found[0] for found, plain_found in zip((fine, coarse), newtonian[::-1], strict=True)]
-        name = "Newtonian" if rheology == "newtonian" else "Carreau"
-        shown = f"{fine[0] * 1e9:.1f} | {fine[1] * 1e9:.1f} | {ratios[0]:.4f} | {ratios[1]:.4f} | {fine[2]}"
-        print(f"| {name} | {S:g} | {shown} |", flush=True)
+        ratios = [found[0] / plain[0] for found, plain in zip((fine, coarse), newtonian[::-1], strict=True)]
+        thickness = f"{fine[0] * 1e9:.1f}", f"{fine[1] * 1e9:.1f}", *(f"{ratio:.4f}" for ratio in ratios)
+        yield [rheology.title(), f"{S:g}", *thickness, str(fine[2])]
 
 
 if __name__ == "__main__":
-    main()
+    contact = case(0.0, "newtonian")
+    assert contact.scales is not None
+    p = contact.parameters
+    print(f"M = {p.M:.0f}, L = {p.L:.1f}, p_h = {contact.scales.p_h / 1e9:.2f} GPa\n")
+    head = ["oil", "S", "h_c (nm)", "h_min (nm)", "h_c/Newtonian, 129 nodes", "65 nodes"]
+    table([*head, "Krylov iterations, 129 nodes"], rows())

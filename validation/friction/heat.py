@@ -26,10 +26,10 @@ from ertel.solvers import heat, steady
 from ertel.solvers.heat import Heated, Moving, warmed
 from ertel.solvers.steady import GridSolution
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests"))
 from closed_forms import flash_temperature, mean_rise, nahme
-
-jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone
+from common import table
 
 NODES = 129
 SLIDE_TO_ROLL = (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 1.5, 1.9, 2.0)
@@ -57,11 +57,12 @@ def case(second: str, nodes: int = NODES) -> Case:
 
 def inlet_factor() -> None:
     """Both formulas against L_t."""
-    print("\n| L_t | Gupta S = 0 | 0.2 | 1 | Wilson-Sheu S = 0 | 0.2 | 1 |\n|---|---|---|---|---|---|---|")
+    rows = []
     for L_t in (0.01, 0.1, 0.5, 1.0, 3.0):
         gupta = [gupta_factor(L_t, S, 0.5 / 226) for S in (0.0, 0.2, 1.0)]
         wilson = [wilson_sheu_factor(L_t, S) for S in (0.0, 0.2, 1.0)]
-        print(f"| {L_t:g} | " + " | ".join(f"{value:.4f}" for value in (*gupta, *wilson)) + " |")
+        rows.append([f"{L_t:g}", *(f"{value:.4f}" for value in (*gupta, *wilson))])
+    table(["L_t", "Gupta S = 0", "0.2", "1", "Wilson-Sheu S = 0", "0.2", "1"], rows)
 
 
 @register_dataclass
@@ -79,14 +80,14 @@ class Released:
 
 def cold_walls() -> None:
     """Viscosity of a sheared film over that at its cold walls, by the mean temperature and by Nahme."""
-    print("\n| Na | by the mean temperature | Nahme, exact | excess | Newton iterations |\n|---|---|---|---|---|")
     beta, film, conductivity, wall = 0.04, 1e-7, 0.14, Moving(np.zeros((1, 1)))
+    rows = []
     for Na in (0.1, 1.0, 8.0, 50.0, 100.0, 1000.0, 1e4):
         released = Na * conductivity / (beta * film)  # at 1 m/s
-
         found = warmed(Released(np.array([released]), beta), (wall, wall), np.array([film / conductivity]))
         ours, exact = found.x[0, 0] / released, nahme(Na).viscosity
-        print(f"| {Na:g} | {ours:.6f} | {exact:.6f} | {ours / exact - 1:.2%} | {found.iterations} |")
+        rows.append([f"{Na:g}", f"{ours:.6f}", f"{exact:.6f}", f"{ours / exact - 1:.2%}", f"{found.iterations}"])
+    table(["Na", "by the mean temperature", "Nahme, exact", "excess", "Newton iterations"], rows)
 
 
 def worked_example() -> None:
@@ -94,7 +95,7 @@ def worked_example() -> None:
     uniform = np.full(281, 20e6)
     uniform[0] /= 2
     surface = flash_temperature(uniform, Solid(7850.0, 460.0, 47.0), 0.5, 1e-6)[-1]
-    print(f"\nmean rise in the film {mean_rise(40e6, 1.0, 1e-7, 0.14):.2f} K, surface {surface:.1f} K")
+    print(f"mean rise in the film {mean_rise(40e6, 1.0, 1e-7, 0.14):.2f} K, surface {surface:.1f} K")
 
 
 def film(chosen: Case) -> GridSolution:
@@ -134,20 +135,22 @@ def curve(second: str) -> None:
     M, L = chosen.parameters.M, chosen.parameters.L
     h_c = s.measure()["H_c"] * scales.film
     conditions = f"M = {M:.0f}, L = {L:.1f}, p_h = {scales.p_h / 1e9:.2f} GPa, h_c = {h_c * 1e9:.0f} nm"
-    print(f"\n### Steel on {second}: {conditions}")
-    columns = "S", "phi_T", "mu isothermal", "mu warm", "T_1", "T_2", "T_film (degC)"
-    print("\n| " + " | ".join((*columns, "iterations", "hot start differs (K)", "plain iteration (K)")) + " |")
-    print("|---|---|---|---|---|---|---|---|---|---|")
-    for S in SLIDE_TO_ROLL:
+    print(f"\n### Steel on {second}: {conditions}\n")
+
+    def row(S: float) -> list[str]:
         cool = float(isothermal(Plane.of(s.grid), c, s.P, s.H, S, 1.0, load).sliding[0]) * scales.a_over_R
         found = heat.heated(chosen, s.P, s.H, S)
         hot = heat.heated(chosen, s.P, s.H, S, heat=3.0 * found.heat)
         assert found.converged and hot.converged
-        row = [f"{S:g}", f"{found.inlet.factor:.4f}", f"{cool:.4f}", f"{traction(chosen, found):.4f}"]
-        row += [f"{T.max() - CELSIUS:.1f}" for T in (found.T_1, found.T_2, found.T_film)]
-        row += [f"{found.iterations}, {hot.iterations}", f"{abs(hot.T_film - found.T_film).max():.0e}"]
-        row.append(" / ".join(f"{rise:.1f}" for rise in plain_iteration(chosen, s, S)))
-        print("| " + " | ".join(row) + " |", flush=True)
+        return [
+            *(f"{S:g}", f"{found.inlet.factor:.4f}", f"{cool:.4f}", f"{traction(chosen, found):.4f}"),
+            *(f"{T.max() - CELSIUS:.1f}" for T in (found.T_1, found.T_2, found.T_film)),
+            *(f"{found.iterations}, {hot.iterations}", f"{abs(hot.T_film - found.T_film).max():.0e}"),
+            " / ".join(f"{rise:.1f}" for rise in plain_iteration(chosen, s, S)),
+        ]
+
+    head = ["S", "phi_T", "mu isothermal", "mu warm", "T_1", "T_2", "T_film (degC)"]
+    table([*head, "iterations", "hot start differs (K)", "plain iteration (K)"], map(row, SLIDE_TO_ROLL))
 
 
 def traction(chosen: Case, found: Heated) -> float:
@@ -158,8 +161,8 @@ def traction(chosen: Case, found: Heated) -> float:
 
 def grids() -> None:
     """Order and work: the same contact on finer grids, a Hertzian pressure and a film of 100 nm that opens outside."""
-    print("\n| nodes | mu | T_film - T_0 (K) | Newton iterations | convolutions |\n|---|---|---|---|---|")
-    for nodes in (33, 65, 129, 257):
+
+    def row(nodes: int) -> list[str]:
         chosen = case("glass", nodes)
         assert chosen.scales and chosen.thermal
         grid = grid_of(chosen)
@@ -167,13 +170,15 @@ def grids() -> None:
         P, H = np.sqrt(np.maximum(1.0 - r2, 0.0)), 1e-7 / chosen.scales.film + np.maximum(r2 - 1.0, 0.0)
         found = heat.heated(chosen, P, H, 0.2)
         rise = found.T_film.max() - chosen.thermal.temperature
-        print(f"| {nodes} | {traction(chosen, found):.6f} | {rise:.4f} | {found.iterations} | {found.applications} |")
+        about = f"{traction(chosen, found):.6f}", f"{rise:.4f}"
+        return [f"{nodes}", *about, f"{found.iterations}", f"{found.applications}"]
+
+    table(["nodes", "mu", "T_film - T_0 (K)", "Newton iterations", "convolutions"], map(row, (33, 65, 129, 257)))
 
 
 if __name__ == "__main__":
-    inlet_factor()
-    cold_walls()
-    worked_example()
-    grids()
+    for part in (inlet_factor, cold_walls, worked_example, grids):
+        part()
+        print()
     for disc in ("steel", "glass"):
         curve(disc)

@@ -5,16 +5,17 @@
 prints the table of README.md.
 """
 
-import argparse
+import sys
+from collections.abc import Iterator
 from math import log2
-
-import jax
+from pathlib import Path
 
 import ertel
 from ertel.physics.fluidity import Carreau, Fluidity, ReeEyring
 from ertel.solvers import steady
 
-jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from common import nodes, table
 
 OILS: dict[str, str | Fluidity] = {
     "Newtonian": "newtonian",
@@ -53,19 +54,14 @@ def order(values: list[float]) -> float:
     return log2(abs(middle - coarse) / abs(fine - middle))
 
 
-def main() -> None:
-    """Print the table."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--nodes", type=int, default=257)
-    nodes = parser.parse_args().nodes
-    print("| oil | nodes | H_c | traction coefficient | Krylov iterations |\n|---|---|---|---|---|")
+def rows(nodes: int) -> Iterator[list[str]]:
+    """Those of all oils."""
     for name, rheology in OILS.items():
         found = levels(rheology, nodes)
         for n, H_c, mu, krylov in found:
-            print(f"| {name} | {n} | {H_c:.6f} | {mu:.6f} | {krylov} |")
-        orders = [order([row[k] for row in found]) for k in (1, 2)]
-        print(f"| {name} | order | {orders[0]:.2f} | {orders[1]:.2f} | |", flush=True)
+            yield [name, f"{n}", f"{H_c:.6f}", f"{mu:.6f}", f"{krylov}"]
+        yield [name, "order", *(f"{order([row[k] for row in found]):.2f}" for k in (1, 2)), ""]
 
 
 if __name__ == "__main__":
-    main()
+    table(["oil", "nodes", "H_c", "traction coefficient", "Krylov iterations"], rows(nodes(257)))

@@ -11,12 +11,13 @@ stress cut off at Lambda p, node by node.
 """
 
 import sys
+from collections.abc import Iterator, Mapping
 from functools import cache
+from itertools import product
 from math import log, pi
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from matplotlib.figure import Figure
@@ -29,10 +30,10 @@ from ertel.runs.traction import curve_of
 from ertel.solvers import steady
 from ertel.solvers.steady import GridSolution
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests"))
 from closed_forms import arana_traction
-
-jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone
+from common import table
 
 OILS = ("naphthenic-100", "mineral-100", "pao-100")
 TEMPERATURE, PRESSURE, RADIUS = "60 degC", 1e9, 0.01  # the radius is a choice: the text does not say it
@@ -40,7 +41,7 @@ SPEEDS = (2.0, 6.0, 16.0)
 SLIDING = (0.0, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.4)
 IN_TABLE = (0.01, 0.05, 0.1, 0.4)
 NODES = 65
-COLOURS = ("#0072B2", "#D55E00", "#009E73")
+COLORS = ("#0072B2", "#D55E00", "#009E73")
 
 
 class OilData(NamedTuple):
@@ -110,38 +111,35 @@ def formula(oil: str, speed: float, film: float) -> np.ndarray:
     return np.array([arana_traction(limit, alpha, mean, viscosity, S * speed, film) for S in SLIDING])
 
 
-def main() -> None:
-    """Compute the curves, print the table and draw the picture."""
-    figure = Figure(figsize=(15, 5), layout="constrained", dpi=110)
-    panels = dict(zip(OILS, figure.subplots(1, len(OILS), sharey=True), strict=True))
-    heads = [f"S = {S:g}" for S in IN_TABLE]
-    print(f"| oil | u_m (m/s) | M | h_c (nm) | p_max (GPa) | {' | '.join(heads)} | largest differences |")
-    print("|---|---|---|---|---|" + "---|" * (len(heads) + 1))
-    for oil in OILS:
-        for speed, colour in zip(SPEEDS, COLOURS, strict=True):
-            case = case_of(oil, speed)
-            assert case.scales is not None
-            film = steady.steady_film(case).finest
-            assert film.status.ok
-            measured = film.measure()
-            thickness = measured["H_c"] * case.scales.film
-            cases = curve_of(case, {"slide_to_roll": SLIDING}, "once").cases
-            ours = np.array([traction(at, film, data_of(oil).limit) for at in cases])
-            theirs = formula(oil, speed, thickness)
-            rows = [(*ours[i], theirs[i]) for i in map(SLIDING.index, IN_TABLE)]
-            cells = [", ".join(f"{mu:.4f}" for mu in row) for row in rows]
-            worst = ", ".join(f"{error:.4f}" for error in np.abs(ours - theirs[:, None]).max(axis=0))
-            highest = measured["P_max"] * case.scales.p_h / 1e9
-            about = f"{case.parameters.M:.0f} | {thickness * 1e9:.0f} | {highest:.2f}"
-            print(f"| {oil} | {speed:g} | {about} | {' | '.join(cells)} | {worst} |", flush=True)
-            panels[oil].plot(SLIDING, ours[:, 0], "o-", color=colour, markersize=3.5, label=f"{speed:g} m/s")
-            panels[oil].plot(SLIDING, ours[:, 1], ":", color=colour)
-            panels[oil].plot(SLIDING, theirs, "--", color=colour)
-            panels[oil].set(title=oil, xlabel="slide-to-roll ratio $S$")
-    panels[OILS[0]].set_ylabel("traction coefficient (dotted: cut off, dashed: Arana et al.)")
-    panels[OILS[0]].legend(frameon=False)
-    figure.savefig(Path(__file__).with_suffix(".png"))
+def rows(panels: Mapping[str, Any]) -> Iterator[list[str]]:
+    """One for each oil and speed, whose curves are drawn in the panel of the oil."""
+    for oil, (speed, color) in product(OILS, zip(SPEEDS, COLORS, strict=True)):
+        case = case_of(oil, speed)
+        assert case.scales is not None
+        film = steady.steady_film(case).finest
+        assert film.status.ok
+        measured = film.measure()
+        thickness = measured["H_c"] * case.scales.film
+        cases = curve_of(case, {"slide_to_roll": SLIDING}, "once").cases
+        ours = np.array([traction(at, film, data_of(oil).limit) for at in cases])
+        theirs = formula(oil, speed, thickness)
+        cells = [", ".join(f"{mu:.4f}" for mu in (*ours[i], theirs[i])) for i in map(SLIDING.index, IN_TABLE)]
+        worst = ", ".join(f"{error:.4f}" for error in np.abs(ours - theirs[:, None]).max(axis=0))
+        highest = measured["P_max"] * case.scales.p_h / 1e9
+        about = f"{speed:g}", f"{case.parameters.M:.0f}", f"{thickness * 1e9:.0f}", f"{highest:.2f}"
+        panels[oil].plot(SLIDING, ours[:, 0], "o-", color=color, markersize=3.5, label=f"{speed:g} m/s")
+        panels[oil].plot(SLIDING, ours[:, 1], ":", color=color)
+        panels[oil].plot(SLIDING, theirs, "--", color=color)
+        yield [oil, *about, *cells, worst]
 
 
 if __name__ == "__main__":
-    main()
+    figure = Figure(figsize=(15, 5), layout="constrained", dpi=110)
+    panels = dict(zip(OILS, figure.subplots(1, len(OILS), sharey=True), strict=True))
+    heads = [f"S = {S:g}" for S in IN_TABLE]
+    table(["oil", "u_m (m/s)", "M", "h_c (nm)", "p_max (GPa)", *heads, "largest differences"], rows(panels))
+    for oil, panel in panels.items():
+        panel.set(title=oil, xlabel="slide-to-roll ratio $S$")
+    panels[OILS[0]].set_ylabel("traction coefficient (dotted: cut off, dashed: Arana et al.)")
+    panels[OILS[0]].legend(frameon=False)
+    figure.savefig(Path(__file__).with_suffix(".png"))

@@ -5,22 +5,19 @@
 prints the table of waviness.md.
 """
 
-import argparse
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-
-import jax
 
 import ertel
 from ertel.case.case import Case
 from ertel.physics.fluidity import ReeEyring
 from ertel.runs.response import respond_in_rolling
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests"))
 import ripples
-
-jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone
+from common import nodes, table
 
 WAVELENGTHS = (0.25, 0.35, 0.5, 1.0)  # a
 OILS = {"20": (20e-9, (None, 5e6, 1e6)), "4": (4e-9, (None, 1e6))}  # alpha in 1/GPa: alpha, Eyring's stresses
@@ -42,7 +39,16 @@ def case(alpha: float, tau0: float | None, nodes: int) -> Case:
     )
 
 
-def rows(name: str, chosen: Case) -> Iterator[str]:
+def rows(nodes: int) -> Iterator[list[str]]:
+    """Those of all oils."""
+    for alpha_in_gpa, (alpha, stresses) in OILS.items():
+        for tau0 in stresses:
+            name = "Newtonian" if tau0 is None else f"Eyring {tau0 / 1e6:g} MPa"
+            for row in of_oil(case(alpha, tau0, nodes)):
+                yield [f"{alpha_in_gpa}, {name}", *row]
+
+
+def of_oil(chosen: Case) -> Iterator[list[str]]:
     """The rows of one oil."""
     data = respond_in_rolling(chosen, [wave for length in WAVELENGTHS for wave in ripples.pair(length)])
     assert data.attrs["status"] == "converged"
@@ -52,25 +58,11 @@ def rows(name: str, chosen: Case) -> Iterator[str]:
         found, theory = ripples.ripples(data, 2 * number, length), ripples.hooke(chosen, at, length)
         film, expected = abs(found.clearance), abs(theory.clearance)
         pressure = abs(found.pressure / theory.pressure)
-        numbers = (
-            f"{at.film * 1e9:.0f} | {length:g} | {length * cells:.0f} | {ripples.hooke_number(chosen, at, length):.3g}"
-        )
-        yield f"| {name} | {numbers} | {film:.3f} | {expected:.3f} | {film / expected:.3f} | {pressure:.3f} |"
-
-
-def main() -> None:
-    """Print the table."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--nodes", type=int, default=257)
-    nodes = parser.parse_args().nodes
-    print("| alpha (1/GPa), oil | h_c (nm) | wavelength (a) | cells | Q | film ripple | Hooke | ratio | of pressure |")
-    print("|---|---|---|---|---|---|---|---|---|")
-    for written, (alpha, stresses) in OILS.items():
-        for tau0 in stresses:
-            name = "Newtonian" if tau0 is None else f"Eyring {tau0 / 1e6:g} MPa"
-            for row in rows(f"{written}, {name}", case(alpha, tau0, nodes)):
-                print(row, flush=True)
+        Q = ripples.hooke_number(chosen, at, length)
+        about = f"{at.film * 1e9:.0f}", f"{length:g}", f"{length * cells:.0f}", f"{Q:.3g}"
+        yield [*about, *(f"{value:.3f}" for value in (film, expected, film / expected, pressure))]
 
 
 if __name__ == "__main__":
-    main()
+    head = ["alpha (1/GPa), oil", "h_c (nm)", "wavelength (a)", "cells", "Q", "film ripple", "Hooke", "ratio"]
+    table([*head, "of pressure"], rows(nodes(257)))

@@ -9,11 +9,11 @@ import itertools
 import json
 import os
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 from unittest import mock
 
-import jax
 import numpy as np
 
 import ertel
@@ -21,7 +21,8 @@ from ertel import Case, Result, parse_case, simulate
 from ertel.equations import outside
 from ertel.results.fronts import at_max_approach
 
-jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from common import BARUS, ISOVISCOUS, table, write
 
 HERE = Path(__file__).parent
 REFERENCE = Path(os.environ.get("ERTEL_REFERENCE", HERE.parents[2] / "shared" / "reference")) / "impact.json"
@@ -38,35 +39,28 @@ def case(contact: dict[str, Any], nodes: int, oil: dict[str, Any] | None = None,
     )
 
 
-def table(head: list[str], rows: list[list[str]]) -> str:
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
-
-
 def work() -> str:
     """Iterations over whole impacts, approach to rebound."""
-    rows = []
-    for M, grids in ((200, (65, 129, 257, 513)), (1000, (65, 129, 257, 513)), (10000, (65, 129, 257, 513))):
-        for nodes in grids:
-            result = simulate(case({"M": M, "L": 10}, nodes, until="rebound"))
-            data, s = result.dataset, result.summary
-            per_solve = data.krylov_iterations / data.newton_iterations
-            before = data.time < s["max_approach"]["T"]
-            split = [float(per_solve[part].mean()) for part in (before, ~before)]
-            rows.append(
-                [f"{M}", f"{nodes}²", f"{s['steps']}", f"{s['newton_iterations'] / s['steps']:.2f}"]
-                + [f"{v:.2f}" for v in (*split, float(per_solve.max()))]
-                + [f"{s['convolutions'] / s['steps']:.1f}", f"{s['restitution']:.4f}", f"{float(data.H_min.min()):.2g}"]
-            )
-            print(rows[-1], flush=True)
     head = ["M", "grid", "steps", "Newton a step", "Krylov a solve, to maximum", "after", "maximum"]
-    head += ["convolutions a step", "restitution", "minimum film thickness"]
-    return "## Work: Krylov iterations per reduction by 100, L = 10, approach to rebound\n\n" + table(head, rows)
+    return table([*head, "convolutions a step", "restitution", "minimum film thickness"], _works())
+
+
+def _works() -> Iterator[list[str]]:
+    for M, nodes in itertools.product((200, 1000, 10000), (65, 129, 257, 513)):
+        result = simulate(case({"M": M, "L": 10}, nodes, until="rebound"))
+        data, s = result.dataset, result.summary
+        per_solve = data.krylov_iterations / data.newton_iterations
+        before = data.time < s["max_approach"]["T"]
+        split = [float(per_solve[part].mean()) for part in (before, ~before)]
+        yield [
+            *(f"{M}", f"{nodes}²", f"{s['steps']}", f"{s['newton_iterations'] / s['steps']:.2f}"),
+            *(f"{value:.2f}" for value in (*split, float(per_solve.max()))),
+            *(f"{s['convolutions'] / s['steps']:.1f}", f"{s['restitution']:.4f}", f"{float(data.H_min.min()):.2g}"),
+        ]
 
 
 def orders() -> str:
     """Observed orders in space and time at maximum approach."""
-    text = "## Orders of convergence, M = 20, L = 5, at maximum approach\n\n"
     grids, steps = (33, 65, 129, 257), (0.04, 0.02, 0.01, 0.005)
     runs = {
         "space (nodes " + ", ".join(map(str, grids)) + ")": [
@@ -81,8 +75,7 @@ def orders() -> str:
         for quantity in ("Delta", "F", "H_c"):
             rows.append([name, quantity, *observed([r.summary["max_approach"][quantity] for r in results])])
         rows.append([name, "H, mean square over the contact", *observed([inner_film(r) for r in results])])
-    print(rows, flush=True)
-    return text + table(["refined in", "of", "order, coarse", "order, fine"], rows)
+    return table(["refined in", "of", "order, coarse", "order, fine"], rows)
 
 
 def inner_film(result: Result) -> Any:
@@ -105,79 +98,53 @@ def nothing(X: Any, Y: Any, *_: Any) -> Any:
 @mock.patch.multiple(outside, far_pressure=nothing, rigid_pressure=nothing)
 def reference() -> str:
     """Every case of the reference, by the 2-D method (M <= 1000) and by the radial twin, on two grids each."""
-    text = "## Reference numbers\n\n"
-    text += "Deviation from `reference/impact.json` of the value extrapolated from two grids, the change that the\n"
+    text = "Deviation from `reference/impact.json` of the value extrapolated from two grids, the change that the\n"
     text += "extrapolation makes to the finer one (its discretisation error), and the reference's own accuracy.\n"
     for stated in json.loads(REFERENCE.read_text())["cases"]:
-        contact, oil = translate(stated)
-        text += f"\n### {stated['fluid']}, " + ", ".join(f"{k} = {v}" for k, v in contact.items()) + "\n\n"
-        rows = []
-        methods: list[tuple[str, tuple[int, int], dict[str, float]]] = [("radial", (301, 601), {"half_width": 4.0})]
+        contact, _ = translate(stated)
+        text += f"\n## {stated['fluid']}, " + ", ".join(f"{k} = {v}" for k, v in contact.items()) + "\n\n"
+        head = ["method, nodes", "of", "ertel", "reference", "deviation", "discretisation", "accuracy"]
+        rows = [*_compared(stated, "radial", (301, 601), 4.0)]
         if stated["M"] <= 1000:
-            methods.append(("2d", (257, 513), {"half_width": 4.0 if stated["M"] < 500 else 2.0}))
-        for method, grids, options in methods:
-            coarse, fine = (
-                simulate(
-                    case(
-                        contact,
-                        n,
-                        oil,
-                        method=method,
-                        time_tolerance=2e-5,
-                        until="rebound" if n < 302 and method == "radial" else "max-approach",
-                        **options,
-                    )
-                ).summary
-                for n in grids
-            )
-            for q in QUANTITIES:
-                a, b = coarse["max_approach"][q], fine["max_approach"][q]
-                best, ref = b + (b - a) / 3, stated.get({"T": "T_max", "Delta": "Delta_max", "F": "F_max"}.get(q, q))
-                if ref:
-                    row = [
-                        f"{best:.5g}",
-                        f"{ref}",
-                        f"{best / ref - 1:+.2%}",
-                        f"{(b - a) / 3 / ref:+.2%}",
-                        f"{ACCURACY[q]:.2%}",
-                    ]
-                    rows.append([f"{method} {grids[0]}, {grids[1]}", q, *row])
-            if coarse["restitution"] and "restitution" in stated:
-                values = coarse["restitution"], stated["restitution"]
-                rows.append(
-                    [
-                        f"{method} {grids[0]}",
-                        "restitution",
-                        f"{values[0]:.4f}",
-                        f"{values[1]}",
-                        f"{values[0] - values[1]:+.4f}",
-                        "",
-                        "0.001",
-                    ]
-                )
-        for row in rows:
-            print(row, flush=True)
-        text += table(["method, nodes", "of", "ertel", "reference", "deviation", "discretisation", "accuracy"], rows)
+            rows += _compared(stated, "2d", (257, 513), 4.0 if stated["M"] < 500 else 2.0)
+        text += table(head, rows)
     return text
+
+
+def _compared(stated: dict[str, Any], method: str, grids: tuple[int, int], half_width: float) -> Iterator[list[str]]:
+    contact, oil = translate(stated)
+    options = {"method": method, "time_tolerance": 2e-5, "half_width": half_width}
+    ends = "rebound" if method == "radial" else "max-approach", "max-approach"
+    coarse, fine = (
+        simulate(case(contact, nodes, oil, until=until, **options)).summary
+        for nodes, until in zip(grids, ends, strict=True)
+    )
+    for q in QUANTITIES:
+        a, b = coarse["max_approach"][q], fine["max_approach"][q]
+        best, ref = b + (b - a) / 3, stated.get({"T": "T_max", "Delta": "Delta_max", "F": "F_max"}.get(q, q))
+        if ref:
+            errors = f"{best / ref - 1:+.2%}", f"{(b - a) / 3 / ref:+.2%}", f"{ACCURACY[q]:.2%}"
+            yield [f"{method} {grids[0]}, {grids[1]}", q, f"{best:.5g}", f"{ref}", *errors]
+    if coarse["restitution"] and "restitution" in stated:
+        e, ref = coarse["restitution"], stated["restitution"]
+        yield [f"{method} {grids[0]}", "restitution", f"{e:.4f}", f"{ref}", f"{e - ref:+.4f}", "", "0.001"]
 
 
 def translate(stated: dict[str, Any]) -> tuple[dict[str, float], dict[str, str]]:
     """A reference case's contact and lubricant as ertel's input."""
     fluid = stated["fluid"]
     if fluid.startswith("isoviscous"):
-        return {"lambda_bar": 16 / (15 * stated["St"])}, {"viscosity": "isoviscous", "density": "incompressible"}
-    oil = {"viscosity": "barus", "density": "incompressible"} if fluid.startswith("barus") else {}
-    return {"M": stated["M"], "L": stated["L"]}, oil
-
-
-PARTS = {"work": work, "orders": orders, "reference": reference}
-
-
-def main() -> None:
-    ertel.cache()
-    for name in sys.argv[1:] or PARTS:
-        (HERE / f"{name}.md").write_text(PARTS[name]())
+        return {"lambda_bar": 16 / (15 * stated["St"])}, ISOVISCOUS
+    return {"M": stated["M"], "L": stated["L"]}, BARUS if fluid.startswith("barus") else {}
 
 
 if __name__ == "__main__":
-    main()
+    ertel.cache()
+    write(
+        HERE,
+        {
+            "work": ("Work: Krylov iterations per reduction by 100, L = 10, approach to rebound", work, None),
+            "orders": ("Orders of convergence, M = 20, L = 5, at maximum approach", orders, None),
+            "reference": ("Reference numbers", reference, None),
+        },
+    )

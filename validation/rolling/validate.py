@@ -16,7 +16,6 @@ from pathlib import Path
 from typing import Any
 from unittest import mock
 
-import jax
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
@@ -28,13 +27,14 @@ from ertel.equations import outside
 from ertel.physics import film_formulas
 from ertel.solvers import steady
 
-jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from common import BARUS, ISOVISCOUS, table, write
 
 HERE = Path(__file__).parent
 REFERENCE = Path(os.environ.get("ERTEL_REFERENCE", HERE.parents[2] / "shared" / "reference"))
 MOURIER = REFERENCE / "mourier_2006"
 FLUIDS = {
-    "barus incompressible": {"viscosity": "barus", "density": "incompressible"},
+    "barus incompressible": BARUS,
     "roelands + dowson-higginson": {"p0": "196078400 Pa", "z": 0.668678},  # the file's
 }
 BLACK, BLUE, ORANGE = "black", "#0072B2", "#D55E00"
@@ -46,38 +46,20 @@ def case(M: float, L: float, nodes: int, oil: dict[str, Any], **solver: Any) -> 
     return parse_case({"contact": contact, "lubricant": oil, "solver": {"nodes": nodes, **solver}})
 
 
-def table(head: list[str], rows: list[list[str]]) -> str:
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
-
-
 # -- reference numbers ------------------------------------------------------------------------------------------------
 
 
 def reference(nodes: int) -> str:
     """Every case of rolling.json: the discrete solutions, the extrapolated film, its order, and the error estimate."""
-    rows = []
-    for entry in json.loads((REFERENCE / "rolling.json").read_text())["cases"]:
-        with mock.patch.object(outside, "far_pressure", lambda X, Y, *_: 0.0 * X * Y):  # P = 0 at the edge, as there
-            rows.append(_compare(entry, nodes))
-        print(rows[-1], flush=True)
-    head = [
-        "fluid",
-        "M",
-        "L",
-        "maximum deviation of the discrete solution",
-        "H_c",
-        "extrapolated",
-        "reference",
-        "order",
-    ]
-    return table([*head, "true error/estimate of H_c", "of H_min"], rows)
+    head = ["fluid", "M", "L", "maximum deviation of the discrete solution", "H_c", "extrapolated", "reference"]
+    entries = json.loads((REFERENCE / "rolling.json").read_text())["cases"]
+    with mock.patch.object(outside, "far_pressure", lambda X, Y, *_: 0.0 * X * Y):  # P = 0 at the edge, as there
+        rows = (_compare(entry, nodes) for entry in entries)
+        return table([*head, "order", "true error/estimate of H_c", "of H_min"], rows)
 
 
 def _compare(entry: dict[str, Any], nodes: int) -> list[str]:
-    oil = dict(FLUIDS[entry["fluid"]])
-    if entry["L"] == 0:
-        oil = {"viscosity": "isoviscous", "density": "incompressible"}
+    oil = FLUIDS[entry["fluid"]] if entry["L"] else ISOVISCOUS
     rolling = steady.steady_film(case(entry["M"], entry["L"], nodes, oil))
     deviations = []
     for s in rolling.solutions:
@@ -102,13 +84,9 @@ def _compare(entry: dict[str, Any], nodes: int) -> list[str]:
 
 def limits(nodes: int) -> str:
     """The isoviscous film of soft bodies and the piezoviscous one, towards high load."""
-    rows = []
-    for L, oil in ((0, {"viscosity": "isoviscous", "density": "incompressible"}), (10, FLUIDS["barus incompressible"])):
-        for M in (30, 100, 300, 1000) if L == 0 else (100, 300, 1000):
-            rows.append(_limit(M, L, nodes, oil))
-            print(rows[-1], flush=True)
     head = ["M", "L", "H_c", "error", "extrapolated", "over its asymptote", "over Nijenbanning-Venner-Moes"]
-    return table(head, rows)
+    loads = [*((M, 0, ISOVISCOUS) for M in (30, 100, 300, 1000)), *((M, 10, BARUS) for M in (100, 300, 1000))]
+    return table(head, (_limit(M, L, nodes, oil) for M, L, oil in loads))
 
 
 def _limit(M: float, L: float, nodes: int, oil: dict[str, Any]) -> list[str]:
@@ -189,8 +167,6 @@ def _report(step: Any) -> None:
         print(f"T = {step.record['T']:.3f}, {step.record['convolutions']:.0f} convolutions", flush=True)
 
 
-# -- all --------------------------------------------------------------------------------------------------------------
-
 # -- waves that pass --------------------------------------------------------------------------------------------------
 
 WAVE = 1007.6, 12.05, 0.25  # M, L, wavelength
@@ -200,36 +176,30 @@ PUBLISHED = 0.739  # Venner CH, Lubrecht AA: their computation for this case
 def waves(nodes: int) -> str:
     """A_d/A_i of isotropic waviness in pure rolling on three grids and more, by time steps and by the response."""
     M, L, wavelength = WAVE
-    rows, grids = [], [(nodes - 1) // 4 + 1, (nodes - 1) // 2 + 1, nodes, 2 * nodes - 1]
+    grids = [(nodes - 1) // 4 + 1, (nodes - 1) // 2 + 1, nodes, 2 * nodes - 1]
     ratios = [rolling_response(M, L, (wavelength,), n)[0] for n in grids]
-    for i, n in enumerate(grids):
+
+    def row(i: int, n: int) -> list[str]:
         marched = f"{marched_rolling(M, L, wavelength, n):.4f}" if n <= nodes else ""
         extrapolated = f"{ratios[i] + (ratios[i] - ratios[i - 1]) / 3:.4f}" if i else ""
         order = f"{np.log2((ratios[i - 2] - ratios[i - 1]) / (ratios[i - 1] - ratios[i])):.2f}" if i > 1 else ""
-        rows.append([f"{n}²", marched, f"{ratios[i]:.4f}", extrapolated, order])
+        return [f"{n}²", marched, f"{ratios[i]:.4f}", extrapolated, order]
+
     curve = float(amplitude_reduction.ratio_left(Parameters.from_moes(M, L).nabla2(wavelength)))
     head = ["nodes", "time steps of one cell", "periodic response", "extrapolated, second order", "order observed"]
     others = f"Eq. (15) gives {curve:.4f}, the published computation {PUBLISHED}.\n"
-    return f"M = {M:g}, L = {L:g}, wavelength {wavelength:g}: A_d/A_i.\n\n{table(head, rows)}\n{others}"
-
-
-NODES = {"reference": 257, "limits": 513, "cavity": 257, "waves": 513}
-TITLES = {
-    "reference": "reference values",
-    "limits": "limits",
-    "cavity": "a measured micro-cavity",
-    "waves": "waves that pass",
-}
-
-
-def main(arguments: list[str]) -> None:
-    ertel.cache()
-    nodes = int(arguments[arguments.index("--nodes") + 1]) if "--nodes" in arguments else None
-    for name in [name for name in arguments if name in NODES] or NODES:
-        text = globals()[name](nodes or NODES[name])
-        (HERE / f"{name}.md").write_text(f"# Rolling: {TITLES[name]}\n\n{text}", encoding="utf-8")
-        print(text)
+    text = f"M = {M:g}, L = {L:g}, wavelength {wavelength:g}: A_d/A_i.\n\n"
+    return text + table(head, map(row, range(len(grids)), grids)) + f"\n{others}"
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    ertel.cache()
+    write(
+        HERE,
+        {
+            "reference": ("Rolling: reference values", reference, 257),
+            "limits": ("Rolling: limits", limits, 513),
+            "cavity": ("Rolling: a measured micro-cavity", cavity, 257),
+            "waves": ("Rolling: waves that pass", waves, 513),
+        },
+    )

@@ -10,6 +10,7 @@ x_r = (4 theta eta v R^{3/2})^{2/5}, theta = 2/(pi E'), where a sphere gives way
 integral of (1 - H/(2 layer - H))^2 dH/H = ln(layer/x_r) + 1 - 3 ln 2.
 """
 
+import sys
 from math import pi
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -19,6 +20,9 @@ from scipy.optimize import minimize_scalar
 
 import ertel
 from ertel.inputs.studies import load_study
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from common import table
 
 HERE = Path(__file__).parent
 STUDY = HERE.parents[1] / "examples/sweeps/wet_restitution.toml"
@@ -46,11 +50,6 @@ sphere gives way. `restitution.py` has the sources.
   nothing holds it back. A ball that sticks, near St = St_c, needs more than this model. The ball loses nothing else,
   e_dry = 1.
 """
-
-
-def table(head: list[str], rows: list[list[str]]) -> str:
-    lines = [head, ["---"] * len(head), *rows]
-    return "".join(f"| {' | '.join(cells)} |\n" for cells in lines)
 
 
 def largest_error(St_c: float, St: np.ndarray, e: np.ndarray) -> float:

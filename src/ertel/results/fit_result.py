@@ -27,7 +27,6 @@ if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from typing import Unpack
 
     from matplotlib.figure import Figure
-    from pandas import DataFrame
 
     from ertel.plots.drawing import SheetOptions
 
@@ -150,20 +149,11 @@ def amount(value: float, unit: str) -> str:
 def fit_dataset(solution: FitPoint, data: Mapping[str, tuple[Any, str]], about: Mapping[str, Any]) -> xr.Dataset:
     """The outcome of a fit as a Dataset.
 
-    Parameters
-    ----------
-    solution : FitPoint
-        Where the fit has ended.
-    data : mapping
-        Name -> values along the data, and what they are: measured, sigma, predicted and others.
-    about : mapping
-        Attributes: title and others.
+    Over `unknown`: values, standard errors, bounds and priors in SI, their unit, correlation; over `datum`: what is
+    measured and predicted; over `product`: relative uncertainty and exponents of the products that the data fix.
 
-    Returns
-    -------
-    xarray.Dataset
-        Over `unknown`: values, standard errors, bounds and priors in SI, their unit, correlation; over `datum`: what is
-        measured and predicted; over `product`: relative uncertainty and exponents of the products that the data fix.
+    data: name -> values along the data, and what they are: measured, sigma, predicted and others.  about: attributes,
+    title and others.
     """
     covariance, (uncertainty, exponents) = solution.covariance, solution.products
     relative = np.sqrt(np.diag(covariance))
@@ -229,7 +219,7 @@ class FitResult(StudyResult):
         """The standard errors of the unknowns, in SI."""
         return {row["unknown"]: row["standard_error"] for row in self.rows()}
 
-    def _frame(self) -> "DataFrame":
+    def _frame(self) -> Any:
         """The unknowns as a table, in SI."""
         return self.dataset.drop_dims(["datum", "product", "other"]).to_dataframe().reset_index()
 

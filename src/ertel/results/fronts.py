@@ -78,9 +78,9 @@ def front(data: xr.Dataset, by: FrontDefinition = "film") -> Front:
     T, A = T[first:], A[first:]
     if len(T) < 4:
         raise ValueError(f'dataset: has too few times to see its front by "{by}"; keep maps more often')
-    fits = [_parabola(T, A**2, t) for t in T]
-    radius = np.sqrt([square for square, _ in fits])
-    return Front(T, radius, np.array([rate for _, rate in fits]) / (2 * radius))
+    squares, rates = np.transpose([_parabola(T, A**2, t) for t in T])
+    radius = np.sqrt(squares)
+    return Front(T, radius, rates / (2 * radius))
 
 
 def _front_by_film(data: xr.Dataset) -> tuple[Values, Values]:
@@ -109,7 +109,11 @@ def _outwards(field: xr.DataArray) -> tuple[Values, Values]:
 def _steepest_fall(r: Values, P: Values, approach: float) -> float:
     slope, middle = np.diff(P) / np.diff(r), (r[1:] + r[:-1]) / 2
     i = int(np.argmin(slope))
-    return np.nan if i in (0, len(slope) - 1) else _vertex(middle[i - 1 : i + 2], slope[i - 1 : i + 2])
+    if i in (0, len(slope) - 1):
+        return np.nan
+    (a, b), (c, d) = np.diff(middle[i - 1 : i + 2]), np.diff(slope[i - 1 : i + 2])  # of the parabola through three
+    curvature, rise = (d / b - c / a) / (a + b), c / a
+    return float(middle[i - 1] + a / 2 - rise / (2 * curvature)) if curvature else float(middle[i])
 
 
 def _half_hertz(r: Values, P: Values, approach: float) -> float:
@@ -123,13 +127,6 @@ def _half_hertz(r: Values, P: Values, approach: float) -> float:
 
 
 _FALLS: Mapping[str, Callable[[Values, Values, float], float]] = {"slope": _steepest_fall, "half-hertz": _half_hertz}
-
-
-def _vertex(x: Values, y: Values) -> float:
-    """Position of the extremum of the parabola through three points."""
-    (a, b), (c, d) = np.diff(x), np.diff(y)
-    curvature, slope = (d / b - c / a) / (a + b), c / a
-    return float(x[0] + a / 2 - slope / (2 * curvature)) if curvature else float(x[1])
 
 
 def _parabola(T: Values, values: Values, t: float) -> tuple[float, float]:

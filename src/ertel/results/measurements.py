@@ -233,8 +233,8 @@ class Measurement:
             ends = [with_prefix(end, _unit(self.axis)) for end in (x.min(), x.max(), there[0], there[-1])]
             raise ValueError("{}: reaches from {} to {}, and the run only from {} to {}".format(self.name, *ends))
         computed = np.interp(x, there, values)
-        shift |= self._best_lines(self.values - computed)
-        return Comparison(self, x, self.values - self._lines(shift), computed, shift, line)
+        lines, difference = self._straightened(self.values - computed)
+        return Comparison(self, x, computed + difference, computed, shift | lines, line)
 
     @property
     def axis(self) -> str:
@@ -270,21 +270,15 @@ class Measurement:
 
     # -- alignment ----------------------------------------------------------------------------------------------------
 
-    def _lines(self, shift: Mapping[str, float]) -> Values:
-        """Offset and tilt at the measured places; the tilt is about their middle."""
+    def _straightened(self, difference: Values) -> tuple[dict[str, float], Values]:
+        """The offset and the tilt, as far as they are not known, that leave the smallest squares, and what is left."""
         assert self.x is not None
-        offset, tilt = shift.get("offset", 0.0), shift.get("tilt", 0.0)
-        return np.asarray(offset + tilt * (self.x - self.x.mean()))
-
-    def _best_lines(self, difference: Values) -> dict[str, float]:
-        """The offset and the tilt, as far as they are not known, that leave the smallest squares."""
-        names = [name for name in ("offset", "tilt") if name in self.align]
-        if not names:
-            return {}
-        shapes = np.transpose([self._lines({name: 1.0}) for name in names])
+        ways = {"offset": np.ones_like(self.x), "tilt": self.x - self.x.mean()}  # the tilt is about the middle
+        names = [name for name in ways if name in self.align]
+        shapes = np.reshape([ways[name] for name in names], (len(names), len(self.x))).T
         scale = np.abs(shapes).max(axis=0)
         shares = np.linalg.lstsq(shapes / scale * self._weight[:, None], difference * self._weight)[0] / scale
-        return dict(zip(names, shares.tolist(), strict=True))
+        return dict(zip(names, shares.tolist(), strict=True)), difference - shapes @ shares
 
     @property
     def _weight(self) -> Values:
@@ -299,8 +293,8 @@ class Measurement:
             return 0.0
 
         def squares(centre: float) -> float:
-            difference = self.values - np.interp(x - centre, there, values)
-            return float(np.sum((self._weight * (difference - self._lines(self._best_lines(difference)))) ** 2))
+            _, difference = self._straightened(self.values - np.interp(x - centre, there, values))
+            return float(np.sum((self._weight * difference) ** 2))
 
         tried = np.linspace(low, high, SHIFTS)
         best, step = tried[np.argmin([squares(each) for each in tried])], (high - low) / (SHIFTS - 1)

@@ -23,10 +23,7 @@ Outcome = Mapping[str, Any]  # of a run, as `results.summary` and `summary.json`
 
 KEY = ("H_c", "H_min", "P_max")
 SHOWN = (*KEY, *FRICTION, "restitution")  # in a table of many runs
-WARM = {  # of those under `thermal`
-    **{"h_c_m": "h_c_warm", "h_min_m": "h_min_warm", "mu_sliding": "mu_sliding_warm", "T_1_max_K": "T_1_max_warm"},
-    **{"T_2_max_K": "T_2_max_warm", "T_film_max_K": "T_film_max_warm", "phi_T": "phi_T_warm"},
-}
+WARM = ("h_c_m", "h_min_m", "mu_sliding", "T_1_max_K", "T_2_max_K", "T_film_max_K", "phi_T")  # those under `thermal`
 WORK = {"newton_iterations": "newton_iterations", "krylov_iterations": "krylov_iterations", "wall_s": "wall_time"}
 IN_SI = ("m", "K", "s")  # units of numbers that are in SI in the summary itself
 FREE = ("name", "reference")  # keys of a case that change no result
@@ -82,7 +79,7 @@ def numbers(summary: Outcome) -> dict[str, Number]:
     values |= {f"{name}_extreme": one["value"] for name, one in summary.get("extremes", {}).items()}
     values |= {name: summary.get(name) for name in ("restitution", "contact_time", "F_max")}
     thermal = summary.get("thermal") or {}
-    values |= {name: thermal.get(key) for key, name in WARM.items()}
+    values |= {f"{key.removesuffix('_m').removesuffix('_K')}_warm": thermal.get(key) for key in WARM}
     values |= {name: summary.get(key) for key, name in WORK.items()}
     scales, errors = scales_in(summary), errors_of(summary)
     return {
@@ -257,11 +254,9 @@ def lines(summary: Outcome) -> Iterator[str]:
     yield f"  {_conditions(summary)}"
     yield f"  {moment(summary)}"
     shown = key_numbers(summary)
-    wide = max((len(n.about.long_name) + len(n.about.symbol) for n in shown), default=0)
-    for n in shown:
-        name = f"{n.about.long_name} {n.about.symbol}".ljust(wide + 1)
-        error = f", error {n.text_of_error}" if n.text_of_error else ""
-        yield f"    {name}  {n.full_text}{error}"
+    names = [f"{n.about.long_name} {n.about.symbol}" for n in shown]
+    values = [n.full_text + (f", error {n.text_of_error}" if n.text_of_error else "") for n in shown]
+    yield from (f"    {line}" for line in aligned([names, values], left=2))
     yield from (f"  {line}" for line in more_lines(summary))
     for warning in summary["warnings"]:
         yield f"  warning: {warning}"
@@ -321,7 +316,7 @@ def html_table(summary: Outcome, heading: str = "") -> str:
 
 def aligned(columns: Sequence[Sequence[str]], left: int = 0) -> Iterator[str]:
     """Columns side by side as lines; the first `left` of them begin at the left, the others end at the right."""
-    widths = [max(map(len, column)) for column in columns]
+    widths = [max(map(len, column), default=0) for column in columns]
     for cells in zip(*columns, strict=True):
         padded = [
             cell.ljust(width) if position < left else cell.rjust(width)

@@ -38,7 +38,7 @@ def parameter_summary(case: Case) -> dict[str, Any]:
     content: dict[str, Any] = {**parameters_of(case), **falls}
     if s is None:
         return content
-    return {**content, **ugw_of(case)._asdict(), "si": {**scale_values(case), **(_fall_in_si(p, s) if falls else {})}}
+    return {**content, **_ugw(case, s)._asdict(), "si": {**scale_values(case), **(_fall_in_si(p, s) if falls else {})}}
 
 
 def _fall_in_si(p: Parameters, s: Scales) -> dict[str, float]:
@@ -61,11 +61,9 @@ def rheology_of(case: Case) -> str:
     return f"{written} ({reason})" if reason else written
 
 
-def ugw_of(case: Case) -> HamrockDowson:
-    """Hamrock and Dowson's U, G, W of a physical case.  Raises ValueError for a dimensionless one."""
-    p, s = case.parameters, case.scales
-    if s is None:
-        raise ValueError("case: is dimensionless and has no U, G, W")
+def _ugw(case: Case, s: Scales) -> HamrockDowson:
+    """Hamrock and Dowson's U, G, W of a physical case."""
+    p = case.parameters
     eta0 = p.lambda_bar * s.t0 * s.a**2 * s.p_h / (12 * s.R**2)
     return hamrock_dowson(s, eta0, p.alpha_bar / s.p_h)
 
@@ -94,33 +92,20 @@ def domain(case: Case) -> str:
 def formula_films(case: Case, load: float = 1.0, entrainment: float = 1.0) -> list[FormulaFilm]:
     """Film thickness of a rolling contact by every formula of `physics.film_formulas`, in the case's own a^2/R.
 
-    Parameters
-    ----------
-    case : Case
-        A rolling contact.
-    load, entrainment : float
-        Load w in F* and speed U in u_m of the moment.
-
-    Returns
-    -------
-    list of FormulaFilm
-        Empty for an impact, and without load or without speed, where the formulas have no meaning.  With layers of oil
-        the flooded films, then what the layers leave of those that are made for such a contact.
+    Of the moment with the load w in F* and the speed U in u_m.  Empty for an impact, and without load or without speed,
+    where the formulas have no meaning.  With layers of oil the flooded films, then what the layers leave of those that
+    are made for such a contact.
     """
     speed = abs(entrainment)
     if case.starts_apart or load <= 0 or speed == 0:
         return []
     p = case.parameters
     at = Parameters.from_moes(p.M * load * speed**-0.75, p.L * speed**0.25, p.radius_ratio)
-    ugw = ugw_of(case) if case.scales else None
+    ugw = _ugw(case, case.scales) if case.scales else None
     formulas = film_formulas.films(at, ugw and HamrockDowson(ugw.U * speed, ugw.G, ugw.W * load), case.contact.angle)
     unit = cbrt(load) ** 2  # the formulas' a^2 is that of the load w
-
-    def in_units_of_the_case(film: float | None) -> float | None:
-        return None if film is None else film * unit
-
     flooded = [
-        film._replace(central=in_units_of_the_case(film.central), minimum=in_units_of_the_case(film.minimum))
+        film._replace(central=film.central and film.central * unit, minimum=film.minimum and film.minimum * unit)
         for film in formulas
     ]
     if case.layer is None:

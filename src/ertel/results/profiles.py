@@ -47,23 +47,9 @@ def events_of(dataset: xr.Dataset) -> Mapping[str, int]:
 def moment_of(dataset: xr.Dataset, at: At = None) -> Instant:
     """The moment of a run in time that is asked for.
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        A run in time, dimensionless as it is stored.
-    at : float, str or Quantity, optional
-        A time in t0, as a number; a time with its unit, "95 us", of a physical case; or an event of the run,
-        "max-approach" or "end".  By default maximum approach, or the last map where there is none.
-
-    Returns
-    -------
-    Instant
-        The time in t0, the map next to it and its name.
-
-    Raises
-    ------
-    ValueError
-        The run has no maps yet, or does not have this moment.
+    dataset: a run in time, dimensionless as it is stored.  at: a time in t0, as a number; a time with its unit,
+    "95 us", of a physical case; or an event of the run, "max-approach" or "end".  By default maximum approach, or the
+    last map where there is none.  Raises ValueError where the run has no maps yet, or does not have this moment.
     """
     T, events = np.asarray(dataset["frame"].values), events_of(dataset)
     at = str(at) if isinstance(at, Quantity) else at
@@ -105,25 +91,11 @@ def profile(dataset: xr.Dataset, at: At = None, along: str = "x") -> xr.Dataset:
 
     Between two maps they are interpolated linearly in time.  An axisymmetric run has the same line along x and y.
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        A run, dimensionless as it is stored.
-    at : float, str or Quantity, optional
-        The moment of a run in time, see `moment_of`; of a steady contact it is left out.
-    along : "x" or "y"
-        The direction of the line.
+    dataset: a run, dimensionless as it is stored.  at: as of `moment_of`; of a steady contact it is left out.  along:
+    "x" or "y".  Raises ValueError where the direction is not one of these, or the run does not have this moment.
 
-    Returns
-    -------
-    xarray.Dataset
-        Variables h, p and h_oil over x or y in SI, with the scalar t of a run in time; of a dimensionless case H, P and
-        oil over X or Y, with time.  Its attribute `moment` says in words where it was taken.
-
-    Raises
-    ------
-    ValueError
-        The direction is not one of these, or the run does not have this moment.
+    The variables are h, p and h_oil over x or y in SI, with the scalar t of a run in time; of a dimensionless case H, P
+    and oil over X or Y, with time.  The attribute `moment` says in words where it was taken.
     """
     if along not in ALONG:
         raise ValueError(f'along = {along!r}: must be "x" or "y"')

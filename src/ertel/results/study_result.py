@@ -27,7 +27,6 @@ from ertel.version import installed_version
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from matplotlib.figure import Figure
-    from pandas import DataFrame
 
     from ertel.plots.drawing import SheetOptions
 
@@ -59,22 +58,10 @@ def study_dataset(
 ) -> xr.Dataset:
     """The numbers of all runs over what varies.
 
-    Parameters
-    ----------
-    mode : str
-        "product": one dimension for each coordinate; "zip": one dimension, run, with all coordinates along it.
-    coordinates : mapping
-        Name -> values and attributes.
-    runs : sequence of StudyRun
-        In C order of the dimensions.
-    attributes : mapping
-        Of the Dataset: title and kind at least.
-
-    Returns
-    -------
-    xarray.Dataset
-        The numbers of the runs, nan where a run has none; the number of warnings, status and directory of each run.
-        A number with the name of a coordinate is left out.
+    mode: "product", one dimension for each coordinate, or "zip", one dimension, run, with all coordinates along it.
+    coordinates: name -> values and attributes.  runs: in C order of the dimensions.  attributes: title and kind at
+    least.  The numbers are nan where a run has none, with the number of warnings, status and directory of each run; a
+    number with the name of a coordinate is left out.
     """
     product = mode == "product"
     dims = tuple(coordinates) if product else ("run",)
@@ -161,7 +148,7 @@ class StudyResult:
         rows = self._frame().to_dict("records")
         return [{str(name): None if value != value else value for name, value in row.items()} for row in rows]
 
-    def _frame(self) -> "DataFrame":
+    def _frame(self) -> Any:
         """The runs as a table, a row each."""
         return _flat(with_units(self.dataset)).to_dataframe()
 

@@ -39,12 +39,9 @@ def waves(X: ArrayLike, dH: ArrayLike, edge: float = 1.0) -> list[Wave]:
     """
     spline = CubicSpline(np.asarray(X, dtype=float), np.asarray(dH, dtype=float))
     slope = spline.derivative()
-    zeros, turns = (_inside(s.roots(extrapolate=False), edge) for s in (spline, slope))
+    roots = (s.roots(extrapolate=False) for s in (spline, slope))
+    zeros, turns = (np.sort(places[(places > 0) & (places < edge)]) for places in roots)
     return [_wave(spline, turns, start, end) for start, end in zip(zeros, zeros[2:], strict=False)]
-
-
-def _inside(places: Values, edge: float) -> Values:
-    return np.sort(places[(places > 0) & (places < edge)])
 
 
 def _wave(spline: CubicSpline, turns: Values, start: float, end: float) -> Wave:

@@ -35,7 +35,7 @@ from ertel.equations.state import StepSolution
 from ertel.inputs.case_files import CaseLike, ConfigError, as_case, parse_case, written
 from ertel.numerics.programs import double_precision, require_double
 from ertel.results.result import Result
-from ertel.runs.drive import METHODS, Recorder, TransientRun, drive, method_of, run_of
+from ertel.runs.drive import METHODS, Recorder, TransientRun, method_of, result_of, run_of
 from ertel.runs.stepping import Step
 from ertel.runs.workers import Failure, check_fork
 from ertel.solvers.transient import StepProblem, Transient2D, solve_step
@@ -107,7 +107,7 @@ def run_together(runs: Sequence[Asking], solve: SolveTogether) -> list[Any]:
             except StopIteration as end:
                 outcomes[number] = end.value
             except Exception as error:
-                outcomes[number] = Failure(f"{type(error).__name__}: {error}")
+                outcomes[number] = Failure.of(error)
         if not problems:
             break
         lanes = lanes_for(len(problems), lanes)
@@ -183,7 +183,7 @@ def solve_together(problems: Sequence[StepProblem], lanes: int) -> list[StepSolu
     """The results of `transient.solve_step` for problems of one shape, by one call with this number of lanes."""
     require_double()
     filled = [*problems, *[problems[-1]] * (lanes - len(problems))]
-    fields, numbers = _solve_lanes(tree.map(_joined, _axes(problems[0]), *filled, is_leaf=_is_shared))
+    fields, numbers = _solve_lanes(tree.map(_joined, _axes(problems[0]), *filled, is_leaf=lambda axis: axis is None))
     numbers = np.asarray(numbers)
     return [
         StepSolution({name: each[lane] for name, each in fields.items()}, numbers[lane])
@@ -196,10 +196,6 @@ def _axes(problem: StepProblem) -> Any:
     axes = tree.map(lambda leaf: 0, problem)
     setting = replace(axes.setting, elastic=None, space=None, axes=None, gap_slope=None)
     return replace(axes, setting=setting, contact=replace(axes.contact, kernel=None, spacing=None))
-
-
-def _is_shared(axis: object) -> bool:
-    return axis is None
 
 
 def _joined(axis: int | None, *values: Any) -> Any:
@@ -246,7 +242,7 @@ def warm_up(case: Case) -> None:
     A steady case is run to its end, a run in time for a few steps.
     """
     run: Any = run_of(case)
-    recorder, steps = Recorder(run), iter(range(STEPS))
+    steps = iter(range(STEPS))
 
     def enough(result: Any) -> bool:
         if case.is_steady or next(steps, None) is not None:
@@ -255,4 +251,4 @@ def warm_up(case: Case) -> None:
         run.method.friction(result.state.levels[0])
         return True
 
-    recorder.result(drive(run, [recorder, enough]))
+    result_of(run, [enough])

@@ -198,7 +198,9 @@ class Cluster:
         try:
             while left and not self._is_lost:
                 for task in ready:
-                    future = self._submit(task, call)
+                    content = performed, task.function, task.arguments, own_sources()
+                    key = f"ertel-{call}-{task.name}"  # another study may hold the same case on this scheduler
+                    future = self._client.submit(*content, key=key, retries=RETRIES, pure=False)
                     names[future] = task.name
                     done.add(future)
                 if should_stop() and not self._has_workers():
@@ -219,11 +221,6 @@ class Cluster:
         finally:
             if not self._is_lost:
                 self._client.cancel(list(names))
-
-    def _submit(self, task: Task, call: str) -> Future[Any]:
-        """Submit a task.  Its key is of this call only: another study may hold the same case on this scheduler."""
-        content = performed, task.function, task.arguments, own_sources()
-        return self._client.submit(*content, key=f"ertel-{call}-{task.name}", retries=RETRIES, pure=False)
 
     def _outcome(self, future: Future[Any]) -> Any:
         try:

@@ -282,6 +282,12 @@ class Recorder:
         return Result(self.run.case, data.assign_attrs(attributes(summary)), summary, Status(summary["status"]))
 
 
+def result_of(run: Run, observers: Sequence[Observer] = ()) -> Result:
+    """The result of a run in memory."""
+    recorder = Recorder(run)
+    return recorder.result(drive(run, [recorder, *observers]))
+
+
 @double_precision()
 def simulate(case: CaseLike, progress: bool = False, observers: Sequence[Observer] = ()) -> Result:
     """Run a case from start to end in memory.
@@ -311,10 +317,8 @@ def simulate(case: CaseLike, progress: bool = False, observers: Sequence[Observe
     warn(before)  # of the caller of this function, which is decorated
     check_jax()
     run = run_of(case)
-    recorder = Recorder(run)
     with bars(progress) as shown:
-        last = drive(run, [recorder, watch(shown, run), *observers])
-    result = recorder.result(last)
+        result = result_of(run, [watch(shown, run), *observers])
     warn([sentence for sentence in result.warnings if sentence not in before])
     return result
 

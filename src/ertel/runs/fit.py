@@ -129,9 +129,7 @@ def fit(
         with TemporaryDirectory(prefix="ertel-fit-") as place:
             result = replace(store_fit(problem, Path(place), engine, progress=progress), directory=None)
     else:
-        place_of_fit = Path(directory).absolute()
-        studies.require_place(place_of_fit, NAME)
-        result = store_fit(problem, place_of_fit, engine, progress=progress)
+        result = store_fit(problem, studies.require_place(directory, NAME), engine, progress=progress)
     warn(result.warnings, frames=1)
     return result
 

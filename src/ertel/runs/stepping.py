@@ -5,7 +5,7 @@ attempts and is sent their solutions, so that one run and a batch of runs share 
 """
 
 from collections.abc import Generator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from math import inf
 from typing import Any
 
@@ -24,7 +24,7 @@ SAME_TIME = 1e-9  # t0: two maps closer than this are one
 
 @dataclass(frozen=True)
 class StepLimits:
-    """Limits of the step, in t0, and the choice of the next step from the last error.
+    """Limits of the step, in t0.
 
     first: of an impact, as a share of the initial gap.  cut: after a step that did not converge.  of_period: share of
     the period of an oscillating signal; 16 steps a period meet its extremes within 1 - cos(pi/16) = 2 %, and a parabola
@@ -36,7 +36,6 @@ class StepLimits:
     smallest: float = 1e-7
     cut: float = 0.5
     of_period: float = 1 / 16
-    control: bdf.StepControl = field(default_factory=bdf.StepControl)
 
 
 @dataclass(frozen=True)
@@ -50,16 +49,12 @@ class Counts:
     rejected: int = 0
 
     def plus(self, work: Work) -> "Counts":
-        return Counts(
-            self.steps,
-            self.newton_iterations + work.newton,
-            self.krylov_iterations + work.krylov,
-            self.convolutions + work.convolutions,
-            self.rejected,
+        return replace(
+            self,
+            newton_iterations=self.newton_iterations + work.newton,
+            krylov_iterations=self.krylov_iterations + work.krylov,
+            convolutions=self.convolutions + work.convolutions,
         )
-
-    def minus(self, other: "Counts") -> "Counts":
-        return Counts(*(getattr(self, k) - getattr(other, k) for k in self.__dataclass_fields__))
 
 
 @dataclass(frozen=True)
@@ -110,10 +105,10 @@ def next_step(case: Case, method: Method, state: RunState, limits: StepLimits) -
             step, counts = limits.cut * length, replace(counts, rejected=counts.rejected + 1)
             continue
         error = 0.0 if fixed else _error(case, state.levels, new)
-        if not fixed and not limits.control.accepts(error):
-            step, counts = limits.control.next_step(length, error), replace(counts, rejected=counts.rejected + 1)
+        if not fixed and not error <= bdf.REJECTED:
+            step, counts = bdf.adapted(length, error), replace(counts, rejected=counts.rejected + 1)
             continue
-        following = fixed or min(limits.control.next_step(length, error), _longest(case, limits))
+        following = fixed or min(bdf.adapted(length, error), _longest(case, limits))
         return _accept(case, method, state, new, replace(counts, steps=counts.steps + 1), following, error)
     return Step(replace(state, counts=counts), {}, (), Status.STEP_TOO_SMALL)
 
@@ -165,7 +160,9 @@ def _accept(
     status = Status.CONVERGED if _ended(case, new, new.record["F"], reached) else Status.RUNNING
     if status is Status.CONVERGED and case.schedule.until != "max-approach":
         frames.append(frame_of(method, new, "end"))
-    spent = counts.minus(state.counts)
+    spent = {
+        name: float(value - getattr(state.counts, name)) for name, value in vars(counts).items() if name != "steps"
+    }
     record = {
         "T": new.T,
         "dT": levels[0].T - levels[1].T,
@@ -175,14 +172,9 @@ def _accept(
         "U": case.motion.entrainment(new.T),
         "w": case.motion.load(new.T),
         "error": error,
-        **{name: float(getattr(spent, name)) for name in Counts.__dataclass_fields__ if name != "steps"},
+        **spent,
     }
-    return Step(
-        RunState(levels, following, counts, next_frame, reached),
-        record,
-        _each_time_once(frames),
-        status,
-    )
+    return Step(RunState(levels, following, counts, next_frame, reached), record, _each_time_once(frames), status)
 
 
 def _ended(case: Case, level: State, F: float, reached: Mapping[str, float] | None) -> bool:

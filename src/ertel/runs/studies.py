@@ -102,8 +102,7 @@ def sweep(
     check_jax()
     engine = Engine(jobs, scheduler, scheduler_file, tls)
     planned = parse_study(study) if isinstance(study, Mapping) else load_study(study, overrides)
-    path = Path(directory).absolute()
-    require_place(path)
+    path = require_place(directory)
     left = left_of(planned.cases, path)
     with engine.workers(len(left)) as workers, alone(path):
         statuses = run_study(planned.cases, path, workers, progress=progress)
@@ -137,19 +136,21 @@ def _is_done(directory: Path) -> bool:
         return False
 
 
-def require_place(directory: Path, name: str = NAME, option: str = "directory") -> None:
-    """Raise Taken, naming the option, where a directory holds files that a study would overwrite or be mixed with.
+def require_place(directory: str | Path, name: str = NAME, option: str = "directory") -> Path:
+    """The absolute path of a directory for a study; that of an earlier one may hold other files as well.
 
-    name: of the files of the study.  The directory of an earlier one may hold other files as well.
+    name: of the files of the study.  Raises Taken, naming the option, where it would overwrite files or be mixed with.
     """
-    visible = {path.name for path in directory.glob("[!.]*")}
+    place = Path(directory).absolute()
+    visible = {path.name for path in place.glob("[!.]*")}
     own = {RUNS, STOP, *(f"{name}.{ending}" for ending in ENDINGS)}
     is_own = f"{name}.zarr" in visible or (RUNS in visible and visible <= own)
     if visible and not is_own:
         some = ", ".join(sorted(visible)[:LISTED])
         earlier = {NAME: "study", "traction": "curve"}.get(name, name)
         allowed = f"give a new or empty directory, or that of an earlier {earlier}"
-        raise Taken(f"{option} {directory}: holds other files ({some}); {allowed}")
+        raise Taken(f"{option} {place}: holds other files ({some}); {allowed}")
+    return place
 
 
 @contextmanager

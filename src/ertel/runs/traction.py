@@ -107,8 +107,7 @@ def traction(
             result = curve_in(curve, Path(place), progress)
         result.dataset["directory"][...] = ""
         return replace(result, directory=None)
-    studies.require_place(Path(directory).absolute(), NAME)
-    return store_curve(curve, Path(directory).absolute(), progress)
+    return store_curve(curve, studies.require_place(directory, NAME), progress)
 
 
 # -- the curve --------------------------------------------------------------------------------------------------------

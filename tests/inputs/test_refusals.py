@@ -1,0 +1,248 @@
+"""What is refused in a case file: one line that names field, value and what is allowed."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ertel.inputs.case_files import ConfigError, parse_case
+
+Data = dict[str, Any]
+Rows = list[tuple[Any, list[str]]]  # what is wrong; how its message begins, and what is in it
+
+MOES = {"M": 1000, "L": 10}
+BALL = {"radius": "10 mm", "mass": "32.6726 g", "speed": "0.1 m/s", "E_prime": "226.37 GPa"}
+OIL = {"eta0": "0.1 Pa*s", "alpha": "22 / GPa"}
+STEEL = {"E1": "210 GPa", "nu1": 0.3, "E2": "210 GPa", "nu2": 0.3}
+ROLLING = {"kind": "rolling", **MOES}
+TRACK = {"kind": "rolling", "radius": "10 mm", "load": "20 N", "E_prime": "226.37 GPa"}
+ROLLED = {**TRACK, "mean_speed": "0.5 m/s"}
+TWO_SPEEDS = {"speed_1": "1 m/s", "speed_2": "1 m/s"}
+IN_TIME = {"method": "transient"}
+
+
+def without(key: str, *tables: Data) -> Data:
+    return {k: v for table in tables for k, v in table.items() if k != key}
+
+
+def refused(sections: Data, said: list[str], folder: Any = ".") -> None:
+    with pytest.raises(ConfigError) as caught:
+        parse_case(sections, folder)
+    message, (start, *parts) = str(caught.value), said
+    assert message.startswith(start)
+    assert all(part in message for part in parts), message
+    assert message.isprintable() and len(message) < 600
+
+
+# -- the contact ------------------------------------------------------------------------------------------------------
+
+ELASTIC = without("E_prime", BALL) | STEEL
+CONTACTS: Rows = [
+    (MOES | {"raduis": "1 mm"}, ['contact.raduis = "1 mm": unknown key', "did you mean radius?"]),
+    (MOES | {"kind": "bounce"}, ["contact.kind = \"bounce\": allowed: 'impact' or 'rolling'"]),
+    ({"M": -5, "L": 10}, ["contact.M = -5: ", "greater than 0"]),
+    ({"M": "1000", "L": 10}, ['contact.M = "1000": must be a number']),
+    ({"M": True, "L": 10}, ["contact.M = true: must be a number"]),
+    ({}, ["contact.M: missing", "lambda_bar and alpha_bar", "radius"]),
+    ({"M": 1000}, ["contact.L: missing", "contact.M = 1000", "M and L"]),
+    (MOES | {"lambda_bar": 1}, ["contact.M = 1000.0 and contact.lambda_bar = 1.0 are given together; allowed: "]),
+    (MOES | BALL, ['contact.M = 1000.0 and contact.radius = "10 mm" are given together; allowed: ']),
+    (MOES | {"slide_to_roll": 1}, ["contact.slide_to_roll = 1", "motion.slide_to_roll"]),
+    (MOES | {"material_1": "steel"}, ['contact.material_1 = "steel": a dimensionless contact has no materials']),
+    *[(without(key, BALL), [f"contact.{key}: missing; allowed: {key}; or "]) for key in BALL],
+    *[(without(key, ELASTIC), [f"contact.{key}: missing; contact."]) for key in STEEL],
+    *[(ELASTIC | {"nu1": nu}, ["contact.nu1 = "]) for nu in (-1, 0.51, float("nan"))],
+    (BALL | {"ball_density": "8 g/cm^3"}, ["contact.mass = ", "contact.ball_density = ", "given together"]),
+    (BALL | {"drop_height": "1 m"}, ["contact.speed = ", "contact.drop_height = ", "given together"]),
+    (BALL | {"radius_1": "1 m", "radius_2": "1 m"}, ["contact.radius = ", "contact.radius_1 = ", "given together"]),
+    (BALL | STEEL, ["contact.E_prime = ", "contact.E1 = ", "given together"]),
+    (BALL | {"load": "1 N"}, ['contact.load = "1 N"', "impact", "motion.load"]),
+    (BALL | {"speed_1": "1 m/s"}, ["contact.speed_1", "impact", "contact.mean_speed"]),
+    (BALL | {"slide_to_roll": 1}, ["contact.slide_to_roll = 1", "mean_speed"]),
+    ({"kind": "rolling"}, ["contact.M: missing", "load", "mean_speed or speed_1 and speed_2"]),
+    (ROLLED | {"speed": "1 m/s"}, ['contact.speed = "1 m/s"', "rolling", "contact.mean_speed"]),
+    (ROLLED | {"drop_height": "1 m"}, ["contact.drop_height", "rolling", "contact.speed_1"]),
+    (TRACK, ["contact.mean_speed: missing", "speed_1 and speed_2"]),
+    (TRACK | {"speed_1": "1 m/s"}, ["contact.speed_2: missing", 'contact.speed_1 = "1 m/s"']),
+    (ROLLED | TWO_SPEEDS, ["contact.mean_speed", "contact.speed_1", "together"]),
+    (TRACK | TWO_SPEEDS | {"speed_2": "-1 m/s"}, ["contact.speed_1", 'contact.speed_2 = "-1 m/s"', "not be zero"]),
+    (TRACK | TWO_SPEEDS | {"slide_to_roll": 1}, ["contact.slide_to_roll = 1", "mean_speed only"]),
+    (ROLLED | {"mean_speed": "0 m/s"}, ['contact.mean_speed = "0 m/s"', "must not be zero"]),
+    (ROLLED | {"load": "-1 N"}, ['contact.load = "-1 N"', "above zero", "40 N"]),
+    (ROLLED | {"mass": "1 g", "ball_density": "1 kg/m^3"}, ["contact.mass", "contact.ball_density"]),
+    ({"kind": "rolling", "M": 0.01, "L": 10}, ["contact: M = 0.01 is too low: ", "half_width = 1000"]),
+]
+BODIES = {"material_1": "steel", "material_2": "glass"}
+BODIED = without("E_prime", ROLLED) | BODIES
+CONTACTS += [
+    (BODIED | {"material_2": "wood"}, ['contact.material_2 = "wood": allowed: glass, sapphire, ']),
+    (BODIED | {"material_2": 2}, ["contact.material_2 = 2: allowed: glass, sapphire, "]),
+    (without("material_2", BODIED), ["contact.E2: missing"]),
+    (BODIED | {"temperature": "40 degC"}, ['contact.temperature = "40 degC": unknown key; allowed: material_1, ']),
+]
+
+# radii of curvature
+BALL_ROLLS = without("radius", ROLLED)
+REDUCED = BALL_ROLLS | {"radius_x": "10 mm", "radius_y": "50 mm"}
+BODY = BALL_ROLLS | {"radius_x_1": "10 mm", "radius_y_1": "10 mm"}
+ELLIPSE = ROLLING | {"radius_ratio": 0.5}
+CONTACTS += [
+    (without("radius_y_1", BODY), ["contact.radius_y_1: missing"]),
+    (BODY | {"radius_y_2": "-9 mm"}, ['contact.radius_y_1 = "10 mm" and contact.radius_y_2 = "-9 mm"']),
+    (BODY | {"radius_y_2": "-10 mm"}, ["contact.radius_y_1 = ", "point contact"]),
+    (BODY | {"radius_x_1": "0 mm"}, ['contact.radius_x_1 = "0 mm": must not be zero']),
+    (without("radius_y", REDUCED), ["contact.radius_y: missing"]),
+    (REDUCED | {"radius_x": "-10 mm"}, ["contact.radius_x = "]),
+    (REDUCED | {"radius_y": "1.1 m"}, ["contact: the reduced radii", "allowed: from 1/100 to 100"]),
+    *[  # it suggested radius_2, which makes two spheres: half the film
+        (ROLLED | {key: "20 mm"}, ['contact.radius = "10 mm" and contact.' + key + ' = "20 mm" are given together'])
+        for key in ("radius_x", "radius_y")
+    ],
+    (REDUCED | {"radius_ratio": 0.2}, ["contact.radius_ratio = 0.2"]),
+    (REDUCED | {"entrainment_angle": "200 deg"}, ['contact.entrainment_angle = "200 deg"']),
+    (REDUCED | {"entrainment_angle": 30}, ["contact.entrainment_angle = 30"]),
+    (REDUCED | {"entrainment_angle": "30 mm"}, ["contact.entrainment_angle = "]),
+    (REDUCED | {"ball_density": "7850 kg/m^3"}, ['contact.ball_density = "7850 kg/m^3"']),
+    (ELLIPSE | {"radius_ratio": 0.005}, ["contact.radius_ratio = 0.005"]),
+    (ELLIPSE | {"radius_ratio": -1.0}, ["contact.radius_ratio = -1.0"]),
+    (ELLIPSE | {"kind": "impact", "entrainment_angle": "30 deg"}, ['contact.entrainment_angle = "30 deg"']),
+]
+
+# -- the oil and the temperatures -------------------------------------------------------------------------------------
+
+NAMED = {"oil": "squalane", "temperature": "40 degC"}
+SHEET = {"nu40": "68 mm^2/s", "nu100": "8.7 mm^2/s", "density": "880 kg/m^3"}
+OILS: Rows = [
+    *[(without(key, OIL), [f"lubricant.{key}: missing"]) for key in OIL],
+    (OIL | {"viscosity": "baras"}, ['lubricant.viscosity = "baras": ', "'barus'"]),
+    (OIL | {"alpha": "3 m"}, ['lubricant.alpha = "3 m": ', "[length]", "22 / GPa"]),
+    (OIL | {"alpha": "3 quux"}, ['lubricant.alpha = "3 quux": has an unknown unit', "22 / GPa"]),
+    (OIL | {"alpha": "-3 1/Pa"}, ['lubricant.alpha = "-3 1/Pa": ', "above zero"]),
+    (OIL | {"alpha": 2.2e-8}, ["lubricant.alpha = 2.2e-08: ", "unit", "22 / GPa"]),
+    *[(NAMED | {"oil": oil}, ["lubricant.oil = ", ": allowed: ", "squalane"]) for oil in ("squalan", 7, ["squalane"])],
+    (NAMED | {"temperature": "120 degC"}, ['lubricant.temperature = "120 degC": must be between 25 degC and 100 degC']),
+    (NAMED | {"temperature": 40}, ["lubricant.temperature = 40: must be a temperature with its unit"]),
+    (NAMED | {"temperature": "40"}, ['lubricant.temperature = "40": must be a temperature with its unit']),
+    (without("temperature", NAMED), ['lubricant.temperature: missing; oil = "squalane" needs it']),
+    (without("oil", NAMED), ['lubricant.temperature = "40 degC": needs lubricant.oil, one of iso-vg-100']),
+    (NAMED | {"oill": 1}, ["lubricant.oill = 1: unknown key; did you mean oil? allowed: oil, temperature"]),
+]
+SHEETS: Rows = [
+    (SHEET | {"nu20": "200 mm^2/s"}, ['lubricant.oil.nu20 = "200 mm^2/s": unknown key; did you mean ']),
+    (without("nu100", SHEET), ["lubricant.oil.nu100: missing"]),
+    (SHEET | {"nu100": "70 mm^2/s"}, ["lubricant.oil.nu40 = 68 mm^2/s and nu100 = 70 mm^2/s: must be nu40 > nu100"]),
+    (SHEET | {"k" * 3000: 1.0}, ['lubricant.oil."kkk']),
+    (SHEET | {"nu40": 10**400}, ["lubricant.oil.nu40 = (an integer of about 400 digits"]),
+]
+OILS += [({"oil": sheet, "temperature": "60 degC"}, said) for sheet, said in SHEETS]
+NUMBERS = {"eta0": "15 mPa*s", "alpha": "18 / GPa"}
+OF_STEEL = {"density": "7850 kg/m^3", "heat_capacity": "460 J/(kg*K)", "conductivity": "47 W/(m*K)"}
+ALL = {"temperature": "40 degC", "conductivity": "0.15 W/(m*K)", "beta": "0.04 / K"}
+ALL |= {f"{key}_{number}": value for number in (1, 2) for key, value in OF_STEEL.items()}
+THERMAL: list[tuple[Data, Data, Data, list[str]]] = [
+    ({}, ROLLED, NAMED, ["density_1: missing; give it, ", '"7850 kg/m^3", or name ', "contact.material_1"]),
+    ({}, BODIED, NUMBERS, ["temperature: missing; give that of the oil in the inlet, ", '"40 degC"']),
+    ({"temperature": "40 degC"}, BODIED, NUMBERS, ["conductivity: missing; give it, ", "lubricant.oil"]),
+    ({}, BODIED, NAMED | {"oil": "pao-100"}, ["conductivity: missing; the library has none ", '"pao-100"']),
+    (
+        {"temperature": "80 degC"},
+        BODIED,
+        NAMED,
+        ['temperature = "80 degC": differs from lubricant.temperature = "40 d'],
+    ),
+    ({"temperature_1": 60}, BODIED, NAMED, ["temperature_1 = 60: must be a temperature with its unit"]),
+    ({"temperature_2": "60 mm"}, BODIED, NAMED, ['temperature_2 = "60 mm": must be a temperature with its']),
+    ({"beta": "0 / K"}, BODIED, NAMED, ['beta = "0 / K": must be a quantity above zero']),
+    ({"conductivity_1": "47"}, BODIED, NAMED, ['conductivity_1 = "47": must be a quantity above zero']),
+    ({"inlet_factor": "moes"}, BODIED, NAMED, ["inlet_factor = \"moes\": allowed: 'gupta', 'wilson-sheu'"]),
+    ({"viscosity": "vogel"}, BODIED, NAMED, ["viscosity = \"vogel\": allowed: 'houpert' or 'exponential'"]),
+    ({"density": "1 kg/m^3"}, BODIED, NAMED, ['density = "1 kg/m^3": unknown key; did you mean ']),
+    (ALL | {"temperature": "-140 degC"}, BODIED, NUMBERS, ['viscosity = "houpert": temperature = 133.15 K: ', "138 K"]),
+]
+
+# -- the other sections -----------------------------------------------------------------------------------------------
+
+OSCILLATION = {"mean": 1, "amplitude": 1, "period": 1}
+LOADS: Rows = [
+    ([], ["motion.load = []", "[T, value]", "amplitude"]),
+    ([1, 2], ["motion.load[1] = 1", "[T, value]"]),
+    ([[0, 1], [1]], ["motion.load[2]", "[T, value]"]),
+    ([[0, 1, 2]], ["motion.load[1]", "[T, value]"]),
+    ([[0, "a"]], ['motion.load[1][2] = "a"', "number"]),
+    ("much", ['motion.load = "much"', "[T, value]", "amplitude"]),
+    (True, ["motion.load = true", "[T, value]"]),
+    ({"mean": 1}, ["motion.load.amplitude: missing"]),
+    (OSCILLATION | {"fase": 1}, ["motion.load.fase = 1", "did you mean phase?"]),
+    (OSCILLATION | {"period": 0}, ["motion.load.period = 0", "above zero"]),
+]
+SPOT = {"shape": "spot", "height": 0.1, "radius": 0.3}
+WAVE = {"shape": "waviness", "amplitude": 1}
+SHAPES: Rows = [
+    (5, ["roughness[1] = 5: must be a table", "waviness, rings, spot"]),
+    (SPOT | {"radios": 1}, ["roughness[1].radios = 1", "did you mean radius?"]),
+    (SPOT | {"radius": -1}, ["roughness[1].radius = -1", "above zero", "units a,", "50 um"]),
+    (SPOT | {"radius": "1 s"}, ['roughness[1].radius = "1 s"', "wrong dimension"]),
+    (SPOT | {"depth": 1}, ["roughness[1].height", "together with depth"]),
+    (SPOT | {"surface": True}, ["roughness[1].surface = true: allowed: 1 or 2"]),
+    (without("radius", SPOT), ["roughness[1].radius: missing"]),
+    (WAVE, ["roughness[1].wavelength_x: missing", "wavelength_y"]),
+    (WAVE | {"wavelength_x": 1, "ramp": 1}, ["roughness[1].ramp = 1", "front"]),
+    ({"shape": "measured", "file": 0}, ["roughness[1].file = 0: must be a string"]),
+    ({"shape": "measured", "file": "map.npy", "length_xx": 1}, ["roughness[1].length_xx = 1", "did you mean length_x"]),
+]
+SECTIONS: Rows = [
+    ({"contat": {}}, ["contat = {  }: unknown key; did you mean contact? allowed: ", "solver"]),
+    ({"schema": True}, ["schema = true: allowed: 1"]),
+    ({"solver": {"node": 3}}, ["solver.node = 3: unknown key; did you mean nodes?", "half_width"]),
+    ({"solver": 5}, ["solver = 5: must be a section, [solver]"]),
+    ({"solver": {"nodes": 100}}, ["solver.nodes = 100: ", "97", "105"]),
+    (
+        {"contact": ROLLING | {"M": 1}, "solver": {"half_width": 3.0}},
+        ["solver.half_width = 3.0: must be at least 8.39"],
+    ),
+    (
+        {"contact": MOES | {"radius_ratio": 0.5}, "solver": {"method": "radial"}},
+        ['solver.method = "radial": is for circular contacts, this one has R_x/R_y = 0.5'],
+    ),
+    ({"contact": MOES | {"radius_ratio": 0.5}, "solver": {"half_width_y": 1.5}}, ["solver.half_width_y = 1.5"]),
+    ({"solver": {"method": "radial", "half_width_y": 3.0}}, ["solver.half_width_y = 3"]),
+    ({"time": {"until": "never"}}, ['time.until = "never": ', '"max-approach"', '"rebound"', "above zero"]),
+    ({"contact": ROLLED, "lubricant": OIL, "solver": IN_TIME, "time": {"until": "5 mm"}}, ["time.until", "5 ms"]),
+    ({"motion": {"speed": 1}}, ["motion.speed = 1: unknown key", "entrainment"]),
+    ({"roughness": False}, ["roughness = false: must be an array of tables, [[roughness]]"]),
+    ({"roughness": [SPOT, SPOT | {"shape": "dent"}]}, ['roughness[2].shape = "dent"', "waviness, rings, spot"]),
+    (
+        {"contact": ROLLING, "roughness": [SPOT | {"surface": 2}], "motion": {"slide_to_roll": -2}},
+        ["roughness[1].surface = 2"],
+    ),
+    ({"contact": ROLLED, "solver": IN_TIME, "thermal": ALL}, ["thermal: is for a steady contact, and", '"transient"']),
+    ({"contact": BALL, "thermal": ALL}, ['thermal: is for a steady contact, and this one has solver.method = "2d"; l']),
+    ({"contact": ROLLING, "lubricant": {}, "thermal": ALL}, ["thermal: needs a contact in SI"]),
+    # which field is named where several could be wrong
+    (
+        {"contact": ROLLED, "lubricant": NAMED | {"oil": SHEET | {"density": 1000}}, "thermal": {}},
+        ["lubricant.oil.density = 1000"],
+    ),
+    ({"contact": ROLLED, "lubricant": {"temperature": 65}, "thermal": ALL}, ["lubricant.temperature = 65: m"]),
+]
+REFUSED: list[tuple[Data, list[str]]] = [
+    *(({"contact": contact, "lubricant": OIL if "M" not in contact else {}}, said) for contact, said in CONTACTS),
+    *(({"contact": BODIED, "lubricant": oil}, said) for oil, said in OILS),
+    *(
+        ({"contact": contact, "lubricant": oil, "thermal": thermal}, [f"thermal.{start}", *parts])
+        for thermal, contact, oil, (start, *parts) in THERMAL
+    ),
+    *(({"contact": ROLLING, "motion": {"load": load}}, said) for load, said in LOADS),
+    *(({"contact": ROLLING, "roughness": [shape]}, said) for shape, said in SHAPES),
+    *(
+        ({"contact": MOES} | ({"lubricant": OIL} if "thermal" in table else {}) | table, said)
+        for table, said in SECTIONS
+    ),
+    ({}, ["contact: the section [contact] is missing"]),
+]
+
+
+@pytest.mark.parametrize(("sections", "said"), REFUSED, ids=lambda value: str(value)[:80])
+def test_what_is_wrong_is_said_in_a_line(sections: Data, said: list[str], tmp_path) -> None:
+    np.save(tmp_path / "map.npy", np.eye(20))
+    refused(sections, said, tmp_path)
