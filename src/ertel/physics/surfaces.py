@@ -29,7 +29,7 @@ SEED = Bounds(ge=0, le=2**63 - 1, whole=True)
 
 Array = Any  # NumPy arrays that broadcast
 Front = Annotated[
-    Amount, units.POSITION, Meaning("x up to which it reaches at T = 0; left out: it is everywhere", -1.5)
+    Amount, units.POSITION, Meaning("x up to which it reaches at T = 0; left out: everywhere", -1.5)
 ]
 
 
