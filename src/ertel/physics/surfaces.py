@@ -28,9 +28,7 @@ SERIES = 12  # kept in memory: some surfaces on the grids of a hierarchy
 SEED = Bounds(ge=0, le=2**63 - 1, whole=True)
 
 Array = Any  # NumPy arrays that broadcast
-Front = Annotated[
-    Amount, units.POSITION, Meaning("x up to which it reaches at T = 0; left out: everywhere", -1.5)
-]
+Front = Annotated[Amount, units.POSITION, Meaning("x up to which it reaches at T = 0; left out: everywhere", -1.5)]
 
 
 class Shape(Protocol):
