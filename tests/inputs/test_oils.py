@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 from ertel.case.records import ConfigError
 from ertel.inputs import materials, oils
 from ertel.physics.materials import NamedOil, Sourced
-from ertel.physics.temperature_laws import Ambient
 
 OILS = [oils.get(name) for name in oils.names()]
 MATERIALS = [materials.get(name) for name in materials.names()]
@@ -106,8 +105,8 @@ def test_viscosity_of_squalane_beyond_its_two_points():
 @pytest.mark.parametrize("T", DENSITY)
 def test_density_of_squalane(T):
     ambient, compressed = DENSITY[T]
-    assert SQUALANE.density.data.at(T) == pytest.approx(ambient, rel=0.002)
-    law = SQUALANE.pressure.data.at(Ambient(T, 0.01, ambient, SQUALANE.viscosity.data)).density
+    assert SQUALANE.density_at(T) == pytest.approx(ambient, rel=0.002)
+    law = SQUALANE.pressure_laws_at(T).density
     assert not isinstance(law, str)
     assert law.density(45e6) == pytest.approx(compressed / ambient, rel=0.0015)
 

@@ -1,13 +1,18 @@
-"""Case files of rolling contacts, of motion and of roughness: what they may say, mean, and what is refused."""
+"""Case files of rolling and of elliptical contacts, and of motion: what they may say, and what it means."""
 
+import json
 from math import pi
 from typing import Any
 
 import pytest
+from cases import ertel_
 
+import ertel
 from ertel.case.case import Case
+from ertel.case.definition import grid_of
 from ertel.case.sections import ROLLING_UNTIL, SOLVERS, Time
 from ertel.inputs.case_files import parse_case
+from ertel.physics.geometry import CIRCLE, Geometry
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, Oscillation, Polyline, constant
 
 MOES = {"kind": "rolling", "M": 200, "L": 10}
@@ -26,7 +31,7 @@ TRACK = {k: v for k, v in C1.items() if k != "mean_speed"}
 
 
 def case(contact: dict[str, Any] = MOES, **sections: Any) -> Case:
-    oil = {"lubricant": OIL} if "radius" in contact else {}
+    oil = {} if "M" in contact else {"lubricant": OIL}
     return parse_case({"contact": contact, **oil, **sections})
 
 
@@ -176,3 +181,77 @@ def test_an_impact_without_motion_is_a_free_ball():
 )
 def test_roughness_at_rest_or_along_the_flow_is_steady(shape, slide):
     assert case(roughness=[shape], motion={"slide_to_roll": slide}).roughness
+
+
+# -- elliptical contacts: radii of both bodies, reduced radii, or a ratio ---------------------------------------------
+
+LOADED = {"kind": "rolling", "load": "100 N", "mean_speed": "0.5 m/s", "E_prime": "226.37 GPa"}
+REDUCED = {"radius_x": "10 mm", "radius_y": "50 mm"}
+GROOVE = {"radius_x_1": "6 mm", "radius_y_1": "6 mm", "radius_x_2": "20 mm", "radius_y_2": "-6.24 mm"}
+
+
+@pytest.mark.parametrize(
+    ("radii", "R", "ratio"),
+    [
+        (REDUCED, 0.01, 0.2),
+        ({"radius_x_1": "10 mm", "radius_y_1": "50 mm"}, 0.01, 0.2),  # against a plane
+        ({"radius_x_1": "20 mm", "radius_x_2": "20 mm", "radius_y_1": "25 mm", "radius_y_2": "-50 mm"}, 0.01, 0.2),
+        (GROOVE, 60 / 13e3, 60 / 13 / 156),  # of an inner ring, with a ball: 1/R_x = 1/6 + 1/20, 1/R_y = 1/156
+    ],
+)
+def test_reduced_radii(radii, R, ratio):
+    found = case(LOADED | radii)
+    assert (found.scales.R, found.parameters.radius_ratio) == pytest.approx((R, ratio))
+
+
+def test_equal_radii_are_the_circle():
+    one, ball = case(LOADED | {"radius_x": "10 mm", "radius_y": "10 mm"}), case(LOADED | {"radius": "10 mm"})
+    assert one.geometry is CIRCLE
+    assert (one.scales, one.parameters, one.solver) == (ball.scales, ball.parameters, ball.solver)
+
+
+@pytest.mark.parametrize(("written", "angle"), [("0.5 rad", 28.64788975654), (30, 30.0), ("90 deg", 90.0)])
+def test_an_angle_in_python_and_in_a_case_file(written, angle):
+    found = ertel.rolling(M=200, L=10, radius_ratio=0.4, entrainment_angle=written)
+    assert found.geometry == Geometry(0.4, pytest.approx(angle))
+    text = f"{written} deg" if written == 30 else written
+    assert found.contact == case(MOES | {"radius_ratio": 0.4, "entrainment_angle": text}).contact
+
+
+@pytest.mark.parametrize("kind", ["impact", "rolling"])
+@pytest.mark.parametrize("D", [0.05, 0.3, 1.0, 3.0, 20.0])
+@pytest.mark.parametrize("angle", [0.0, 35.0, 90.0])
+def test_the_default_grid_follows_the_ellipse(kind, D, angle):
+    """Distances from the contact, and the spacing, are those of the circle in units of the smaller half width."""
+    turned = {"entrainment_angle": f"{angle} deg"} if angle else {}
+    drive = {"motion": {"entrainment": 0.5}} if kind == "impact" and angle else {}
+    found = case(MOES | {"kind": kind, "radius_ratio": D} | turned, **drive)
+    grid, unit, (wide, high) = grid_of(found), found.geometry.smaller, found.geometry.extent
+    circle = grid_of(case({"kind": kind, "M": found.parameters.as_ball.M, "L": 10.0}))
+    left, right = (1e-9 + (abs(edge) - 1) * unit for edge in (circle.x[0], circle.x[-1]))
+    assert -grid.x[0] - wide >= 0.94 * left and grid.x[-1] - wide >= 0.94 * right - 0.02
+    assert grid.x[-1] - grid.x[0] >= 2 * wide + left + right - 1e-6
+    assert grid.y[-1] - high >= 0.999 * unit * (circle.y[-1] - 1)
+    assert 0.8 * circle.spacing * unit < grid.spacing <= 1.15 * circle.spacing * unit
+    assert all((abs(axis) < 1e-9).any() for axis in (grid.x, grid.y))  # a node at zero
+
+
+def test_a_half_grid_covers_the_same_domain():
+    found = case(MOES | {"radius_ratio": 0.17}, solver={"nodes": 129})
+    fine, half = grid_of(found), grid_of(found.on_half_grid())
+    assert (half.nodes_x, half.nodes_y) == ((fine.nodes_x + 1) // 2, (fine.nodes_y + 1) // 2)
+    assert (half.x[0], half.y[0]) == pytest.approx((fine.x[0], fine.y[0]))
+
+
+def test_params_and_films_of_the_worked_example():
+    """The numbers are those of the formulas' own test; here are their names, from the command line."""
+    sections = {"contact": LOADED | REDUCED, "lubricant": OIL}
+    given = [f"{name}.{key}={value}" for name, keys in sections.items() for key, value in keys.items()]
+    words = [word for item in given for word in ("--set", item)]
+    content, films = (json.loads(ertel_(command, *words, "--json").stdout) for command in ("params", "film"))
+    expected = {"M": 512.567, "M_BH": 185.188, "L_BH": 8.96790, "radius_ratio": 0.2, "kappa": 0.345999}
+    assert {name: content[name] for name in expected} == pytest.approx(expected, rel=4e-6)
+    si = {"a_m": 139.690e-6, "a_y_m": 403.729e-6, "p_h_Pa": 846.615e6, "delta_m": 2.60564e-6}
+    assert {name: content["si"][name] for name in si} == pytest.approx(si, rel=4e-6)
+    central = {row["name"]: row["si"]["h_c_m"] for row in films["films"]}
+    assert central["Nijenbanning-Venner-Moes"] == pytest.approx(203.69e-9, abs=5e-12)

@@ -72,14 +72,6 @@ def test_a_map_is_placed_and_turned(x, y, angle) -> None:
     np.testing.assert_allclose(replace(here, x=x, y=y, angle=angle).heights(*moved), here.heights(X, Y), atol=1e-9)
 
 
-@given(st.floats(0.0, 3.0), st.sampled_from([1, 2]), st.sampled_from([measured(NOISE), ROUGH]))
-def test_a_rough_surface_moves_with_its_surface(T, surface, shape) -> None:
-    motion = replace(STEADY_ROLLING, slide_to_roll=0.4)
-    speed = 1.2 if surface == 1 else 0.8
-    found = height([Feature(shape, surface)], motion, T, X, Y)
-    np.testing.assert_allclose(found, shape.heights(X - speed * T, Y), atol=1e-12)
-
-
 def test_a_map_is_smooth_and_ends_smoothly() -> None:
     """Nothing at its edges and beyond, two continuous derivatives on the way there, all of it inside the taper."""
     m = measured(np.full((8, 8), 2.0), 2.0, 2.0, taper=0.4)

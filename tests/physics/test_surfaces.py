@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING
-from ertel.physics.surfaces import Feature, RingWaviness, Spot, Waviness, even, height
+from ertel.physics.surfaces import Feature, RingWaviness, SelfAffine, Spot, Waviness, even, height
 from ertel.physics.units import Quantity
 
 X = np.linspace(-2.0, 2.0, 41)[None, :]
@@ -46,14 +46,14 @@ def test_a_spot_has_its_height_at_its_centre_and_none_far_away() -> None:
     np.testing.assert_array_equal(deep.heights(X, Y), Spot(0.3, height=-0.02).heights(X, Y))
 
 
+@pytest.mark.parametrize("shape", [Spot(0.3, 0.01), SelfAffine(rms=0.02, hurst=0.8, shortest=0.1, longest=1.0)])
 @given(st.floats(-2.0, 2.0), st.floats(0.0, 3.0), st.sampled_from([1, 2]))
-def test_a_feature_moves_with_its_own_surface(slide_to_roll, T, surface) -> None:
+def test_a_feature_moves_with_its_own_surface(shape, slide_to_roll, T, surface) -> None:
     """Surface 1 at 1 + S/2, surface 2 at 1 - S/2, in units u_m."""
     motion = replace(STEADY_ROLLING, slide_to_roll=slide_to_roll)
-    spot = Spot(0.3, 0.01)
     speed = 1 + (0.5 if surface == 1 else -0.5) * slide_to_roll
-    found = height([Feature(spot, surface)], motion, T, X, Y)
-    np.testing.assert_allclose(found, spot.heights(X - speed * T, Y), atol=1e-15)
+    found = height([Feature(shape, surface)], motion, T, X, Y)
+    np.testing.assert_allclose(found, shape.heights(X - speed * T, Y), atol=1e-12)
 
 
 def test_features_add_up_and_stand_still_without_entrainment() -> None:
@@ -80,18 +80,9 @@ def test_what_is_no_shape_is_said(shape, arguments, message) -> None:
         shape(**arguments)
 
 
-@pytest.mark.parametrize(
-    ("shape", "size"),
-    [
-        (Waviness(0.1, 0.5), 0.5),
-        (Waviness(0.1, 0.5, 0.25), 0.25),
-        (Waviness(0.1, wavelength_y=0.7), 0.7),
-        (RingWaviness(0.1, 0.4), 0.4),
-        (Spot(0.3, 0.1), 0.6),
-    ],
-)
-def test_the_size_is_that_of_the_finest_detail(shape, size) -> None:
-    assert shape.size == size
+def test_the_size_is_that_of_the_finest_detail() -> None:
+    waves = Waviness(0.1, 0.5), Waviness(0.1, 0.5, 0.25), Waviness(0.1, wavelength_y=0.7)
+    assert [shape.size for shape in (*waves, RingWaviness(0.1, 0.4), Spot(0.3, 0.1))] == [0.5, 0.25, 0.7, 0.4, 0.6]
 
 
 @pytest.mark.parametrize(

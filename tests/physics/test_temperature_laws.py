@@ -30,26 +30,6 @@ def test_d341_between_and_beyond_its_points():
     assert law.slope == pytest.approx(3.7449, rel=0.003)  # the worksheet takes 273 for 273.15
 
 
-ARANA = {  # nu40, nu100 (mm^2/s), density at 15 degC, K (1e-6 Pa s), C, D (K); agreement at 40, 60, 80 and 100 degC
-    "N100": (97.9, 8.61, 900, 161.60, 650, -206, (0.805, 0.895, 0.991, 1.083)),
-    "M100": (96.0, 10.6, 882, 86.86, 890, -182, (0.925, 0.967, 1.007, 1.042)),
-    "PAO100": (94.1, 14.0, 840, 12.26, 1740, -116, (1.076, 1.059, 1.018, 0.967)),
-}
-
-
-@pytest.mark.parametrize("name", ARANA)
-def test_against_the_vogel_law_of_three_measured_oils(name):
-    """Arana et al. give two kinematic viscosities, and a law K exp{C/(D + T)} of their own, rounded to 2 or 3 digits.
-
-    The two agree within 8 % except for N100 at 40 and 60 degC, where rounding C to 650 K alone makes 5 %.
-    """
-    nu40, nu100, density, K, C, D, ratios = ARANA[name]
-    law, expansion = laws.Walther(nu40 * 1e-6, nu100 * 1e-6), laws.Expansion(density)
-    for T, ratio in zip((313.15, 333.15, 353.15, 373.15), ratios, strict=True):
-        vogel = K * 1e-6 * exp(C / (D + T))
-        assert vogel / law.dynamic(T, expansion.at(T)) == pytest.approx(ratio, abs=0.004)
-
-
 @pytest.mark.parametrize(
     ("nu40", "nu100"), [(8e-6, 18e-6), (8e-6, 8e-6), (68.0, 8.6), (15e-6, 1.9e-6), (68e-6, float("nan"))]
 )

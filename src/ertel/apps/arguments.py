@@ -64,60 +64,37 @@ def path_argument(metavar: str, text: str, completes: Any = None) -> Any:
     return typer.Argument(parser=local_path, metavar=metavar, help=text, autocompletion=completes, show_default=False)
 
 
+def option(text: str, metavar: str | None = None, completes: Any = None, name: str = "", **more: Any) -> Any:
+    """An option that takes a value.  name: where it is not that of the parameter."""
+    return typer.Option(*[name] * bool(name), metavar=metavar, help=text, autocompletion=completes, **more)
+
+
 def path_option(text: str, metavar: str = "DIR") -> Any:
     """An option that is a directory or a file."""
-    return typer.Option(parser=local_path, metavar=metavar, help=text)
-
-
-CaseFile = Annotated[Path, path_argument("CASE.toml", "Case file; see examples/.", case_files)]
-OptionalCase = Annotated[
-    Path | None, path_argument("CASE.toml", "Case file; without one --set gives the contact.", case_files)
-]
-StudyFile = Annotated[Path, path_argument("SWEEP.toml", "Case file with lists or ranges of values.", case_files)]
-FitFile = Annotated[Path, path_argument("FIT.toml", "Case, unknowns and measurements; see examples/fits.", case_files)]
-RunDirectory = Annotated[Path, path_argument("DIR", "Directory of a run.", run_directories)]
-OptionalRun = Annotated[Path | None, path_argument("DIR", "Directory of a run.", run_directories)]
-Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress bar and no summary.")]
-Estimate = Annotated[
-    bool,
-    typer.Option(
-        "--error", help="Estimate the error by runs on the half grid, in smaller steps and on a wider domain."
-    ),
-]
-Flush = Annotated[
-    float | None,
-    typer.Option(
-        min=0.0,
-        metavar="SECONDS",
-        help="Least time between two writes; default 5 s, and each grid of a steady run. A killed run loses this much.",
-    ),
-]
-Jobs = Annotated[
-    int | None, typer.Option(min=1, help="Number of processes; default one per core. 1: this process, with all cores.")
-]
-Scheduler = Annotated[
-    str | None,
-    typer.Option(
-        metavar="ADDRESS",
-        help="Use the workers of a running dask scheduler. Who reaches it can run programs as you.",
-    ),
-]
-SchedulerFile = Annotated[Path | None, path_option("The same, by the file that the scheduler wrote.", "FILE")]
-Tls = Annotated[
-    Path | None, path_option("PEM file with certificate, key and authority, for a scheduler at tls://.", "FILE")
-]
-Set = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set",
-        metavar="KEY=VALUE",
-        help="Replace a value of the case, e.g. solver.nodes=129.",
-        autocompletion=settings,
-    ),
-]
+    return option(text, metavar, parser=local_path)
 
 
 def values_option(quantity: str, example: str) -> Any:
     """An option for the quantity that varies along a curve."""
-    return typer.Option(metavar="VALUES", help=f"Values of the {quantity}, for example {example}.")
+    return option(f"Values of the {quantity}, for example {example}.", "VALUES")
+
+
+Text = str | None
+AnyPath = Path | None
+CaseFile = Annotated[Path, path_argument("CASE.toml", "Case file; see examples/.", case_files)]
+OptionalCase = Annotated[AnyPath, path_argument("CASE.toml", "Case file; or give the contact by --set.", case_files)]
+RunDirectory = Annotated[Path, path_argument("DIR", "Directory of a run.", run_directories)]
+Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress bar and no summary.")]
+ERRORS = "Estimate the error by runs on the half grid, in smaller steps and on a wider domain."
+Estimate = Annotated[bool, typer.Option("--error", help=ERRORS)]
+WRITES = "Least time between two writes; default 5 s, and each grid of a steady run. A killed run loses this much."
+Flush = Annotated[float | None, option(WRITES, "SECONDS", min=0.0)]
+PROCESSES = "Number of processes; default one per core. 1: this process, with all cores."
+Jobs = Annotated[int | None, option(PROCESSES, min=1)]
+WORKERS = "Use the workers of a running dask scheduler. Who reaches it can run programs as you."
+Scheduler = Annotated[Text, option(WORKERS, "ADDRESS")]
+SchedulerFile = Annotated[AnyPath, path_option("The same, by the file that the scheduler wrote.", "FILE")]
+Tls = Annotated[AnyPath, path_option("PEM file with certificate, key, authority, for a scheduler at tls://.", "FILE")]
+REPLACE = "Replace a value of the case, e.g. solver.nodes=129."
+Set = Annotated[list[str] | None, option(REPLACE, "KEY=VALUE", settings, "--set")]

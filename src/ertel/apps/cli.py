@@ -15,26 +15,29 @@ import typer
 
 from ertel.apps import cases, looking, process
 from ertel.apps.arguments import (
+    AnyPath,
     CaseFile,
     Estimate,
-    FitFile,
     Flush,
     Jobs,
     Json,
-    OptionalRun,
     Quiet,
     RunDirectory,
     Scheduler,
     SchedulerFile,
     Set,
-    StudyFile,
+    Text,
     Tls,
+    case_files,
+    option,
     path_argument,
     path_option,
+    run_directories,
     values_option,
 )
 from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, say
 
+PART = "Do the I-th of N parts only, such as one task of a job array; the command without it gathers."
 app = typer.Typer(
     cls=process.Commands,
     help="Elastohydrodynamic lubrication of point contacts: a ball hits an oiled surface, or rolls and slides on it.",
@@ -73,11 +76,9 @@ def _options(
 @app.command()
 def run(
     case_file: CaseFile,
-    out: Annotated[Path | None, path_option("New directory for the run; default runs/NAME.")] = None,
+    out: Annotated[AnyPath, path_option("New directory for the run; default runs/NAME.")] = None,
     set_: Set = None,
-    after: Annotated[
-        Path | None, path_option("Rolling: the run whose track this one follows; what it leaves behind is the layer.")
-    ] = None,
+    after: Annotated[AnyPath, path_option("Rolling: the run whose track this one follows, on the oil it left.")] = None,
     as_json: Json = False,
     error: Estimate = False,
     quiet: Quiet = False,
@@ -119,14 +120,12 @@ def resume(
 @app.command()
 def traction(
     case_file: CaseFile,
-    slide_to_roll: Annotated[str | None, values_option("slide-to-roll ratio", "0:0.5:15")] = None,
-    mean_speed: Annotated[str | None, values_option("mean speed", "0.1 m/s:10 m/s:12:log")] = None,
-    load: Annotated[str | None, values_option("load", "10 N:100 N:5")] = None,
-    film: Annotated[
-        str | None, typer.Option(metavar="each|once", help="Solve the film at each point, or once.")
-    ] = None,
+    slide_to_roll: Annotated[Text, values_option("slide-to-roll ratio", "0:0.5:15")] = None,
+    mean_speed: Annotated[Text, values_option("mean speed", "0.1 m/s:10 m/s:12:log")] = None,
+    load: Annotated[Text, values_option("load", "10 N:100 N:5")] = None,
+    film: Annotated[Text, option("Solve the film at each point, or once.", "each|once")] = None,
     set_: Set = None,
-    out: Annotated[Path | None, path_option("Directory of the curve; default traction/NAME.")] = None,
+    out: Annotated[AnyPath, path_option("Directory of the curve; default traction/NAME.")] = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -152,20 +151,14 @@ def traction(
 
 @app.command()
 def sweep(
-    study_file: StudyFile,
-    out: Annotated[Path | None, path_option("Directory of the study; default sweeps/NAME.")] = None,
+    study_file: Annotated[Path, path_argument("SWEEP.toml", "Case file with lists or ranges of values.", case_files)],
+    out: Annotated[AnyPath, path_option("Directory of the study; default sweeps/NAME.")] = None,
     set_: Set = None,
     jobs: Jobs = None,
     scheduler: Scheduler = None,
     scheduler_file: SchedulerFile = None,
     tls: Tls = None,
-    part: Annotated[
-        str | None,
-        typer.Option(
-            metavar="I/N",
-            help="Do the I-th of N parts only, such as one task of a job array; the command without it gathers.",
-        ),
-    ] = None,
+    part: Annotated[Text, option(PART, "I/N")] = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -192,8 +185,8 @@ def sweep(
 
 @app.command()
 def fit(
-    fit_file: FitFile,
-    out: Annotated[Path | None, path_option("Directory of the fit; default fits/NAME.")] = None,
+    fit_file: Annotated[Path, path_argument("FIT.toml", "Case, unknowns and data; see examples/fits.", case_files)],
+    out: Annotated[AnyPath, path_option("Directory of the fit; default fits/NAME.")] = None,
     set_: Set = None,
     jobs: Jobs = None,
     scheduler: Scheduler = None,
@@ -224,7 +217,7 @@ def fit(
 
 @app.command("warm-up")
 def warm_up(
-    case_files: Annotated[list[Path] | None, path_argument("CASE.toml", "Case files; default the usual grids.")] = None,
+    files: Annotated[list[Path] | None, path_argument("CASE.toml", "Case files; default the usual grids.")] = None,
     set_: Set = None,
 ) -> None:
     """Compile ahead what runs need, once per machine: then they start at once.
@@ -238,9 +231,9 @@ def warm_up(
     from ertel.inputs.case_files import load_case
     from ertel.runs.batch import usual_cases
 
-    if set_ and not case_files:
+    if set_ and not files:
         leave(BAD_INPUT, f"--set {set_[0]}: needs a case file; without one the usual grids are compiled")
-    cases = [load_case(path, set_ or []) for path in case_files or []] or list(usual_cases())
+    cases = [load_case(path, set_ or []) for path in files or []] or list(usual_cases())
     running.warm_up_all(cases)
 
 
@@ -276,15 +269,16 @@ for command in (
 
 @app.command()
 def about(
-    directory: OptionalRun = None,
+    directory: Annotated[AnyPath, path_argument("DIR", "Directory of a run.", run_directories)] = None,
     cite: Annotated[bool, typer.Option("--cite", help="Print BibTeX entries of ertel and of the paper.")] = False,
 ) -> None:
     """Print versions, devices and how to cite ertel; or the versions and the machine of a run, and how it ended."""
+    from ertel import __version__
     from ertel.apps import about, tables
 
     content = about.of_run(directory) if directory else {}
     if cite:
-        print(about.bibtex(content.get("ertel")), end="")
+        print(about.BIBTEX.format(version=content.get("ertel") or __version__), end="")
     else:
         tables.print_names(content or about.about())
 

@@ -7,29 +7,33 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from ertel.apps.arguments import Json, RunDirectory, figures, path_argument, path_option, run_directories
+from ertel.apps.arguments import (
+    AnyPath,
+    Json,
+    RunDirectory,
+    Text,
+    figures,
+    option,
+    path_argument,
+    path_option,
+    run_directories,
+)
 from ertel.apps.terminal import BAD_INPUT, bad_input, leave, print_json, print_path, say, shown
 
 if TYPE_CHECKING:  # these take long to import
     from ertel.optics import Light, Rig
     from ertel.runs.directory import Listed
 
-Moment = Annotated[
-    str | None,
-    typer.Option("--at", metavar="TIME|EVENT", help='A time, "60 us" or a number in t0, or max-approach or end.'),
-]
-Along = Annotated[Literal["x", "y"], typer.Option(help="The direction of a profile.")]
+Moment = Annotated[Text, option('A time, "60 us" or a number in t0, or max-approach or end.', "TIME|EVENT")]
+Along = Annotated[Literal["x", "y"], option("The direction of a profile.")]
+FOLDER = "Folder with runs, also in folders below it; default this one."
 Lighting = Literal["mono", "two-beam", "white"]
+FRINGES = "Draw the interference fringes instead: monochromatic, of two beams only, or in white light."
+Format = Literal["png", "svg", "pdf", "gif", "webp", "mp4"]
 MOVIES = {"gif": "pillow", "webp": "pillow", "mp4": "ffmpeg"}  # format: matplotlib's name of its writer
 
 
-def ls(
-    folder: Annotated[
-        Path | None,
-        path_argument("DIR", "Folder with runs, also in folders below it; default this one.", run_directories),
-    ] = None,
-    as_json: Json = False,
-) -> None:
+def ls(folder: Annotated[AnyPath, path_argument("DIR", FOLDER, run_directories)] = None, as_json: Json = False) -> None:
     """List the runs in a folder: case, status, time and key numbers of each."""
     from ertel.runs.directory import listed
 
@@ -71,19 +75,11 @@ def _print_runs(runs: "Sequence[Listed]", folder: Path) -> None:
 def compare(
     first: RunDirectory,
     second: Annotated[Path, path_argument("DIR|FILE", "Directory of a run, or a file of columns.", run_directories)],
-    plot: Annotated[
-        Path | None, path_option("Draw film and pressure of both into a file, such as both.png.", "FILE")
-    ] = None,
+    plot: Annotated[AnyPath, path_option("Draw film and pressure of both, such as into both.png.", "FILE")] = None,
     at: Moment = None,
     along: Along = "x",
-    align: Annotated[
-        str | None,
-        typer.Option(metavar="NAMES", help="What is not known of a measurement: centre, offset, tilt."),
-    ] = None,
-    column: Annotated[
-        list[str] | None,
-        typer.Option(metavar="NAME=UNIT", help="Unit of a column, such as x=um; where the header does not have it."),
-    ] = None,
+    align: Annotated[Text, option("What is not known of a measurement: centre, offset, tilt.", "NAMES")] = None,
+    column: Annotated[list[str] | None, option("Unit where the header has none, such as x=um.", "NAME=UNIT")] = None,
     as_json: Json = False,
 ) -> None:
     """Compare two runs: where their cases differ, and their numbers side by side. Or a run with a measurement.
@@ -171,10 +167,7 @@ def _print_pairs(pairs: Sequence[Mapping[str, Any]], statuses: Sequence[str]) ->
 def show(
     directory: RunDirectory,
     as_json: Json = False,
-    sigma: Annotated[
-        str | None,
-        typer.Option(metavar="LENGTHS", help='Rms roughness of both surfaces, "20 nm, 60 nm", for the lambda ratio.'),
-    ] = None,
+    sigma: Annotated[Text, option('Rms roughness of both surfaces, "20 nm, 60 nm", for lambda.', "LENGTHS")] = None,
 ) -> None:
     """Print the summary of a run, also of an unfinished one."""
     from ertel.apps import running
@@ -189,30 +182,14 @@ def show(
 
 def plot(
     directory: RunDirectory,
-    what: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Draw this figure only, such as film.", autocompletion=figures)
-    ] = None,
+    what: Annotated[Text, option("Draw this figure only, such as film.", "NAME", figures)] = None,
     at: Moment = None,
-    interferogram: Annotated[
-        Lighting | None,
-        typer.Option(
-            help="Draw the interference fringes instead: monochromatic, of two beams only, or in white light.",
-            show_default=False,
-        ),
-    ] = None,
-    wavelength: Annotated[
-        str | None, typer.Option(metavar="LENGTH", help="Wavelength of the light; default 532 nm.", show_default=False)
-    ] = None,
-    format_: Annotated[
-        Literal["png", "svg", "pdf", "gif", "webp", "mp4"],
-        typer.Option("--format", help="File format; gif, webp and mp4 are movies of an interferogram."),
-    ] = "png",
-    columns: Annotated[
-        int | None,
-        typer.Option(min=1, max=2, help="Draw for print, one or two columns wide: 85 or 170 mm.", show_default=False),
-    ] = None,
+    interferogram: Annotated[Lighting | None, option(FRINGES)] = None,
+    wavelength: Annotated[Text, option("Wavelength of the light; default 532 nm.", "LENGTH")] = None,
+    format_: Annotated[Format, option("Format; gif, webp, mp4: movies of an interferogram.", name="--format")] = "png",
+    columns: Annotated[int | None, option("Draw for print, 1 or 2 columns wide: 85 or 170 mm.", min=1, max=2)] = None,
     title: Annotated[bool, typer.Option("--title/--no-title", help="Draw headings.")] = True,
-    out: Annotated[Path | None, path_option("Directory for the figures; default DIR/plots.")] = None,
+    out: Annotated[AnyPath, path_option("Directory for the figures; default DIR/plots.")] = None,
 ) -> None:
     """Draw the figures of a run, or an interferogram of its film. Those at a time show the map next to it.
 
@@ -284,17 +261,12 @@ def _find_ffmpeg() -> None:
 
 def export(
     directory: RunDirectory,
-    to: Annotated[
-        Literal["csv", "netcdf", "vtk"], typer.Option("--to", help="Tables, NetCDF, or maps for ParaView.")
-    ] = "csv",
-    what: Annotated[
-        Literal["profile"] | None,
-        typer.Option(help="Film, pressure and oil along a line through the centre, as CSV.", show_default=False),
-    ] = None,
+    to: Annotated[Literal["csv", "netcdf", "vtk"], option("Tables, NetCDF, or maps for ParaView.")] = "csv",
+    what: Annotated[Literal["profile"] | None, option("Film, pressure, oil along a line through the centre.")] = None,
     at: Moment = None,
     along: Along = "x",
     in_si: Annotated[bool, typer.Option("--si", help="Convert to SI; needs a case in SI.")] = False,
-    out: Annotated[Path | None, path_option("Directory for the files; default DIR/export.")] = None,
+    out: Annotated[AnyPath, path_option("Directory for the files; default DIR/export.")] = None,
 ) -> None:
     """Write a run for other programs.
 

@@ -50,7 +50,8 @@ def array_in(content: bytes) -> NDArray[Any]:
     """
     stream = BytesIO(content)
     try:
-        shape, kind = _header(stream)
+        read = npy.read_array_header_1_0 if npy.read_magic(stream) == (1, 0) else npy.read_array_header_2_0
+        shape, _, kind = read(stream)
     except (ValueError, TypeError, KeyError, SyntaxError, TokenError) as error:  # NumPy evaluates the header as Python
         raise ValueError(f"is not an array of numbers, {error}") from error
     check_shape(shape)
@@ -59,14 +60,6 @@ def array_in(content: bytes) -> NDArray[Any]:
         raise ValueError(f"is not an array of numbers, {shape[0]} x {shape[1]} of {kind} in {bytes_left} bytes")
     array: NDArray[Any] = np.load(BytesIO(content), allow_pickle=False)
     return array
-
-
-def _header(stream: BytesIO) -> tuple[tuple[int, ...], np.dtype[Any]]:
-    """Shape and type in the header of a NumPy file."""
-    version = npy.read_magic(stream)
-    read = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
-    shape, _, kind = read(stream)
-    return shape, kind
 
 
 class HeightMap:
@@ -156,10 +149,8 @@ def _spline(heights: HeightMap, cutoff_x: float, cutoff_y: float) -> NDArray[np.
     kept = heights.heights
     if cutoff_x or cutoff_y:
         rows, columns = kept.shape
-        along_y, along_x = (
-            np.arange(rows)[:, None] * cutoff_y / (2 * rows),
-            np.arange(columns) * cutoff_x / (2 * columns),
-        )
+        along_y = np.arange(rows)[:, None] * cutoff_y / (2 * rows)
+        along_x = np.arange(columns) * cutoff_x / (2 * columns)
         kept = idctn(dctn(kept) * kept_share(np.hypot(along_x, along_y)))
     return np.asarray(spline_filter(kept, order=3, mode="reflect"), dtype=np.float64)
 
@@ -250,10 +241,9 @@ class Measured:
         rows, columns = self.file.heights.shape
         places = along / step_x + (columns - 1) / 2, across / step_y + (rows - 1) / 2
         found = self.file.at(*places, (cutoff / step_x, cutoff / step_y))
-        inside = smooth_step((length_x / 2 - np.abs(along)) / self._taper) * smooth_step(
-            (length_y / 2 - np.abs(across)) / self._taper
-        )
-        return plain(self.rms or 0.0) / self.file.rms * found * inside
+        inside_x = smooth_step((length_x / 2 - np.abs(along)) / self._taper)
+        inside_y = smooth_step((length_y / 2 - np.abs(across)) / self._taper)
+        return plain(self.rms or 0.0) / self.file.rms * found * (inside_x * inside_y)
 
     @property
     def _lengths(self) -> tuple[float, float]:

@@ -5,6 +5,7 @@ it is written, and what is allowed.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import MISSING, dataclass, field, fields
 from difflib import get_close_matches
 from math import inf
@@ -55,12 +56,10 @@ def quantity_in_si(value: object, unit: Unit) -> float:
     """A quantity as `records` writes it, a number and the SI unit; or a number in this unit."""
     if is_number(value):
         return float(value)  # type: ignore[arg-type]
-    number, _, written = value.partition(" ") if isinstance(value, str) else ("", "", "")
-    try:
-        if written == unit.unit:
+    number, _, written = str(value).partition(" ")
+    if written == unit.unit:
+        with suppress(ValueError):
             return float(number)
-    except ValueError:
-        pass
     raise ValueError(f"must be a number and the unit {unit.unit}")
 
 

@@ -152,31 +152,23 @@ def check_value(value: Any, mark: Mark | None, choices: Sequence[str] = ()) -> N
 
     choices: what is allowed too, or instead if there is no mark.
     """
-    if mark is None:
-        if choices:
-            raise ValueError(f"allowed: {alternatives(map(repr, choices))}")
-        return
-    try:
-        _check_number(value, mark)
-    except ValueError as error:
-        raise ValueError(f"{error}{''.join(f', or {show(choice)}' for choice in choices)}") from error
+    if mark is not None and (complaint := _complaint(value, mark)):
+        raise ValueError(f"{complaint}{''.join(f', or {show(choice)}' for choice in choices)}")
+    if mark is None and choices:
+        raise ValueError(f"allowed: {alternatives(map(repr, choices))}")
 
 
-def _check_number(value: Any, mark: Mark) -> None:
+def _complaint(value: Any, mark: Mark) -> str:
     number = with_own_numbers(value)
     if isinstance(mark, Unit) and mark.scale:
         if isinstance(value, Quantity) and value.unit == mark.unit:
             number, mark = with_own_numbers(value.value), mark.in_si
         elif not is_number(number) or not mark.allows(number):
             least = "" if mark.signed else " above zero"
-            raise ValueError(
-                f'must be a finite number{least}, in units {mark.own}, or a quantity such as "{mark.example}"'
-            )
+            return f'must be a finite number{least}, in units {mark.own}, or a quantity such as "{mark.example}"'
     if not is_number(number):
-        whole = isinstance(mark, Bounds) and mark.whole
-        raise ValueError("must be an integer" if whole else "must be a number")
-    if complaint := mark.complaint(number):
-        raise ValueError(complaint)
+        return "must be an integer" if isinstance(mark, Bounds) and mark.whole else "must be a number"
+    return mark.complaint(number)
 
 
 def is_number(value: object) -> bool:

@@ -3,6 +3,7 @@
 import re
 import tomllib
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -109,11 +110,9 @@ def _as_written(text: str, written: Any) -> str:
     """A message of the case, which knows SI only, with the quantities of [contact] as the user wrote them."""
     for key, mark in marks(Conditions).items() if isinstance(written, Mapping) else ():
         if isinstance(mark, Unit) and f"contact.{key} = " in text:
-            try:
+            with suppress(ValueError):
                 in_si = f"{parse_quantity(written.get(key), mark)!r} {mark.unit}"
-            except ValueError:
-                continue
-            text = text.replace(f'contact.{key} = "{in_si}"', f"contact.{key} = {show(written[key])}")
+                text = text.replace(f'contact.{key} = "{in_si}"', f"contact.{key} = {show(written[key])}")
     return text
 
 

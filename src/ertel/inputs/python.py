@@ -5,6 +5,7 @@ of the run, a size of the roughness) is a plain number in the units of the case,
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from inspect import Parameter, Signature
 from typing import Any, TypedDict, Unpack, get_type_hints
@@ -213,10 +214,8 @@ def quantity(text: str) -> Quantity:
         For anything else.
     """
     for unit in (HEIGHT, TIME):
-        try:
+        with suppress(ValueError):
             return Quantity(parse_quantity(plain_data(text), unit.in_si), unit.unit)
-        except ValueError:
-            continue
     raise ConfigError(f"text = {show(text)}: must be a length or a time with its unit, such as '20 nm' or '5 ms'")
 
 

@@ -58,27 +58,21 @@ def parse_quantity(value: object, unit: Unit) -> float:
     >>> parse_quantity("22 / GPa", COMPLIANCE) == 22e-9
     True
     """
-    if unit.unit == "K":  # degC has an offset
-        return _temperature(value, unit)
     description = f'a quantity {"" if unit.signed else "above zero "}with a unit such as "{unit.example}"'
     if isinstance(value, str) and len(value) > LONGEST:
         raise ValueError(f"must be {description}, of at most {LONGEST} characters")
-    number, written = split(value)
-    if not written:
-        raise ValueError(f"must be {description}")
-    number_in_si = float(Decimal(number) * _factor(written, unit))  # decimal, so that "18.6 mPa*s" is the float 0.0186
+    if unit.unit == "K":  # degC has an offset
+        number_in_si = parse_temperature(value if isinstance(value, str) else None)
+    else:
+        number, written = split(value)
+        if not written:
+            raise ValueError(f"must be {description}")
+        number_in_si = float(Decimal(number) * _factor(written, unit))  # decimal: "18.6 mPa*s" is the float 0.0186
     if not unit.allows(number_in_si):
         raise ValueError(f"must be {description}")
     if complaint := unit.size_complaint(number_in_si):
         raise ValueError(complaint)
     return number_in_si
-
-
-def _temperature(value: object, unit: Unit) -> float:
-    kelvin = parse_temperature(value if isinstance(value, str) else None)
-    if complaint := unit.size_complaint(kelvin):
-        raise ValueError(complaint)
-    return kelvin
 
 
 def split(value: object) -> tuple[str, str]:

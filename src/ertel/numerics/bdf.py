@@ -4,7 +4,6 @@ Everything follows from a polynomial through the last time levels.  Times are gi
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import prod
 from typing import Any
 
@@ -12,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Weights = NDArray[np.float64]
+SAFETY, LARGEST_GROWTH, LARGEST_CUT = 0.8, 1.5, 0.25  # of a step
+REJECTED = 2.0  # a step is repeated only if its error is above this, in units of the tolerance
 
 
 def lagrange(t: Any, nodes: Sequence[float]) -> list[Any]:
@@ -55,19 +56,10 @@ def error_factor(times: Sequence[float]) -> float:
     return bdf2 / (bdf2 + (t - t0) * (t - t1) * (t - t2))
 
 
-@dataclass(frozen=True)
-class StepControl:
-    """Control of the time step from the error of the last step, in units of the tolerance (the target is 1)."""
+def adapted(step: float, error: float) -> float:
+    """Step at which a third-order local error meets the tolerance; its growth is limited so that BDF2 is stable.
 
-    safety: float = 0.8
-    largest_growth: float = 1.5
-    largest_cut: float = 0.25
-    rejection: float = 2.0  # a step is repeated only if its error is above this
-
-    def next_step(self, step: float, error: float) -> float:
-        """Step at which a third-order local error meets the tolerance; its growth is limited so that BDF2 is stable."""
-        factor: float = self.safety * max(error, 1e-12) ** (-1.0 / 3.0)
-        return step * min(max(factor, self.largest_cut), self.largest_growth)
-
-    def accepts(self, error: float) -> bool:
-        return error <= self.rejection
+    error: of the last step, in units of the tolerance.
+    """
+    factor: float = SAFETY * max(error, 1e-12) ** (-1.0 / 3.0)
+    return step * min(max(factor, LARGEST_CUT), LARGEST_GROWTH)

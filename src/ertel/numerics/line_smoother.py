@@ -98,6 +98,14 @@ def _after(odd: Array) -> Array:
 # -- the smoother -----------------------------------------------------------------------------------------------------
 
 
+class _Flow(NamedTuple):
+    """The rate, the drift and the phase of the module's docstring."""
+
+    rate: Array
+    drift_over_spacing: Array
+    phase: Array
+
+
 @register_dataclass
 @dataclass(frozen=True)
 class LineSmoother:
@@ -109,15 +117,13 @@ class LineSmoother:
     factors: Factors
     by_jacobi: Array
     by_spread: Array
-    rate: Array
-    drift_over_spacing: Array
-    phase: Array
+    flow: _Flow
     even: Symmetry = field(default=NO_SYMMETRY, metadata={"static": True})
     sweeps: int = field(default=2, metadata={"static": True})  # one damped sweep is not enough
 
     def balance(self, mass: Array) -> Array:
-        rise = jnp.pad(mass[:, 1:] - self.phase * mass[:, :-1], ((0, 0), (1, 0)))
-        return self.rate * mass + self.drift_over_spacing * rise
+        rise = jnp.pad(mass[:, 1:] - self.flow.phase * mass[:, :-1], ((0, 0), (1, 0)))
+        return self.flow.rate * mass + self.flow.drift_over_spacing * rise
 
     def change(self, r: Array) -> Array:
         d = solve_lines(self.factors, r)
@@ -139,13 +145,7 @@ def line_smoother(
     jacobi = (diffusion > stiffness) & strong
     by_jacobi, by_spread = jacobi * c.free, ~jacobi * c.free
     factors = factorise(*_bands(elastic, c, by_spread, flow))
-    return LineSmoother(factors, by_jacobi, by_spread, *flow, elastic.even)
-
-
-class _Flow(NamedTuple):
-    rate: Array
-    drift_over_spacing: Array
-    phase: Array
+    return LineSmoother(factors, by_jacobi, by_spread, flow, elastic.even)
 
 
 class _Pattern(NamedTuple):

@@ -8,7 +8,7 @@ Spectra are summed with the CIE 1931 functions of the 2 degree observer every 5 
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from math import log, pi, sqrt
 from typing import NamedTuple, Protocol
 
@@ -56,11 +56,8 @@ class BlackBody:
 
     def power(self, wavelength: Array) -> Array:
         """Relative power per wavelength, 1 at 560 nm."""
-        return self._planck(np.asarray(wavelength)) / self._planck(np.asarray(560 * NM))
-
-    def _planck(self, wavelength: Array) -> Array:
-        share = wavelength / (560 * NM)
-        return share**-5.0 / np.expm1(SECOND_RADIATION / (wavelength * self.temperature))
+        share, exponent = np.asarray(wavelength) / (560 * NM), SECOND_RADIATION / (560 * NM * self.temperature)
+        return share**-5.0 * np.expm1(exponent) / np.expm1(exponent / share)
 
 
 def observer() -> tuple[Array, Array]:
@@ -73,14 +70,8 @@ def weights(lamp: Lamp) -> tuple[Array, Array]:
     """The share of each wavelength of a lamp in linear sRGB, for an eye that has adapted to the lamp.
 
     X, Y and Z are divided by those of the lamp itself, so that a surface that reflects everything is white (1, 1, 1)
-    under any lamp.
-
-    Returns
-    -------
-    wavelengths : array of shape (81,)
-        In m.
-    weights : array of shape (81, 3)
-        Their sum over the wavelengths is 1 in each channel, to the four digits of sRGB's matrix.
+    under any lamp: the sum over the wavelengths is 1 in each channel, to the four digits of sRGB's matrix.  The
+    wavelengths (m) have the shape (81,), the weights (81, 3).
     """
     wavelengths, functions = observer()
     seen = lamp.power(wavelengths)[:, None] * functions
@@ -215,16 +206,12 @@ class White(Light):
 
     @property
     def lines(self) -> Sequence[Line]:
-        return [Line(w, weight, _triangular(w)) for w, weight in zip(*weights(self.lamp), strict=True)]
+        return [Line(w, weight, partial(_triangular, w)) for w, weight in zip(*weights(self.lamp), strict=True)]
 
 
-def _triangular(wavelength: float) -> Visibility:
+def _triangular(wavelength: float, difference: Array) -> Array:
     """The contrast of fringes in a line that falls to zero at the next wavelengths of the table."""
-
-    def visibility(difference: Array) -> Array:
-        return np.sinc(difference * STEP / wavelength**2) ** 2
-
-    return visibility
+    return np.sinc(difference * STEP / wavelength**2) ** 2
 
 
 # -- the colour chart of a rig and a light, and the picture of a film that follows from it -----------------------------

@@ -25,7 +25,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from math import ceil, log
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -123,20 +123,13 @@ SILICA = Sellmeier((0.6961663, 0.4079426, 0.8974794), (0.0684043**2, 0.1162414**
 
 
 Moebius = tuple[Complex, Complex, Complex, Complex]  # a, b, c, d of the map w -> (a w + b)/(c w + d)
-Beams = tuple[Complex, Complex, Complex]  # amplitudes: top, then second ratio^j after j + 1 passages through the film
 
 
 def seen_through(indices: Sequence[Complex], thicknesses: Sequence[Complex], wavelength: ArrayLike) -> Moebius:
     """The view from the first medium of a reflection just below the last interface: the product of all maps.
 
-    Parameters
-    ----------
-    indices : sequence of complex arrays that broadcast
-        n + ik of each medium, from the first (no thickness) through the layers to the last (no thickness).
-    thicknesses : sequence of arrays that broadcast
-        Of the layers between them, in m; two fewer than indices.
-    wavelength : array
-        In m.
+    indices: n + ik of each medium, from the first through the layers to the last.  thicknesses: of the layers between
+    them, in m; two fewer.  wavelength: in m.  All broadcast.
     """
     a, b, c, d = 1.0, 0.0, 0.0, 1.0
     for upper, lower, thickness in zip(indices[:-1], indices[1:], [*thicknesses, 0.0], strict=True):
@@ -165,6 +158,14 @@ def lorentz_lorenz(density: ArrayLike, n0: float = OIL_INDEX) -> Array:
     """
     share = np.asarray(density, dtype=float) * (n0**2 - 1.0) / (n0**2 + 2.0)
     return np.sqrt((1.0 + 2.0 * share) / (1.0 - share))
+
+
+class Beams(NamedTuple):
+    """Amplitudes of the beams that come back: top, then second ratio^j after j + 1 passages through the film."""
+
+    top: Complex
+    second: Complex
+    ratio: Complex
 
 
 @dataclass(frozen=True)
@@ -271,7 +272,7 @@ class Rig:
         if below is None:
             steel = self.surface.index(wavelength)
             below = (n - steel) / (n + steel)
-        return b / d, below * (a * d - b * c) / d**2, -below * c / d
+        return Beams(b / d, below * (a * d - b * c) / d**2, -below * c / d)
 
     def fringes(self, wavelength: ArrayLike, index: ArrayLike) -> Fringes:
         """The fringes of light of a wavelength (m) in oil of an index; they broadcast."""
@@ -312,5 +313,4 @@ class TwoBeams(Rig):
 
     def beams(self, wavelength: ArrayLike, index: ArrayLike, below: Complex | None = None) -> Beams:
         """The beam of the coatings and the first one through the film."""
-        top, second, _ = super().beams(wavelength, index, below)
-        return top, second, 0.0
+        return super().beams(wavelength, index, below)._replace(ratio=0.0)

@@ -72,16 +72,8 @@ class LimitingStress:
 class NamedOil:
     """An oil with its data against temperature.
 
-    Parameters
-    ----------
-    name, text : str
-        The name by which case files call it, and what it is.
-    viscosity, density : Sourced
-        Viscosity and density at ambient pressure against temperature.
-    pressure : Sourced
-        The rule that gives alpha and the pressure laws at a temperature.
-    shear, limiting_stress, thermal : Sourced or None
-        Shear thinning, limiting shear stress, and thermal data.
+    name, text: the name by which case files call it, and what it is.  viscosity, density: at ambient pressure.
+    pressure: the rule that gives alpha and the pressure laws at a temperature.
     """
 
     name: str
@@ -99,14 +91,22 @@ class NamedOil:
         parts = (self.viscosity, self.density, self.pressure)
         return max(part.coldest for part in parts), min(part.hottest for part in parts)
 
+    def density_at(self, T: float) -> float:
+        """Density (kg/m^3) at ambient pressure at T (K)."""
+        return self.density.data.at(T)
+
     def viscosity_at(self, T: float) -> float:
         """Viscosity eta0 (Pa s) at ambient pressure at T (K)."""
-        return self.viscosity.data.dynamic(T, self.density.data.at(T))
+        return self.viscosity.data.dynamic(T, self.density_at(T))
 
     def thinning_at(self, T: float) -> float:
         """Temperature coefficient of the viscosity, beta = -d ln(eta0)/dT (1/K), at T (K)."""
         colder, warmer = self.viscosity_at(T - SMALL_STEP), self.viscosity_at(T + SMALL_STEP)
         return log(colder / warmer) / (2 * SMALL_STEP)
+
+    def pressure_laws_at(self, T: float) -> Oil:
+        """alpha (1/Pa), viscosity law and density law at T (K)."""
+        return self.pressure.data.at(Ambient(T, self.viscosity_at(T), self.density_at(T), self.viscosity.data))
 
     def at(self, T: float, rheology: str | Fluidity | None = None) -> Oil:
         """The oil of a contact at T (K).  Raises ValueError if T is outside the data.
@@ -120,10 +120,9 @@ class NamedOil:
                 f"temperature = {T:g} K: must be between {celsius(coldest)} and {celsius(hottest)}, the range of the "
                 f"data ({self.name})"
             )
-        ambient = Ambient(T, self.viscosity_at(T), self.density.data.at(T), self.viscosity.data)
         law, rheology_source = self._own_rheology(T) if rheology is None else (rheology, "")
         source = f"{self.name} at {celsius(T)}. Viscosity: {self.viscosity.source} Pressure: {self.pressure.source}"
-        return replace(self.pressure.data.at(ambient), reference=f"{source}{rheology_source}", rheology=law)
+        return replace(self.pressure_laws_at(T), reference=f"{source}{rheology_source}", rheology=law)
 
     def _own_rheology(self, T: float) -> tuple[str | Fluidity, str]:
         """The oil's own law of shear thinning at T (K), and what the reference says of it."""

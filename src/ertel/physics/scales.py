@@ -264,18 +264,7 @@ def impact_scales(R: float, mass: float, speed: float, E_prime: float, radius_ra
     """Scales of an impact: the Hertz contact at the maximum of the dry impact, t0 = a^2/(R v0), eq. (13).
 
     At the maximum all kinetic energy is stored elastically, m v0^2/2 = (2/5) F* delta*; for a ball that is
-    (4/15) E' sqrt(R) delta*^{5/2}.
-
-    Parameters
-    ----------
-    R : float
-        Reduced radius (m), of an ellipse R_x.
-    mass, speed : float
-        The ball's mass m (kg) and speed v0 at first touch (m/s).
-    E_prime : float
-        Reduced modulus (Pa).
-    radius_ratio : float
-        D = R_x/R_y.
+    (4/15) E' sqrt(R) delta*^{5/2}.  mass, speed: of the ball (kg), at first touch (m/s).  The others as in `Scales`.
 
     Examples
     --------
@@ -292,20 +281,8 @@ def impact_scales(R: float, mass: float, speed: float, E_prime: float, radius_ra
 def rolling_scales(R: float, load: float, mean_speed: float, E_prime: float, radius_ratio: float = 1.0) -> Scales:
     """Scales of a rolling contact: the Hertz contact under the static load, t0 = a/u_m, eq. (9).
 
-    The half width is a^3 = 3 kappa beta F R/(2 E').
-
-    Parameters
-    ----------
-    R : float
-        Reduced radius (m), of an ellipse R_x.
-    load : float
-        Static load F (N).
-    mean_speed : float
-        Mean speed of the surfaces, u_m = (u1 + u2)/2 (m/s).
-    E_prime : float
-        Reduced modulus (Pa).
-    radius_ratio : float
-        D = R_x/R_y.
+    The half width is a^3 = 3 kappa beta F R/(2 E').  load: F (N).  mean_speed: u_m = (u1 + u2)/2 (m/s).  The others as
+    in `Scales`.
     """
     require_positive(R=R, load=load, mean_speed=mean_speed, E_prime=E_prime)
     e = hertz_ellipse(radius_ratio)

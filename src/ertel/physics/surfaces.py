@@ -277,10 +277,8 @@ class SelfAffine:
         if (self.ramp is None) != (self.front == inf):
             given, missing = ("front", "ramp") if self.ramp is None else ("ramp", "front")
             raise ValueError(f"{given} = {getattr(self, given)}: needs {missing}, with which it grows smoothly")
-        if not any(isinstance(value, Quantity) for value in vars(self).values()):
-            self._check()
-
-    def _check(self) -> None:
+        if any(isinstance(value, Quantity) for value in vars(self).values()):
+            return
         shortest, longest = plain(self.shortest), plain(self.longest)
         rolloff, period = plain(self.rolloff or longest), plain(self._period)
         if not shortest < longest:

@@ -28,12 +28,8 @@ FLATTEST, STEEPEST = 2.8, 4.5  # slopes of ASTM D341 of mineral oils; those of t
 class Walther:
     """Kinematic viscosity by ASTM D341: log10 log10(nu + 0.7) = A - B log10 T, nu in mm^2/s, T in K.
 
-    Parameters
-    ----------
-    nu40, nu100 : float
-        Kinematic viscosities at 40 and 100 degC (m^2/s).
-
-    Raises ValueError unless nu40 > nu100 >= 2 mm^2/s; the short form of D341 is exact to 0.04 % there.
+    nu40, nu100: at 40 and 100 degC (m^2/s).  Raises ValueError unless nu40 > nu100 >= 2 mm^2/s; the short form of D341
+    is exact to 0.04 % there.
 
     Source: ASTM D341, Standard Practice for Viscosity-Temperature Equations and Charts for Liquid Petroleum.
     """
@@ -79,14 +75,8 @@ def _mm2(nu: float) -> str:
 class Vogel:
     """Vogel's law eta = K exp{C/(T - D)} through three measured viscosities.
 
-    Parameters
-    ----------
-    T1, T2, T3 : float
-        Temperatures (K), rising.
-    eta1, eta2, eta3 : float
-        Viscosities (Pa s) there, falling.
-
-    Raises ValueError for temperatures or viscosities in another order, or if no law of this form passes through them.
+    T1, T2, T3: temperatures (K), rising.  eta1, eta2, eta3: viscosities (Pa s) there, falling.  Raises ValueError for
+    another order, or if no law of this form passes through them.
     """
 
     title: ClassVar[str] = "Vogel's law"
@@ -128,13 +118,8 @@ ViscosityOfTemperature = Walther | Vogel
 class Expansion:
     """Density at ambient pressure, rho = rho15 exp{-a dT (1 + 0.8 a dT)} with dT = T - 15 degC.
 
-    Parameters
-    ----------
-    density : float
-        rho15, the density at 15 degC (kg/m^3), as on data sheets.
-    expansion : float
-        Coefficient of thermal expansion a at 15 degC (1/K).  If it is not given, a = 0.6278/rho15 as for lubricating
-        oils, 7e-4/K for a mineral oil.
+    density: rho15, at 15 degC (kg/m^3), as on data sheets.  expansion: a at 15 degC (1/K); if it is not given, a =
+    0.6278/rho15 as for lubricating oils, 7e-4/K for a mineral oil.
 
     Source: API Manual of Petroleum Measurement Standards, chapter 11.1 (ASTM D1250), lubricating oils: its constant
     K1 = 0.34878 for degF is 0.6278 kg/m^3/K; its base temperature is 15.56 degC, which changes the density by 0.04 %.

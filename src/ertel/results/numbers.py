@@ -254,11 +254,9 @@ def lines(summary: Outcome) -> Iterator[str]:
     yield f"  {_conditions(summary)}"
     yield f"  {moment(summary)}"
     shown = key_numbers(summary)
-    wide = max((len(n.about.long_name) + len(n.about.symbol) for n in shown), default=0)
-    for n in shown:
-        name = f"{n.about.long_name} {n.about.symbol}".ljust(wide + 1)
-        error = f", error {n.text_of_error}" if n.text_of_error else ""
-        yield f"    {name}  {n.full_text}{error}"
+    names = [f"{n.about.long_name} {n.about.symbol}" for n in shown]
+    values = [n.full_text + (f", error {n.text_of_error}" if n.text_of_error else "") for n in shown]
+    yield from (f"    {line}" for line in aligned([names, values], left=2))
     yield from (f"  {line}" for line in more_lines(summary))
     for warning in summary["warnings"]:
         yield f"  warning: {warning}"
@@ -318,7 +316,7 @@ def html_table(summary: Outcome, heading: str = "") -> str:
 
 def aligned(columns: Sequence[Sequence[str]], left: int = 0) -> Iterator[str]:
     """Columns side by side as lines; the first `left` of them begin at the left, the others end at the right."""
-    widths = [max(map(len, column)) for column in columns]
+    widths = [max(map(len, column), default=0) for column in columns]
     for cells in zip(*columns, strict=True):
         padded = [
             cell.ljust(width) if position < left else cell.rjust(width)

@@ -152,8 +152,26 @@ class Result:
         return measurement.compared(self)
 
     def lambda_ratio(self, sigma_1: Sigma = None, sigma_2: Sigma = None) -> float:
-        """Film over the rms roughness of both surfaces, given ("20 nm") or of the case; see `lambda_of`."""
-        return lambda_of(self, sigma_1, sigma_2)
+        """The lambda ratio of a physical run: its film over the rms roughness of both surfaces together.
+
+        With roughness that is given, in m or with a unit, "20 nm", the film is the minimum film thickness of the run; a
+        surface that is left out is smooth.  Without any it is that of the case, measured maps and rough surfaces by
+        their rms.  The grid of such a run has their valleys and summits, and its film is the mean, weighted with the
+        pressure, at maximum approach or at the end.  Raises ValueError where the case is dimensionless, the run has no
+        film, or there is no roughness.
+        """
+        scales, table = self.case.scales, numbers(self.summary)
+        if scales is None or "H_min" not in table:
+            raise ValueError(f"lambda ratio: {'the run has no film' if scales else 'the case is dimensionless'}")
+        given = [sigma for sigma in (sigma_1, sigma_2) if sigma is not None]
+        if given:
+            return lambda_ratio(table["H_min"].value * scales.film, *(_sigma(sigma) for sigma in given))
+        own = _rms(self.case)
+        if not own:
+            raise ValueError("sigma_1: missing; the surfaces of the case are smooth, or have no rms")
+        data = self.dataset[["H", "P"]]
+        data = data if self.case.is_steady else data.isel(frame=moment_of(self.dataset).frame)
+        return lambda_ratio(float(np.average(data["H"], weights=data["P"])), *own)
 
     @property
     def verdict(self) -> str:
@@ -183,68 +201,19 @@ class Result:
 # -- in one line -------------------------------------------------------------------------------------------------------
 
 
-def lambda_of(result: "Result", sigma_1: Sigma = None, sigma_2: Sigma = None) -> float:
-    """The lambda ratio of a physical run: its film over the rms roughness of both surfaces together.
-
-    With roughness that is given the film is the minimum film thickness of the run.  Without it the roughness is that of
-    the case, measured maps and rough surfaces by their rms.  The grid of such a run has their valleys and summits, and
-    its film is the mean, weighted with the pressure, at maximum approach or at the end.
-
-    Parameters
-    ----------
-    result : Result
-        A run of a physical case.
-    sigma_1, sigma_2 : float or str, optional
-        Rms roughness of the surfaces, in m or with a unit, "20 nm"; one that is left out is smooth.
-
-    Returns
-    -------
-    float
-        Lambda, dimensionless.
-
-    Raises
-    ------
-    ValueError
-        The case is dimensionless, the run has no film, or there is no roughness.
-    """
-    scales, table = result.case.scales, numbers(result.summary)
-    if scales is None or "H_min" not in table:
-        raise ValueError(f"lambda ratio: {'the case is dimensionless' if scales is None else 'the run has no film'}")
-    given = [sigma for sigma in (sigma_1, sigma_2) if sigma is not None]
-    if given:
-        return lambda_ratio(table["H_min"].value * scales.film, *(_sigma(sigma) for sigma in given))
-    own = _rms(result.case)
-    if not own:
-        raise ValueError("sigma_1: missing; the surfaces of the case are smooth, or have no rms")
-    data = result.dataset[["H", "P"]]
-    data = data if result.case.is_steady else data.isel(frame=moment_of(result.dataset).frame)
-    return lambda_ratio(float(np.average(data["H"], weights=data["P"])), *own)
-
-
-def verdict(result: "Result", *sigma: Sigma) -> str:
+def verdict(result: Result, *sigma: Sigma) -> str:
     """The outcome in one line, with what the run has: "film 341 ± 15 nm, Lambda = 1.9, mu = 0.047, 11 K".
 
     The film is the central one, with heat the warm one, and its error that of the discretisation.  K is the rise of the
-    mean temperature of the film above the inlet.
-
-    Parameters
-    ----------
-    result : Result
-        A run.
-    *sigma : float or str
-        Rms roughness of the surfaces as of `lambda_of`; left out: that of the case, if it has one.
-
-    Returns
-    -------
-    str
-        Empty where the run has no values.
+    mean temperature of the film above the inlet.  sigma: as of `Result.lambda_ratio`.  Empty where the run has no
+    values.
     """
     table = numbers(result.summary)
     if not values_of(result.summary):
         return ""
     parts = [f"film {_film(table.get('h_c_warm') or table['H_c'])}"]
     if sigma or (result.case.scales and _rms(result.case)):
-        parts.append(f"Lambda = {lambda_of(result, *sigma):.2g}")
+        parts.append(f"Lambda = {result.lambda_ratio(*sigma):.2g}")
     friction = table.get("mu_sliding_warm") or table.get("mu_sliding")
     if friction and friction.unit == "1" and abs(friction.value) > 0:
         parts.append(f"mu = {abs(friction.value):.3g}")

@@ -5,7 +5,7 @@ problems of its attempts and is sent their solutions, so that one run and a batc
 """
 
 from collections.abc import Generator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from math import inf
 from typing import Any, NamedTuple
 
@@ -44,7 +44,7 @@ class Progress(NamedTuple):
 
 @dataclass(frozen=True)
 class StepLimits:
-    """Limits of the step, in t0, and the choice of the next step from the last error.
+    """Limits of the step, in t0.
 
     first: of an impact, as a share of the initial gap.  cut: after a step that did not converge.  of_period: share of
     the period of an oscillating signal; 16 steps a period meet its extremes within 1 - cos(pi/16) = 2 %, and a parabola
@@ -56,7 +56,6 @@ class StepLimits:
     smallest: float = 1e-7
     cut: float = 0.5
     of_period: float = 1 / 16
-    control: bdf.StepControl = field(default_factory=bdf.StepControl)
 
 
 @dataclass(frozen=True)
@@ -138,10 +137,10 @@ class TransientRun:
                 step, counts = limits.cut * length, replace(counts, rejected=counts.rejected + 1)
                 continue
             error = 0.0 if fixed else self._error(state.levels, new)
-            if not fixed and not limits.control.accepts(error):
-                step, counts = limits.control.next_step(length, error), replace(counts, rejected=counts.rejected + 1)
+            if not fixed and not error <= bdf.REJECTED:
+                step, counts = bdf.adapted(length, error), replace(counts, rejected=counts.rejected + 1)
                 continue
-            following = fixed or min(limits.control.next_step(length, error), self._longest)
+            following = fixed or min(bdf.adapted(length, error), self._longest)
             return self._accept(state, new, replace(counts, steps=counts.steps + 1), following, error)
         return Step(replace(state, counts=counts), {}, (), Status.STEP_TOO_SMALL)
 
