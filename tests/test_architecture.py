@@ -1,10 +1,8 @@
-"""The house rules that a machine can check: arrows point down, one place for the FFT, silence, light start."""
+"""The house rules that a machine can check: arrows point down, one place for the FFT, silence, budgets."""
 
 import ast
 import importlib.util
 import io
-import os
-import subprocess
 import sys
 import tokenize
 from collections.abc import Callable, Collection, Iterable, Iterator
@@ -32,7 +30,7 @@ DRAWN_LAZILY = {"results.result", "results.study_result", "results.fit_result"} 
 SHORTEST_FILE = 60
 SHORT = {"case.status", "inputs.materials"}  # an enumeration and a public face
 LONGEST_FILE = 400
-MOST_CODE, MOST_SHELL, MOST_FILES = 19_203, 12_087, 146  # aims: 15 000, 9 000, 140
+MOST_CODE, MOST_SHELL, MOST_FILES = 19_197, 12_081, 146  # aims: 15 000, 9 000, 140
 
 
 def module_name(path: Path) -> str:
@@ -108,12 +106,6 @@ def test_pictures_are_imported_when_they_are_drawn():
         return [name for node in above for name in imports(node) if name.startswith("ertel.plots")]
 
     assert broken(at_once, DRAWN_LAZILY) == {}
-
-
-def test_a_case_is_asked_for_without_jax():
-    code = "import sys, ertel.case.case, ertel.case.definition; print('jax' in sys.modules)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=PACKAGE.parent)
-    assert done.stdout.strip() == "False"
 
 
 def test_the_case_takes_only_the_grid_from_numerics():
@@ -224,33 +216,6 @@ def test_public_names_are_explained():
 
 def test_every_module_says_what_it_is_for():
     assert [module for module in TREES if module != "__init__" and not ast.get_docstring(TREES[module])] == []
-
-
-def test_command_line_starts_light():
-    """`ertel --help` answers at once: what takes long to import comes only when it is needed."""
-    heavy = ["jax", "matplotlib", "xarray", "pint", "distributed"]
-    code = f"import sys, ertel.apps.cli; print([name for name in {heavy} if name in sys.modules])"
-    path = str(PACKAGE.parent)
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=path)
-    assert done.stdout.strip() == "[]"
-
-
-def test_a_check_needs_no_jax(tmp_path):
-    """`ertel check` estimates memory and time without the two seconds that JAX takes to import."""
-    check = """
-import sys
-from pathlib import Path
-from ertel.apps.cases import check
-Path("case.toml").write_text('[contact]\\nkind = "{kind}"\\nM = 200\\nL = 10\\n[solver]\\nmethod = "{method}"')
-check(Path("case.toml"))
-print([name for name in ("jax", "xarray", "matplotlib", "zarr") if name in sys.modules])
-"""
-    for kind, method in (("rolling", "steady"), ("impact", "radial")):
-        code, environment = check.format(kind=kind, method=method), {**os.environ, "PYTHONPATH": str(PACKAGE.parent)}
-        done = subprocess.run(
-            [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment, cwd=tmp_path
-        )
-        assert "memory" in done.stdout and done.stdout.splitlines()[-1] == "[]"
 
 
 def test_package_is_typed():

@@ -1,18 +1,14 @@
 """What `ertel.` offers: all of it found by dir and by completion, explained, and imported when it is first used."""
 
 import inspect
-import os
 import rlcompleter
-import subprocess
-import sys
 import warnings
-from pathlib import Path
 
 import pytest
+from cases import python
 
 import ertel
 
-SOURCE = str(Path(ertel.__path__[0]).parent)
 SHOWN = """
     impact rolling Oil quantity load_case Case Solver Time Output ConfigError simulate run open simulate_batch tasks
     sweep fit traction cache respond respond_linearly respond_in_rolling Result Measurement to_si plots fronts waves
@@ -22,12 +18,6 @@ FOR_EXPERTS = """
     parse_case to_toml Status Lubricant Motion Parameters Scales viscosity_laws density_laws fluidity_laws shapes
     units accessor amplitude_reduction physics numerics case equations inputs results solvers runs apps
 """
-
-
-def in_a_process(code: str) -> str:
-    environment = {**os.environ, "PYTHONPATH": SOURCE, "JAX_PLATFORMS": "cpu"}
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment)
-    return done.stdout.strip()
 
 
 def test_dir_and_completion():
@@ -49,19 +39,36 @@ def test_an_unknown_name():
         _ = ertel.impakt
 
 
-def test_import_is_light_and_a_case_needs_neither_jax_nor_xarray_nor_matplotlib():
-    code = """
-import sys, ertel
-
-def loaded(*heavy):
-    return [name for name in ("jax", "xarray", "matplotlib", "zarr", *heavy) if name in sys.modules]
-
-dir(ertel)
-light = loaded("pint", "pydantic", "scipy", "numpy")
-ertel.impact(M=1, L=1)
-print(light, loaded())
+CHECK = """
+from pathlib import Path
+from ertel.apps.cases import check
+Path("case.toml").write_text('[contact]\\nkind = "{}"\\nM = 200\\nL = 10\\n[solver]\\nmethod = "{}"')
+check(Path("case.toml"))
 """
-    assert in_a_process(code) == "[] []"
+ACCESSOR = """
+import xarray, ertel
+assert not hasattr(xarray.Dataset, "ertel")
+ertel.simulate
+import ertel.results.result
+assert hasattr(xarray.Dataset, "ertel")
+"""
+
+
+@pytest.mark.parametrize(
+    ("code", "heavy"),
+    [
+        ("import ertel; dir(ertel)", "jax xarray matplotlib zarr pint pydantic scipy numpy"),
+        ("import ertel; ertel.impact(M=1, L=1)", "jax xarray matplotlib zarr"),
+        ("import ertel.case.case, ertel.case.definition", "jax"),
+        ("import ertel.apps.cli", "jax matplotlib xarray pint distributed"),  # so that `ertel --help` answers at once
+        (CHECK.format("rolling", "steady"), "jax xarray matplotlib zarr"),  # an estimate of memory and time
+        (CHECK.format("impact", "radial"), "jax xarray matplotlib zarr"),
+        (ACCESSOR, "matplotlib"),  # `dataset.ertel` is there with whatever makes or opens a run
+    ],
+)
+def test_what_takes_long_to_import_comes_when_it_is_needed(code, heavy, tmp_path):
+    loaded = f"import sys; print([name for name in {heavy.split()} if name in sys.modules])"
+    assert python("-c", f"{code}\n{loaded}", cwd=tmp_path).stdout.splitlines()[-1] == "[]"
 
 
 # -- warnings reach whoever runs a case -------------------------------------------------------------------------------

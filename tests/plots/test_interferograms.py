@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from drawn import edge_of_oil, words
 from made_up import BALL_FALLS, BALL_ROLLS, MOES_FALLS, as_in_time, dry_impact, in_time, steady
-from PIL import Image
+from PIL import Image, ImageSequence
 
 from ertel import plots
 from ertel.optics import Constant, Layer, Monochromatic, Rig, TwoBeams, White
@@ -31,6 +31,11 @@ def few_pixels(monkeypatch):
 def images(figure):
     """The picture and the chart below the profile, as arrays."""
     return [np.asarray(axes.images[0].get_array()) for axes in figure.axes]
+
+
+def values_of(seen):
+    """Film, density and void on the pixels."""
+    return [seen[name].values for name in ("film", "density", "void")]
 
 
 def crossings(line):
@@ -76,16 +81,15 @@ def test_picture_is_the_film_of_the_run(ball, rolls, few_pixels):
     """Each pixel has the grey of the film and of the oil's density at its place."""
     light, rig = Monochromatic(coherence=np.inf), TwoBeams()
     view = View.of(rolls)
-    window = page.Window.around([view])
-    seen = page.Seen.of(view, window, rolls["H"].attrs["si_factor"])
-    nodes = rolls["H"].interp(X=window.x, Y=window.y) * rolls["H"].attrs["si_factor"]
-    np.testing.assert_allclose(seen.film, nodes, atol=4e-9)
-    np.testing.assert_array_equal(seen.density, 1.0)  # BARUS is incompressible
+    seen = page.seen_on(view, page.pixels_around([view]), rolls["H"].attrs["si_factor"])
+    nodes = rolls["H"].interp(X=seen["X"], Y=seen["Y"]) * rolls["H"].attrs["si_factor"]
+    np.testing.assert_allclose(seen["film"], nodes, atol=4e-9)
+    np.testing.assert_array_equal(seen["density"], 1.0)  # BARUS is incompressible
     (grey, _) = images(plots.interferogram(rolls, light=light, rig=rig))
-    expected = page.Chart(rig, light, seen.film.max()).picture(seen.film, seen.density, seen.void)[..., 0]
+    expected = page.Chart(rig, light, float(seen["film"].max())).picture(*values_of(seen))[..., 0]
     np.testing.assert_allclose(grey, expected, atol=0.01)
     view = View(ball, 48)
-    density = page.Seen.of(view, page.Window.around([view]), 1e-6).density  # of oil under pressure
+    density = page.seen_on(view, page.pixels_around([view]), 1e-6)["density"]  # of oil under pressure
     assert density[0, 0] == 1.0
     assert density.max() == pytest.approx(1.24, abs=0.01)  # Dowson and Higginson's at 1.4 GPa
 
@@ -111,24 +115,22 @@ def test_radial_run_is_revolved(few_pixels):
     assert np.median(np.abs(grey - whole)) < 0.02
 
 
-def test_white_light_is_in_colour(ball, few_pixels):
-    picture, chart = images(plots.interferogram(ball, light=White()))
+def test_white_light_is_in_colour_by_its_name_too(ball, few_pixels):
+    figure = plots.interferogram(ball, light=White())
+    picture, chart = images(figure)
     assert picture.shape == (40, 40, 3) and chart.shape[-1] == 3
     assert np.ptp(picture, axis=-1).max() > 0.3
-    assert plots.interferogram(ball, light=White()).axes[0].get_title() == "Interferogram in white light"
+    assert figure.axes[0].get_title() == "Interferogram in white light"
+    np.testing.assert_array_equal(images(plots.interferogram(ball, light="white"))[0], picture)
 
 
-def test_layers_change_the_picture(ball, few_pixels):
+def test_layers_change_the_picture_and_the_profile_is_the_film_of_the_mid_line(ball, few_pixels):
     bare = images(plots.interferogram(ball, rig=Rig(coatings=())))[0]
-    coated = images(plots.interferogram(ball, rig=Rig(coatings=(Layer(Constant(3.0, 3.0), 10e-9),))))[0]
-    assert np.abs(bare - coated).max() > 0.1
-
-
-def test_profile_is_the_film_of_the_mid_line(ball, few_pixels):
-    axes = plots.interferogram(ball).axes[1]
-    line = axes.get_lines()[0]
-    assert line.get_ydata()[20] == pytest.approx(0.05 * ball["H"].attrs["si_factor"] * 1e9, rel=0.1)
-    assert axes.get_ylim()[0] == 0.0 and axes.get_ylim()[1] > line.get_ydata()[20]
+    figure = plots.interferogram(ball, rig=Rig(coatings=(Layer(Constant(3.0, 3.0), 10e-9),)))
+    assert np.abs(bare - images(figure)[0]).max() > 0.1
+    film, (bottom, top) = figure.axes[1].get_lines()[0].get_ydata(), figure.axes[1].get_ylim()
+    assert film[20] == pytest.approx(0.05 * ball["H"].attrs["si_factor"] * 1e9, rel=0.1)
+    assert bottom == 0.0 and top > film[20]
 
 
 # -- where the gap is not full ----------------------------------------------------------------------------------------
@@ -164,10 +166,10 @@ def test_picture_has_oil_and_air(ball, few_pixels):
     grey, chart = images(plots.interferogram(on_a_layer(ball), **optics))
     full, of_films = images(plots.interferogram(ball, **optics))
     view = View.of(on_a_layer(ball))
-    seen = page.Seen.of(view, page.Window.around([view]), 4e-7)
-    beyond = seen.film > 1.3 * LAYER * 4e-7  # a cell
-    np.testing.assert_allclose((seen.film - seen.void)[beyond], LAYER * 4e-7, rtol=5e-3)
-    wet = seen.film < 0.4 * LAYER * 4e-7
+    film, _, void = values_of(page.seen_on(view, page.pixels_around([view]), 4e-7))
+    beyond = film > 1.3 * LAYER * 4e-7  # a cell
+    np.testing.assert_allclose((film - void)[beyond], LAYER * 4e-7, rtol=5e-3)
+    wet = film < 0.4 * LAYER * 4e-7
     np.testing.assert_array_equal(grey[wet], full[wet])
     np.testing.assert_array_equal(chart[:, 20], of_films[:, 20])
     assert np.abs(grey - full)[beyond].max() > 0.1 and np.abs(chart - of_films)[:, 0].max() > 0.1
@@ -186,25 +188,33 @@ def test_a_run_that_does_not_know_its_oil_is_full(ball, few_pixels):
 # -- what cannot be drawn --------------------------------------------------------------------------------------------
 
 
+NAMES = "must be mono, white or a light of ertel.optics"
+
+
 @pytest.mark.parametrize(
-    ("run", "options", "said"),
+    ("run", "draw", "options", "said"),
     [
-        ("moes", {}, r"the run is dimensionless.*run a case in SI.*film_scale"),
-        ("moes", {"film_scale": 300.0}, "film_scale = 300"),
-        ("rolls", {"at": 1.0}, "a steady contact has no moments"),
-        ("no maps", {}, "has no maps yet"),
+        ("moes", plots.interferogram, {}, r"the run is dimensionless.*run a case in SI.*film_scale"),
+        ("moes", plots.interferogram, {"film_scale": 300.0}, "film_scale = 300"),
+        ("rolls", plots.interferogram, {"at": 1.0}, "a steady contact has no moments"),
+        ("no maps", plots.interferogram, {}, "has no maps yet"),
+        ("ball", plots.interferogram, {"light": "sunny"}, f"light = 'sunny': {NAMES}"),
+        ("ball", plots.interferogram, {"light": 532e-9}, f"light = 5.32e-07: {NAMES}"),
+        ("rolls", plots.animation, {}, "a steady contact does not move"),
+        ("one map", plots.animation, {}, "the run has 1 maps"),
     ],
 )
-def test_refused(ball, rolls, few_pixels, run, options, said):
-    runs = {"moes": dry_impact(MOES_FALLS), "rolls": rolls, "no maps": ball.isel(frame=slice(0))}
+def test_refused(ball, rolls, few_pixels, run, draw, options, said):
+    runs = {"moes": dry_impact(MOES_FALLS), "rolls": rolls, "ball": ball}
+    runs |= {"no maps": ball.isel(frame=slice(0)), "one map": ball.isel(frame=[0])}
     with pytest.raises(plots.NoFigure, match=said):
-        plots.interferogram(runs[run], **options)
+        draw(runs[run], **options)
 
 
 def test_result_has_it(ball, rolls, few_pixels):
-    figure = Plot(ball).interferogram(at="max-approach", light=Monochromatic(653e-9))
+    figure = Plot(ball).interferogram(at=1.0, light=Monochromatic(653e-9))
     assert figure.axes[0].get_title() == "Interferogram at 653 nm"
-    assert "chosen map at $t$ = 37.41 µs" in Plot(ball).interferogram(at=1.0).get_suptitle()
+    assert "chosen map at $t$ = 37.41 µs" in figure.get_suptitle()
     assert "interferogram" in dir(Plot(rolls)) and "interferogram()" in repr(Plot(ball))
 
 
@@ -215,16 +225,11 @@ def test_result_has_it(ball, rolls, few_pixels):
 def test_animation(ball, few_pixels, tmp_path, kind):
     """One picture for every map, for ever."""
     path = tmp_path / f"ball.{kind}"
-    few = ball.isel(frame=slice(0, 60, 20))
-    plots.animation(few).save(path, writer="pillow", dpi=30)
+    plots.animation(ball.isel(frame=slice(0, 60, 20))).save(path, writer="pillow", dpi=30)
     with Image.open(path) as movie:
-        assert movie.n_frames == 3
-        assert movie.info["loop"] == 0
-        shown = []
-        for frame in range(3):
-            movie.seek(frame)
-            shown.append(np.asarray(movie.convert("L"), dtype=float))
-    assert np.abs(shown[2] - shown[0]).max() > 50
+        assert movie.n_frames == 3 and movie.info["loop"] == 0
+        first, _, last = (np.asarray(each.convert("L"), dtype=float) for each in ImageSequence.Iterator(movie))
+    assert np.abs(last - first).max() > 50
 
 
 def test_animation_shows_every_moment_alike(ball, few_pixels, monkeypatch):
@@ -239,9 +244,9 @@ def test_animation_shows_every_moment_alike(ball, few_pixels, monkeypatch):
     grey = np.asarray(axes.images[0].get_array())
     time = float(ball["frame"][48] * ball["frame"].attrs["si_factor"]) * 1e6
     assert axes.get_title() == f"Interferogram at 532 nm, $t$ = {time:.4g} µs"
-    window = page.Window.around([View(ball, frame) for frame in frames])
-    seen = page.Seen.of(View(ball, 48), window, ball["H"].attrs["si_factor"])
-    expected = page.Chart(Rig(), Monochromatic(), 1e-5, seen.density.max()).picture(seen.film, seen.density)
+    pixels = page.pixels_around([View(ball, frame) for frame in frames])
+    film, density, _ = values_of(page.seen_on(View(ball, 48), pixels, ball["H"].attrs["si_factor"]))
+    expected = page.Chart(Rig(), Monochromatic(), 1e-5, density.max()).picture(film, density)
     np.testing.assert_allclose(grey, expected[..., 0], atol=0.01)
 
 
@@ -258,10 +263,3 @@ def test_edge_moves_with_the_film(ball, few_pixels):
         assert bool(words(axes)) == bool(len(edge))
         radii.append(edge.mean() if len(edge) else 0.0)
     assert radii[0] == radii[1] == radii[4] == 0.0 < radii[2] < radii[3]
-
-
-def test_what_does_not_move(ball, rolls):
-    with pytest.raises(plots.NoFigure, match="a steady contact does not move"):
-        plots.animation(rolls)
-    with pytest.raises(plots.NoFigure, match="the run has 1 maps"):
-        plots.animation(ball.isel(frame=[0]))

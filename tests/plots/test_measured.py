@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from drawn import line, panels, words
 from made_up import BALL_FALLS, dry_impact
+from matplotlib.figure import Figure
 
 from ertel import Measurement
 from ertel.case.case import Case
@@ -37,7 +38,10 @@ def test_a_profile_over_that_of_the_run_with_the_rms_difference_in_the_title(bal
 def test_a_history_with_error_bars_and_a_number_that_has_no_picture(ball):
     t = np.array([20e-6, 60e-6, 100e-6])
     measured = Measurement("history", "h_c", np.interp(t, ball.si["t"], ball.si["h_c"]), t, sigma=5e-9)
-    figure = ball.plot.measured(ball.compare(measured))
+    figure = ball.plot.measured(ball.compare(measured), columns=1, title=False)
     assert len(panels(figure)[0].collections) == 1 and "$t$ (µs)" in panels(figure)[1].get_xlabel()
+    assert figure.get_figwidth() * 25.4 == pytest.approx(85.0) and not figure.get_suptitle()
+    own = Figure().subplots(1, 2)
+    assert ball.plot.measured(ball.compare(measured), ax=own) is own[0].figure and own[1].has_data()
     with pytest.raises(NoFigure, match="is one number"):
         ball.plot.measured(type(ball.compare(measured))(Measurement.number("restitution", 0.9), t, t, t))

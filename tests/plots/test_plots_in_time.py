@@ -165,9 +165,9 @@ def test_radial_runs_are_mirrored_and_turned_round():
     np.testing.assert_array_equal(x, -x[::-1])
     np.testing.assert_array_equal(P, P[::-1])
     field = View(data, 48).map("P")
-    r = np.hypot(field.y[:, None], field.x[None, :])
+    r = np.hypot(field["Y"].values[:, None], field["X"].values[None, :])
     np.testing.assert_allclose(field.values, hertz.pressure(r, float(hertz.contact_radius(1.45))), atol=0.12)
-    np.testing.assert_array_equal(field.values, field.values.T)
+    np.testing.assert_array_equal(field, field.T)
 
 
 def test_map_shows_the_film(moes):

@@ -12,7 +12,6 @@ from matplotlib.text import Text
 
 from ertel import plots
 from ertel.inputs.python import rolling
-from ertel.optics import White
 from ertel.physics.surfaces import Feature, Spot
 from ertel.plots import interferograms
 from ertel.results.result import Plot
@@ -148,12 +147,3 @@ def test_colours_tell_one_quantity_and_markers_the_other():
     assert {line.get_marker() for line, *_ in film.containers} == {"o", "s"}
     said = [text.get_text() for text in figure.legends[0].texts]
     assert said[:4] == ["temperature = 40 °C", "temperature = 80 °C", "PAO", "ester"] and len(said) == 6
-
-
-def test_light_by_its_name(runs, monkeypatch):
-    monkeypatch.setattr(interferograms, "PIXELS", 40)
-    by_name, given = (plots.interferogram(runs["ball"], light=light).axes[0].images[0] for light in ("white", White()))
-    np.testing.assert_array_equal(by_name.get_array(), given.get_array())
-    for light in ("sunny", 532e-9):
-        with pytest.raises(plots.NoFigure, match=f"light = {light!r}: must be mono, white or a light of ertel.optics"):
-            plots.interferogram(runs["ball"], light=light)

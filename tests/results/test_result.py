@@ -9,7 +9,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import xarray as xr
-from cases import python
 from made_up import BALL_FALLS, BALL_ROLLS, C1, MOES_FALLS, MOES_ROLLS, dry_impact, in_time, solutions, steady
 from matplotlib.figure import Figure
 
@@ -114,21 +113,6 @@ def test_dataset_ertel_of_a_run_that_xarray_alone_has_opened(tmp_path):
     assert "film()" in repr(opened.ertel) and "interferogram()" in repr(opened.ertel)
     xr.testing.assert_identical(opened.ertel.si(), to_si(opened))
     assert opened.ertel.si()["h_c"].attrs["units"] == "m"
-
-
-def test_what_is_imported_and_when():
-    """`dataset.ertel` is there with whatever makes or opens a run; `import ertel` imports no xarray.
-
-    Matplotlib comes only with a picture.
-    """
-    code = """
-import json, sys, xarray, ertel
-before = hasattr(xarray.Dataset, "ertel")
-ertel.simulate
-import ertel.results.result
-print(json.dumps([before, hasattr(xarray.Dataset, "ertel"), "matplotlib" in sys.modules]))
-"""
-    assert json.loads(python("-c", code).stdout) == [False, True, False]
 
 
 # -- in one line -------------------------------------------------------------------------------------------------------

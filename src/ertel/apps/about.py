@@ -48,11 +48,6 @@ def about() -> dict[str, str]:
     }
 
 
-def bibtex(of_version: str | None = None) -> str:
-    """BibTeX entries of ertel, in a version, and of the paper whose equations it solves."""
-    return BIBTEX.format(version=of_version or ertel.__version__)
-
-
 def of_run(directory: Path) -> dict[str, str]:
     """The case, versions and machine of a run, and its end, by name.  Raises StoreError where the run is damaged."""
     run = RunStore.open(directory)

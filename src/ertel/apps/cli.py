@@ -273,11 +273,12 @@ def about(
     cite: Annotated[bool, typer.Option("--cite", help="Print BibTeX entries of ertel and of the paper.")] = False,
 ) -> None:
     """Print versions, devices and how to cite ertel; or the versions and the machine of a run, and how it ended."""
+    from ertel import __version__
     from ertel.apps import about, tables
 
     content = about.of_run(directory) if directory else {}
     if cite:
-        print(about.bibtex(content.get("ertel")), end="")
+        print(about.BIBTEX.format(version=content.get("ertel") or __version__), end="")
     else:
         tables.print_names(content or about.about())
 

@@ -40,7 +40,7 @@ class RunOptions:
 def run(case: Case, directory: Path | None, options: RunOptions) -> None:
     """Run a case in a new directory: that one, or runs/NAME; `prepare_jax` comes first."""
     if not options.quiet:
-        say_before([case])
+        say_before(case)
     with within_memory(case):
         course = run_of(case)
         others = _compared(course, options)
@@ -79,9 +79,9 @@ def warm_up_all(cases: Sequence[Case]) -> None:
     say(f"Compiled programs are in {directory}")
 
 
-def say_before(cases: Sequence[Case]) -> None:
-    """Say what follows from cases before they are computed, each sentence once."""
-    for sentence in dict.fromkeys(sentence for case in cases for sentence in outlook.warnings_of(case)):
+def say_before(case: Case) -> None:
+    """Say what follows from a case before it is computed."""
+    for sentence in outlook.warnings_of(case):
         say(f"ertel: warning: {sentence}")
 
 

@@ -69,7 +69,7 @@ def traction(
     curve = curves.curve_of(case, given, film)
     stored.require_place(directory, curves.NAME, "--out")
     if not quiet:
-        running.say_before([max(curve.cases, key=newtonian_stress)])
+        running.say_before(max(curve.cases, key=newtonian_stress))
     prepare_jax()
     with running.within_memory(case), interruptible() as stop, writing_to(directory, GOES_ON):
         result = curves.store_curve(curve, directory, not quiet, stop)

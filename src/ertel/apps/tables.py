@@ -1,7 +1,7 @@
 """The tables that the command line prints, and the same as data."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import fields
+from dataclasses import asdict
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
@@ -230,9 +230,8 @@ def print_library() -> None:
     rows = [["oil", "eta0 at 40", "at 100", "alpha at 40", "at 100", "valid"]]
     for name in oils.names():
         oil = oils.get(name)
-        warm, hot = oil.at(WARM), oil.at(HOT)
-        viscosities = [f"{1e3 * (one.eta0 or 0.0):.3g}" for one in (warm, hot)]
-        alphas = [f"{1e9 * (one.alpha or 0.0):.3g}" for one in (warm, hot)]
+        viscosities = [f"{1e3 * oil.viscosity_at(T):.3g}" for T in (WARM, HOT)]
+        alphas = [f"{1e9 * (oil.pressure_laws_at(T).alpha or 0.0):.3g}" for T in (WARM, HOT)]
         rows.append([name, *viscosities, *alphas, _range(*oil.temperatures)])
     print_rows(rows)
     print(f"{CAPTION}\n")
@@ -250,10 +249,9 @@ def print_entry(entry: NamedOil | Material) -> None:
     for title, part in _parts(entry):
         out.print(f"\n{title}, {_range(part.coldest, part.hottest)}: {part.data.title}")
         marks_of = marks(type(part.data))
-        for item in fields(part.data):
-            value = getattr(part.data, item.name)
+        for name, value in asdict(part.data).items():
             if value is not None:
-                out.print(f"  {item.name} = {_in_unit(value, marks_of.get(item.name))}")
+                out.print(f"  {name} = {_in_unit(value, marks_of.get(name))}")
         out.print(f"  source: {part.source}")
         if part.note:
             out.print(f"  note: {' '.join(part.note.split())}")
@@ -263,18 +261,15 @@ def entry_as_data(entry: NamedOil | Material) -> dict[str, Any]:
     """All data of an oil or a material in SI, for JSON."""
     content: dict[str, Any] = {"name": entry.name, "text": entry.text}
     for title, part in _parts(entry):
-        values = {item.name: getattr(part.data, item.name) for item in fields(part.data)}
-        ends = {"coldest": part.coldest, "hottest": part.hottest}
-        content[title] = {"law": part.data.title, **values, **ends, "source": part.source, "note": part.note}
+        about = {name: value for name, value in vars(part).items() if name != "data"}
+        content[title] = {"law": part.data.title, **asdict(part.data), **about}
     return content
 
 
 def library_as_data() -> dict[str, list[dict[str, Any]]]:
     """All oils and materials in SI, for JSON."""
-    return {
-        "oils": [entry_as_data(oils.get(name)) for name in oils.names()],
-        "materials": [entry_as_data(materials.get(name)) for name in materials.names()],
-    }
+    libraries: dict[str, Any] = {"oils": oils, "materials": materials}
+    return {kind: [entry_as_data(library.get(name)) for name in library.names()] for kind, library in libraries.items()}
 
 
 def _parts(entry: NamedOil | Material) -> Iterator[tuple[str, Sourced[Any]]]:

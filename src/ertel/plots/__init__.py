@@ -29,7 +29,7 @@ from ertel.plots import fields, histories
 from ertel.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, NoFigure, Sheet, SheetOptions, compose
 from ertel.plots.fields import comparison
 from ertel.plots.interferograms import animation, interferogram
-from ertel.plots.measured import measured
+from ertel.plots.measurements import measured
 from ertel.plots.view import View
 from ertel.results.profiles import At
 from ertel.results.variables import is_steady
@@ -54,21 +54,24 @@ def _friction_rows(view: View) -> Rows:
 
 
 # The panels of each figure.  A figure that is a part of another is drawn when it is asked for by its name.
+OF_MAPS: Mapping[str, Rows] = {
+    "film": [[fields.draw_film_map]],
+    "pressure": [[fields.draw_pressure_map]],
+    "oil": [[fields.draw_oil_map]],
+    "maps": [[fields.draw_film_map, fields.draw_pressure_map]],
+}
 IN_TIME: Mapping[str, Rows | Callable[[View], Rows]] = {
     "overview": [
         [fields.draw_film_map, fields.draw_film_profiles, histories.draw_film_history],
         [fields.draw_pressure_map, fields.draw_pressure_profiles, histories.draw_motion],
     ],
-    "maps": [[fields.draw_film_map, fields.draw_pressure_map]],
+    **OF_MAPS,
     "profiles": [[fields.draw_film_profiles, fields.draw_pressure_profiles]],
     "history": [
         [histories.draw_motion, histories.draw_film_history],
         [histories.draw_place, histories.draw_pressure_history],
     ],
     "friction": _friction_rows,
-    "film": [[fields.draw_film_map]],
-    "pressure": [[fields.draw_pressure_map]],
-    "oil": [[fields.draw_oil_map]],
     "front": [[histories.draw_place, histories.draw_front_speed]],
 }
 STEADY: Mapping[str, Rows | Callable[[View], Rows]] = {
@@ -76,13 +79,10 @@ STEADY: Mapping[str, Rows | Callable[[View], Rows]] = {
         [fields.draw_film_map, fields.draw_along_the_flow, histories.draw_grids],
         [fields.draw_pressure_map, fields.draw_across_the_flow, histories.draw_convergence],
     ],
-    "film": [[fields.draw_film_map]],
-    "pressure": [[fields.draw_pressure_map]],
-    "oil": [[fields.draw_oil_map]],
+    **OF_MAPS,
     "midlines": [[fields.draw_along_the_flow, fields.draw_across_the_flow]],
     "convergence": [[histories.draw_convergence, histories.draw_grids]],
     "friction": _friction_rows,
-    "maps": [[fields.draw_film_map, fields.draw_pressure_map]],
 }
 PARTS_IN_TIME, PARTS_STEADY = ("film", "pressure", "oil", "front"), ("oil", "maps")
 NAMES = tuple(dict.fromkeys((*IN_TIME, *STEADY)))

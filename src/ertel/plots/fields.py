@@ -29,7 +29,8 @@ from ertel.plots.drawing import (
     compose,
     levels,
 )
-from ertel.plots.view import LOADED, NOT_FULL, WIDEST, Field, View
+from ertel.plots.view import LOADED, NOT_FULL, WIDEST, View
+from ertel.results.dataset import largest_of
 from ertel.results.profiles import At, events_of
 
 ARROWS = "\N{RIGHTWARDS ARROW}\N{LEFTWARDS ARROW}"  # of a flow along x, and against it
@@ -58,14 +59,14 @@ def draw_film_map(axes: Axes, view: View) -> None:
     film = view.map("H")
     _draw_map(axes, view, film, z, levels(top * z.factor, lines), "Film thickness", "YlGnBu_r", "P")
     gap = (film, view.map("void"))
-    edge = draw_edge_of_oil(axes, view, *((each.turned for each in gap) if view.is_turned else gap))
+    edge = draw_edge_of_oil(axes, view, *((each.T for each in gap) if view.is_turned else gap))
     draw_legend(axes, [*edge, *_draw_roughness(axes, view)], view.is_turned)
 
 
 def draw_pressure_map(axes: Axes, view: View) -> None:
     """Pressure, with contour lines at equal steps."""
     field = view.map("P")
-    top = max(float(field.values.max()), 0.01)  # p_h*: something to divide where the contact carries nothing
+    top = max(float(field.max()), 0.01)  # p_h*: something to divide where the contact carries nothing
     z = view.scale("P", top)
     _draw_map(axes, view, field, z, levels(top * z.factor), "Pressure", "YlOrRd", "P")
     draw_legend(axes, _draw_roughness(axes, view), view.is_turned)
@@ -75,17 +76,14 @@ def draw_oil_map(axes: Axes, view: View) -> None:
     """The part of the gap that is filled with oil; the rest is void."""
     if "oil" not in view.dataset:
         raise NoFigure("oil: an earlier version wrote this run and did not store the oil in the gap; run it again")
-    oil, H = view.map("oil"), view.map("H")
-    field = replace(oil, values=oil.values / H.values)
     z = Scale(1.0, r"$h_\mathrm{oil}/h$", "", "oil in the gap")
-    _draw_map(axes, view, field, z, levels(1.0), "Oil in the gap", "Blues", "P")
+    _draw_map(axes, view, view.map("oil") / view.map("H"), z, levels(1.0), "Oil in the gap", "Blues", "P")
 
 
 def draw_stress_map(axes: Axes, view: View) -> None:
     """Size of the shear stress in the middle of the film, with contour lines at equal steps."""
-    along_x, along_y = view.map("tau_x"), view.map("tau_y")
-    field = replace(along_x, values=np.hypot(along_x.values, along_y.values))
-    top = max(float(field.values.max()), 1e-9)  # something to divide where there is no friction
+    field = xr.apply_ufunc(np.hypot, view.map("tau_x"), view.map("tau_y"))
+    top = max(float(field.max()), 1e-9)  # something to divide where there is no friction
     z = replace(view.scale("tau_x", top), symbol=r"$\tau_\mathrm{m}$", long_name="shear stress")
     _draw_map(axes, view, field, z, levels(top * z.factor), "Shear stress", "BuPu", "loss")
 
@@ -93,13 +91,13 @@ def draw_stress_map(axes: Axes, view: View) -> None:
 def draw_loss_map(axes: Axes, view: View) -> None:
     """Power loss per area, with contour lines at equal steps."""
     field = view.map("loss")
-    top = max(float(field.values.max()), 1e-9)
+    top = max(float(field.max()), 1e-9)
     z = replace(view.scale("loss", top), symbol="")
     _draw_map(axes, view, field, z, levels(top * z.factor), "Power loss", "YlOrBr", "loss")
 
 
 def _draw_map(
-    axes: Axes, view: View, field: Field, z: Scale, steps: Values, heading: str, colours: str, shown_where: str
+    axes: Axes, view: View, field: xr.DataArray, z: Scale, steps: Values, heading: str, colours: str, shown_where: str
 ) -> None:
     """Draw a field with contour lines at `steps` (as shown), and the direction of the flow.
 
@@ -107,12 +105,12 @@ def _draw_map(
     contact.  That of a contact that is long along y is turned by a quarter; a very flat map is enlarged across, and its
     axis says so.  Values above the highest step have its colour.
     """
-    across, stretch = view.across.factor, view.stretch
     side = _side(view, shown_where)
-    columns, rows = np.abs(field.x) <= side, np.abs(field.y) <= side * stretch
-    cut = Field(field.x[columns] * across, field.y[rows] * across, field.values[np.ix_(rows, columns)] * z.factor)
-    cut = cut.turned if view.is_turned else cut
-    x, y, shown = cut.x, cut.y, cut.values
+    top = side * view.stretch
+    cut = field.sel(X=slice(-side, side), Y=slice(-top, top)) * z.factor
+    cut = cut.T if view.is_turned else cut
+    y, x = (cut[name].values * view.across.factor for name in cut.dims)
+    shown = cut.values
     limits = Normalize(0.0, steps[-1])
     image = axes.pcolormesh(x, y, shown, cmap=colours, norm=limits, shading="gouraud", rasterized=True)
     if shown.min() < steps[-1] and shown.max() > steps[1]:
@@ -135,11 +133,10 @@ def _draw_map(
 
 def _side(view: View, name: str) -> float:
     """The distance from the centre up to which a map is shown along x."""
-    field = view.map(name)
-    profile = field.values.max(axis=0)
+    profile = view.map(name).max("Y")
     if name == "loss":
-        profile = np.where(profile > SEEN * profile.max(), profile, 0.0)
-    return view.extent(field.x, profile)
+        profile = profile.where(profile > SEEN * profile.max(), 0.0)
+    return view.extent(profile["X"].values, profile.values)
 
 
 def arrow(view: View) -> str:
@@ -166,18 +163,19 @@ def _draw_roughness(axes: Axes, view: View) -> list[Line2D]:
     return lines
 
 
-def draw_edge_of_oil(axes: Axes, view: View, film: Field, void: Field) -> list[Line2D]:
+def draw_edge_of_oil(axes: Axes, view: View, film: xr.DataArray, void: xr.DataArray) -> list[Line2D]:
     """Draw a line where the gap stops being full, and return it for the legend; nothing where all or nothing is full.
 
     film, void: the gap and the part of it without oil, over the same places.
     """
-    x, y = film.x * view.across.factor, film.y * view.across.factor
+    missing = void - NOT_FULL * film
+    y, x = (missing[name].values * view.across.factor for name in missing.dims)
     (left, right), (low, high) = axes.get_xlim(), sorted(axes.get_ylim())
     columns, rows = (left <= x) & (x <= right), (low <= y) & (y <= high)
-    missing = (void.values - NOT_FULL * film.values)[np.ix_(rows, columns)]
-    if not missing.min() < 0.0 < missing.max():
+    seen = missing.values[np.ix_(rows, columns)]
+    if not seen.min() < 0.0 < seen.max():
         return []
-    axes.contour(x[columns], y[rows], missing, levels=[0.0], colors=ORANGE, linewidths=1.0)
+    axes.contour(x[columns], y[rows], seen, levels=[0.0], colors=ORANGE, linewidths=1.0)
     return [Line2D([], [], color=ORANGE, linewidth=1.0, label="edge of the full film")]
 
 
@@ -340,33 +338,29 @@ def comparison(
 def _compare(axes: Axes, views: Sequence[View], names: Sequence[str], x: str, y: str) -> None:
     """Draw one variable of two runs over another."""
     curves = [(_curve(view, x), _curve(view, y)) for view in views]
-    of_x = _common_scales(views, x, [curve[0] for curve in curves])
-    of_y = _common_scales(views, y, [curve[1] for curve in curves])
-    for (along, values), zx, zy, name, (colour, line) in zip(curves, of_x, of_y, names, LOOKS, strict=True):
-        axes.plot(along * zx.factor, values * zy.factor, line, color=colour, label=name)
-    axes.set(xlabel=of_x[0].label, ylabel=of_y[0].label)
+    largest = (max(largest_of(each) for each in of_runs) for of_runs in zip(*curves, strict=True))
+    kind = views[0].dataset.attrs["kind"]
+    across, z = (Scale.of(one, top, kind) for one, top in zip(curves[0], largest, strict=True))
+    for (along, values), name, (colour, line) in zip(curves, names, LOOKS, strict=True):
+        axes.plot(along * across.factor, values * z.factor, line, color=colour, label=name)
+    axes.set(xlabel=across.label, ylabel=z.label)
     if y == "H":  # far outside the film is much thicker than in the middle
-        inside = [np.interp(0.0, *curve) * z.factor for curve, z in zip(curves, of_y, strict=True)]
-        axes.set_ylim(0.0, 3.0 * float(max(inside)))
+        axes.set_ylim(0.0, 3.0 * z.factor * max(float(np.interp(0.0, *curve)) for curve in curves))
         axes.legend(loc="upper center", frameon=False, fontsize="small")
     if x == "X":
-        sides = [min(WIDEST, np.abs(along).max()) * z.factor for (along, _), z in zip(curves, of_x, strict=True)]
-        axes.set(xlim=(-max(sides), max(sides)), xlabel=f"${'x' if views[0].in_si else 'X'}$ {of_x[0].in_brackets}")
+        shares = (min(WIDEST / np.abs(view.x).max(), 1.0) for view in views)
+        side = across.factor * max(share * largest_of(along) for share, (along, _) in zip(shares, curves, strict=True))
+        axes.set(xlim=(-side, side), xlabel=f"${'x' if views[0].in_si else 'X'}$ {across.in_brackets}")
 
 
-def _curve(view: View, name: str) -> Values:
-    """A variable along the mid-line, or through time."""
+def _curve(view: View, name: str) -> xr.DataArray:
+    """A variable along the mid-line, or through time; in SI where it has a scale."""
+    about = view.dataset["r" if name == "X" and view.is_radial else name].attrs
     if name == "X":
-        return view.x
-    return view.midline(name) if name in ("H", "P") else np.asarray(view.dataset[name].values)
-
-
-def _common_scales(views: Sequence[View], name: str, values: Sequence[Values]) -> list[Scale]:
-    """The scale of a variable of each run, with one unit that fits all."""
-    stored = ["r" if name == "X" and view.is_radial else name for view in views]
-    factors = [float(view.dataset[key].attrs.get("si_factor", 1.0)) for view, key in zip(views, stored, strict=True)]
-    largest = max(np.abs(each).max(initial=0.0) * factor for each, factor in zip(values, factors, strict=True))
-    return [view.scale(key, largest / f) for view, key, f in zip(views, stored, factors, strict=True)]
+        values = view.x
+    else:
+        values = view.midline(name) if name in ("H", "P") else np.asarray(view.dataset[name].values)
+    return xr.DataArray(values * about.get("si_factor", 1.0), attrs={**about, "si_factor": 1.0})
 
 
 def _without_si(dataset: xr.Dataset) -> xr.Dataset:

@@ -8,7 +8,7 @@ there, with the oil as dense as it is there, and with as much oil where the gap 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal, Unpack
 
 import numpy as np
@@ -22,7 +22,7 @@ from scipy.interpolate import CubicSpline, RectBivariateSpline
 from ertel.optics import Chart, Light, Monochromatic, Rig, White
 from ertel.plots.drawing import NoFigure, Scale, Sheet, SheetOptions, Values, compose
 from ertel.plots.fields import ARROWS, draw_edge_of_oil, draw_legend
-from ertel.plots.view import Field, View
+from ertel.plots.view import View, field
 from ertel.results.profiles import At
 from ertel.results.variables import is_steady
 
@@ -35,30 +35,15 @@ LIGHTS: Mapping[str, type[Light]] = {"mono": Monochromatic, "white": White}
 TICKS = 6  # along the longer side of a picture
 
 
-@dataclass(frozen=True)
-class Window:
-    """The pixels of a picture: their positions in a*."""
-
-    x: Values
-    y: Values
-
-    @classmethod
-    def around(cls, views: Sequence[View]) -> "Window":
-        """The pixels round the contact, as wide as all moments of a run need."""
-        view = views[0]
-        side = max(_side(each) for each in views)
-        x, top = view.x, float(view.dataset["r" if view.is_radial else "Y"].values[-1])
-        x0, x1, y1 = max(-side, float(x[0])), min(side, float(x[-1])), min(side * view.stretch, top)
-        spacing = max(x1 - x0, 2.0 * y1) / PIXELS
-        return cls(
-            np.linspace(x0, x1, max(round((x1 - x0) / spacing), 2)),
-            np.linspace(-y1, y1, max(round(2 * y1 / spacing), 2)),
-        )
-
-    @property
-    def middle(self) -> "Window":
-        """One row of pixels through the centre."""
-        return Window(np.linspace(self.x[0], self.x[-1], PIXELS), np.zeros(1))
+def pixels_around(views: Sequence[View]) -> tuple[Values, Values]:
+    """The pixels round the contact, x and y in a*, as wide as all moments of a run need."""
+    view = views[0]
+    side = max(_side(each) for each in views)
+    x, top = view.x, float(view.dataset["r" if view.is_radial else "Y"].values[-1])
+    x0, x1, y1 = max(-side, float(x[0])), min(side, float(x[-1])), min(side * view.stretch, top)
+    spacing = max(x1 - x0, 2.0 * y1) / PIXELS
+    columns, rows = (max(round(length / spacing), 2) for length in (x1 - x0, 2 * y1))
+    return np.linspace(x0, x1, columns), np.linspace(-y1, y1, rows)
 
 
 def _side(view: View) -> float:
@@ -67,39 +52,34 @@ def _side(view: View) -> float:
     return view.extent(view.x, profile, ROUND)
 
 
-@dataclass(frozen=True)
-class Seen:
-    """Film (m), rho/rho0 of the oil and void, the part of the film that is air (m), over a window's pixels, (y, x)."""
+def seen_on(view: View, pixels: tuple[Values, Values], film_scale: float) -> xr.Dataset:
+    """The film (m), rho/rho0 of the oil and void, the part of the film that is air (m), on pixels x and y (a*), (Y, X).
 
-    film: Values
-    density: Values
-    void: Values
-
-    @classmethod
-    def of(cls, view: View, window: Window, film_scale: float) -> "Seen":
-        """The film and the oil at a moment.  film_scale: a*^2/R in m."""
-        H = np.maximum(_on_pixels(view, "H", window, smooth=True), 0.0)
-        P = np.maximum(_on_pixels(view, "P", window, smooth=False), 0.0)
-        void = np.minimum(_on_pixels(view, "void", window, smooth=False), H)
-        return cls(H * film_scale, _density(view, P), void * film_scale)
+    film_scale: a*^2/R in m.
+    """
+    H = np.maximum(_on_pixels(view, "H", *pixels, smooth=True), 0.0)
+    P = np.maximum(_on_pixels(view, "P", *pixels, smooth=False), 0.0)
+    void = np.minimum(_on_pixels(view, "void", *pixels, smooth=False), H)
+    values = {"film": H * film_scale, "density": _density(view, P), "void": void * film_scale}
+    return xr.Dataset({name: field(*pixels, each) for name, each in values.items()})
 
 
 @dataclass(frozen=True)
 class Scene:
-    """A moment of a run, the pixels, film and oil on them, and the colours of films."""
+    """A moment of a run, film and oil on the pixels, and the colours of films."""
 
     view: View
-    window: Window
-    seen: Seen
+    seen: xr.Dataset
     chart: Chart
 
     def picture(self) -> Values:
         """The interferogram on the pixels, in grey (y, x) or in colour (y, x, 3)."""
-        return _without_grey_axis(self.chart.picture(self.seen.film, self.seen.density, self.seen.void))
+        seen = (self.seen[name].values for name in ("film", "density", "void"))
+        return _without_grey_axis(self.chart.picture(*seen))
 
     def limits(self) -> tuple[float, float, float, float]:
         """The edges of the picture, as shown."""
-        x, y = self.window.x * self.view.across.factor, self.window.y * self.view.across.factor
+        x, y = (self.seen[name].values * self.view.across.factor for name in ("X", "Y"))
         return x[0], x[-1], y[0], y[-1]
 
 
@@ -112,14 +92,14 @@ def _without_grey_axis(picture: Values) -> Values:
     return picture[..., 0] if picture.shape[-1] == 1 else picture
 
 
-def _on_pixels(view: View, name: str, window: Window, smooth: bool) -> Values:
+def _on_pixels(view: View, name: str, x: Values, y: Values, smooth: bool) -> Values:
     """A field on the pixels: by cubic splines, or linear where it has edges."""
     values, data = view.values(name), view.dataset
     if not view.is_radial:
         order = 3 if smooth else 1
         spline = RectBivariateSpline(data["Y"].values, data["X"].values, values, kx=order, ky=order)
-        return np.asarray(spline(window.y, window.x))
-    r, pixels = np.asarray(data["r"].values), np.hypot(window.y[:, None], window.x[None, :])
+        return np.asarray(spline(y, x))
+    r, pixels = np.asarray(data["r"].values), np.hypot(y[:, None], x[None, :])
     if smooth:  # the film is even in r; beyond the grid, in the corners, it goes on
         return np.asarray(CubicSpline(r, values, bc_type=((1, 0.0), "not-a-knot"))(pixels))
     return np.interp(pixels, r, values)
@@ -134,8 +114,8 @@ def draw_interferogram(axes: Axes, scene: Scene) -> None:
     _show(axes, scene.picture(), scene.limits())
     axes.set(xlabel=view.axis_label("x"), ylabel=view.axis_label("y"), aspect="equal")
     axes.set_title(_heading(scene.chart.light) + (f", flow {ARROWS[int(view.flow < 0)]}" if view.flow else ""))
-    for axis, pixels in ((axes.xaxis, scene.window.x), (axes.yaxis, scene.window.y)):
-        axis.set_major_locator(MaxNLocator(max(1, round(TICKS * len(pixels) / PIXELS)), min_n_ticks=1))
+    for axis, pixels in ((axes.xaxis, scene.seen.sizes["X"]), (axes.yaxis, scene.seen.sizes["Y"])):
+        axis.set_major_locator(MaxNLocator(max(1, round(TICKS * pixels / PIXELS)), min_n_ticks=1))
     _draw_edge(axes, scene)
 
 
@@ -143,8 +123,7 @@ def _draw_edge(axes: Axes, scene: Scene) -> None:
     """Draw the edge of the full gap at the moment of the scene, in place of an earlier one."""
     for earlier in filter(None, (*axes.collections, axes.get_legend())):
         earlier.remove()
-    film, void = (Field(scene.window.x, scene.window.y, each) for each in (scene.seen.film, scene.seen.void))
-    draw_legend(axes, draw_edge_of_oil(axes, scene.view, film, void))
+    draw_legend(axes, draw_edge_of_oil(axes, scene.view, scene.seen["film"], scene.seen["void"]))
 
 
 def _heading(light: Light) -> str:
@@ -158,14 +137,15 @@ def _show(axes: Axes, picture: Values, limits: tuple[float, float, float, float]
 
 def draw_chart(axes: Axes, scene: Scene) -> None:
     """The film along the mid-line, on the colours that films would have there.  scene: of one row of pixels."""
-    view, chart, (film,), (void,), x = scene.view, scene.chart, scene.seen.film, scene.seen.void, scene.window.x
+    view, chart, x = scene.view, scene.chart, scene.seen["X"].values
+    (film,), (void,) = scene.seen["film"].values, scene.seen["void"].values
     inside = np.abs(x) < x[-1] / ROUND
     top = max(1.2 * float(film[inside].max()), ORDERS * chart.light.typical / (2.0 * chart.rig.oil_index))
     nm = Scale(1e9, view.scale("H").symbol if view.in_si else "$h$", "nm", "film thickness")
     left, right, *_ = scene.limits()
     films = np.linspace(0.0, top, PIXELS)[:, None]
     voids = np.where(void > 0.0, np.maximum(films - (film - void), 0.0), 0.0)
-    colours = chart.shown(films, scene.seen.density, void=voids)
+    colours = chart.shown(films, scene.seen["density"].values, void=voids)
     _show(axes, _without_grey_axis(colours), (left, right, 0.0, top * nm.factor))
     for colour, width in (("white", 3.0), ("black", 1.2)):
         axes.plot(x * view.across.factor, film * nm.factor, color=colour, linewidth=width)
@@ -211,11 +191,11 @@ def interferogram(
         There is nothing to draw; a dimensionless run without a film_scale; a light that is none.
     """
     scaled, view = _film_scale(dataset, film_scale), View.of(dataset, at)
-    window = Window.around([view])
-    seen = Seen.of(view, window, scaled)
-    chart = Chart(rig or Rig(), _light(light), float(seen.film.max()), float(seen.density.max()))
-    scene = Scene(view, window, seen, chart)
-    row = replace(scene, window=window.middle, seen=Seen.of(view, window.middle, scaled))
+    pixels = pixels_around([view])
+    middle = np.linspace(pixels[0][0], pixels[0][-1], PIXELS), np.zeros(1)
+    seen = seen_on(view, pixels, scaled)
+    chart = Chart(rig or Rig(), _light(light), float(seen["film"].max()), float(seen["density"].max()))
+    scene, row = (Scene(view, each, chart) for each in (seen, seen_on(view, middle, scaled)))
     return compose(
         scene,
         [[draw_interferogram, lambda axes, _: draw_chart(axes, row)]],
@@ -272,13 +252,13 @@ def animation(
     if count < 2:
         raise NoFigure(f"animation: the run has {count} maps, and needs 2 to move; let it run on")
     views = {frame: View(dataset, frame) for frame in range(0, count, -(-count // FRAMES))}
-    window = Window.around(list(views.values()))
+    pixels = pixels_around(list(views.values()))
     thickest = max(float(view.values("H").max()) for view in views.values()) * scaled
     densest = float(_density(views[0], dataset["P"].values.max()))
     chart = Chart(rig or Rig(), _light(light), thickest, densest)
 
     def scene(frame: int) -> Scene:
-        return Scene(views[frame], window, Seen.of(views[frame], window, scaled), chart)
+        return Scene(views[frame], seen_on(views[frame], pixels, scaled), chart)
 
     figure = compose(scene(0), [[draw_interferogram]], views[0].title)
     figure.set_dpi(100)

@@ -41,14 +41,9 @@ PANELS = (  # numbers that are drawn together, in SI or not
 )
 FACES = (None, "white", None, "white")  # of the markers: filled for the first number of a panel, hollow for the second
 LineStyle = Literal["-", "--", "-.", ":"]
-LOOKS: Sequence[tuple[str, LineStyle]] = (
-    ("o", "-"),
-    ("s", "--"),
-    ("^", "-."),
-    ("D", ":"),
-    ("v", "-"),
-    ("P", "--"),
-)  # marker and line
+LOOKS: Sequence[tuple[str, LineStyle]] = (  # marker and line
+    ("o", "-"), ("s", "--"), ("^", "-."), ("D", ":"), ("v", "-"), ("P", "--"),
+)  # fmt: skip
 WIDTH_OF_NAME = 1.5  # inches: of a column of the legend
 DECADES = 300.0  # ratio of the ends of a logarithmic axis from which its ticks are powers of ten
 MOST_NAMES = 8  # of the values of one quantity in the legend

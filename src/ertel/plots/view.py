@@ -67,18 +67,9 @@ def name_of(attributes: Mapping[str, Any]) -> str:
     return name[:1].upper() + name[1:]
 
 
-@dataclass(frozen=True)
-class Field:
-    """A variable over the surface: values (y, x), all dimensionless."""
-
-    x: Values
-    y: Values
-    values: Values
-
-    @property
-    def turned(self) -> "Field":
-        """The same with x and y exchanged."""
-        return Field(self.y, self.x, self.values.T)
+def field(x: Values, y: Values, values: Values) -> xr.DataArray:
+    """A variable over the surface, (Y, X)."""
+    return xr.DataArray(values, {"Y": y, "X": x}, ("Y", "X"))
 
 
 @dataclass(frozen=True)
@@ -280,14 +271,14 @@ class View:
         values = self.midlines(name)
         return values if self.frame is None else values[self.frame]
 
-    def map(self, name: str) -> Field:
-        """A variable over the surface; a radial profile is turned round the centre."""
-        values = self.values(name)
+    def map(self, name: str) -> xr.DataArray:
+        """A variable over the surface, (Y, X); a radial profile is turned round the centre."""
+        values, data = self.values(name), self.dataset
         if not self.is_radial:
-            return Field(np.asarray(self.dataset["X"].values), np.asarray(self.dataset["Y"].values), values)
-        r = np.asarray(self.dataset["r"].values)
+            return field(data["X"].values, data["Y"].values, values)
+        r = np.asarray(data["r"].values)
         x = np.linspace(-r[-1], r[-1], 601)
-        return Field(x, x, np.interp(np.hypot(x[:, None], x[None, :]), r, values))
+        return field(x, x, np.interp(np.hypot(x[:, None], x[None, :]), r, values))
 
     def extent(self, x: Values, P: Values, margin: float = MARGIN) -> float:
         """The distance from the centre up to which a profile along x is shown."""

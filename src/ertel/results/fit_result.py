@@ -237,9 +237,9 @@ class FitResult(StudyResult):
 
     def plot(self, **sheet: "Unpack[SheetOptions]") -> "Figure":
         """Data, fitted curves and residuals.  sheet: ax, figsize, columns, title, see `ertel.plots.Sheet`."""
-        from ertel.plots import fits
+        from ertel.plots import measurements
 
-        return fits.figure(self.dataset, **sheet)
+        return measurements.fit_figure(self.dataset, **sheet)
 
     def table(self) -> list[list[str]]:
         """The columns of a table to read, each with its heading first."""

@@ -1,0 +1,160 @@
+"""Pictures of measurements: beside a run, or with the curves that were fitted, and the differences."""
+
+from functools import partial
+from typing import Any, Unpack
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ertel.plots.drawing import BLUE, ORANGE, NoFigure, Panel, Scale, Sheet, SheetOptions, Values, compose
+from ertel.plots.view import View
+from ertel.results.dataset import largest_of
+from ertel.results.measurements import QUANTITIES, Comparison
+from ertel.results.variables import Variable
+
+ROOM = 0.15  # of the measured range, shown beside it
+MOST_CURVES = 5  # side by side; further ones are left out
+MANY = 3  # numbers whose names stand upright
+POINTS: dict[str, Any] = {"fmt": "o", "color": BLUE, "markersize": 3.0, "linewidth": 0.7}
+
+
+def _draw_values(
+    axes: Axes,
+    points: tuple[Values, Values],
+    sigma: Values | None,
+    curve: tuple[Values, Values],
+    names: tuple[str, str],
+) -> None:
+    """Points with error bars and the curve that is computed, each with x and y, and their names."""
+    axes.errorbar(*points, yerr=sigma, label=names[0], **POINTS)
+    axes.plot(*curve, color=ORANGE, label=names[1], zorder=3)
+    axes.legend(frameon=False, fontsize="small")
+
+
+def _draw_difference(axes: Axes, x: Values, difference: Values, label: str) -> None:
+    axes.plot(x, difference, "o", color=BLUE, markersize=3.0)
+    axes.axhline(0.0, color=ORANGE)
+    axes.set(ylabel=label)
+
+
+# -- beside a run -----------------------------------------------------------------------------------------------------
+
+
+def measured(dataset: xr.Dataset, comparison: Comparison, **sheet: Unpack[SheetOptions]) -> Figure:
+    """A measured profile or history over that of the run, aligned, and measured less computed beside it.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        The run, for the heading.
+    comparison : Comparison
+        Of `result.compare(measurement)`.
+    **sheet
+        Two axes or a size, and whether there is a title: ax, figsize, columns, title, see `Sheet`.
+
+    Returns
+    -------
+    Figure
+        Its title has the rms difference.
+
+    Raises
+    ------
+    NoFigure
+        The measurement is one number.
+    """
+    line, measurement = comparison.line, comparison.measurement
+    if line is None:
+        raise NoFigure(f"{measurement.name}: is one number; a picture needs a profile or a history")
+    there, x = line[measurement.axis], comparison.x
+    room = ROOM * float(np.ptp(x))
+    low, high = float(x.min()) - room, float(x.max()) + room
+    shown = (there >= low) & (there <= high)
+    computed = line[shown].values if shown.any() else comparison.computed
+    top = float(max(computed.max(), comparison.measured.max()))
+    along, z = Scale.of(there, float(np.abs(x).max())), Scale.of(line, top / 2)
+    dz = Scale.of(line, float(np.abs(comparison.difference).max()))
+    place: dict[str, Any] = {
+        "xlim": (low * along.factor, high * along.factor),
+        "xlabel": f"${measurement.axis}$ {along.in_brackets}",
+    }
+
+    def draw_values(axes: Axes, _: Comparison) -> None:
+        bars = None if measurement.sigma is None else np.full_like(x, measurement.sigma) * z.factor
+        points, curve = (
+            (x * along.factor, comparison.measured * z.factor),
+            (there.values * along.factor, line.values * z.factor),
+        )
+        _draw_values(axes, points, bars, curve, (f"measured, {measurement.name}", "computed"))
+        bottom = min(0.0, 1.05 * float(comparison.measured.min()))
+        axes.set(ylim=(bottom * z.factor, 1.1 * top * z.factor), ylabel=z.label, **place)
+
+    def draw_difference(axes: Axes, _: Comparison) -> None:
+        _draw_difference(axes, x * along.factor, comparison.difference * dz.factor, f"difference {dz.in_brackets}")
+        axes.set(**place)
+
+    heading = [part for part in (View(dataset).title[0], comparison.where, comparison.text) if part]
+    return compose(comparison, [[draw_values, draw_difference]], heading, Sheet(**sheet))
+
+
+# -- fits -------------------------------------------------------------------------------------------------------------
+
+
+def fit_figure(dataset: xr.Dataset, **options: Unpack[SheetOptions]) -> Figure:
+    """The data with their fitted curves, and below the residuals in standard deviations.
+
+    dataset: see `results.fit_result.fit_dataset`.  Each profile and each history has a column; all numbers share one.
+    options: ax, figsize, columns, title, see `Sheet`.
+    """
+    indices, is_number = dataset["measurement"].values, np.isnan(dataset["x"].values)
+    parts = [dataset.isel(datum=indices == index) for index in np.unique(indices[~is_number])[:MOST_CURVES]]
+    parts += [dataset.isel(datum=is_number)] if is_number.any() else []
+    data: list[Panel[xr.Dataset]] = [partial(_draw_fitted, part=part) for part in parts]
+    residuals: list[Panel[xr.Dataset]] = [partial(_draw_residuals, part=part) for part in parts]
+    heading = [str(dataset.attrs["title"]).replace("_", " "), *dataset.attrs["found"]]
+    return compose(dataset, [data, residuals], heading, Sheet(**options))
+
+
+def _draw_fitted(axes: Axes, dataset: xr.Dataset, part: xr.Dataset) -> None:
+    """A profile or a history with the fitted curve, or numbers, each over the one that is fitted."""
+    x = _abscissa(axes, part)
+    measured, sigma, predicted = (part[key].values for key in ("measured", "sigma", "predicted"))
+    if np.isnan(part["x"]).all():
+        axes.errorbar(x, measured / predicted, sigma / np.abs(predicted), **POINTS)
+        axes.axhline(1.0, color=ORANGE)
+        axes.set(ylabel="measured / fit")
+        return
+    variable = QUANTITIES[str(part["quantity"].values[0])]
+    y = _scale(variable, part["measured"], variable.si_units or "1")
+    _draw_values(axes, (x, measured * y.factor), sigma * y.factor, (x, predicted * y.factor), ("measured", "fit"))
+    axes.set(ylabel=y.label, title=str(part["conditions"].values[0]))
+
+
+def _draw_residuals(axes: Axes, dataset: xr.Dataset, part: xr.Dataset) -> None:
+    """The residuals, and two standard deviations to both sides."""
+    _draw_difference(axes, _abscissa(axes, part), part["residual"].values, r"residual ($\sigma$)")
+    axes.axhspan(-2.0, 2.0, color=ORANGE, alpha=0.15, linewidth=0)
+    reach = max(3.0, 1.15 * largest_of(part["residual"]))
+    axes.set(ylim=(-reach, reach))
+
+
+def _abscissa(axes: Axes, part: xr.Dataset) -> np.ndarray:
+    """The places or times of a measurement, or places for the names of numbers, at labelled axes."""
+    unit = str(part["x_unit"].values[0])
+    if unit:
+        name = Variable("time", "t") if unit == "s" else Variable("place", "x")
+        scale = _scale(name, part["x"], unit)
+        axes.set_xlabel(scale.label)
+        return np.asarray(part["x"].values * scale.factor)
+    places = np.arange(part.sizes["datum"])
+    pairs = zip(part["quantity"].values, part["conditions"].values, strict=True)
+    labels = [f"{quantity}\n{conditions}".strip().replace("_", " ") for quantity, conditions in pairs]
+    axes.set_xticks(places, labels, rotation=90 if len(places) > MANY else 0, fontsize="small")
+    axes.set_xlim(-0.6, len(places) - 0.4)
+    return places
+
+
+def _scale(variable: Variable, values: xr.DataArray, unit: str) -> Scale:
+    about = {"symbol": variable.si_name or variable.symbol, "long_name": variable.long_name, "units": unit}
+    return Scale.of(values.assign_attrs(about), largest_of(values))
