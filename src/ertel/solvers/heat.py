@@ -196,9 +196,7 @@ def _rise(body: Solid, speed: float, peclet: float, a: float, grid: Grid) -> "Ri
 # -- the balance of heat -----------------------------------------------------------------------------------------------
 
 
-@register_dataclass
-@dataclass(frozen=True)
-class Moving:
+class Moving(NamedTuple):
     """K_i of a surface that passes through the contact.  response: from `thermal.response`."""
 
     response: Any
@@ -267,9 +265,7 @@ def warmed(
     return jax.device_get(_program(_Balance(release, tuple(rises), resistance, tuple(bodies)), q))
 
 
-@register_dataclass
-@dataclass(frozen=True)
-class _Balance:
+class _Balance(NamedTuple):
     """The equations for x = (q, c), see `warmed`."""
 
     release: Any

@@ -23,10 +23,8 @@ from scipy.special import ellipe, ellipkm1
 from ertel.case.case import Case
 from ertel.case.definition import radii
 from ertel.equations import account, outside
-from ertel.equations.account import Film, Friction
 from ertel.equations.approach import ClosureLine, NewtonsLaw
 from ertel.equations.contact import traceable
-from ertel.equations.outside import Surroundings
 from ertel.equations.state import Method, State, Stepping, StepSolution, lowest_point, padded
 from ertel.numerics import bdf
 from ertel.numerics.integrals import Disc
@@ -89,7 +87,7 @@ class RadialProblem(NamedTuple):
     predict_mass: bdf.Weights
     rates: bdf.Weights
     line: ClosureLine
-    around: Surroundings
+    around: outside.Surroundings
     tolerance: float
     ring: Array
 
@@ -327,7 +325,7 @@ class RadialImpact(Method):
         peak = {"P_max": float(P[i]), "X_P_max": float(r[i]), "Y_P_max": 0.0, "P_fall": float(fall)}
         return {"F": F, "P_c": float(P[0]), **peak, **films}
 
-    def friction(self, level: State) -> Friction:
+    def friction(self, level: State) -> account.Friction:
         """See `Method.friction`."""
         P, H = jax.device_put((level.P, level.H))
         return _friction_program(self.mesh.disc, self.oil, self.lambda_bar, P, H)
@@ -350,15 +348,15 @@ def ring_account(eq: Equations, P: Array, H: Array, oil: Array, approach: float)
     eps = Pair(eq.oil.mobility(P, H, eq.lambda_bar))
     deformation = H + approach - CIRCLE.gap(eq.mesh.r, 0.0)
     growth = ring_residual(eq, P, H) - eq.rate * (eq.oil.density(P) * H - oil).at[-1].set(0.0)
-    film = Film(P, H, oil, oil, eps, friction.loss, deformation, growth, 0.0, 0.0)
+    film = account.Film(P, H, oil, oil, eps, friction.loss, deformation, growth, 0.0, 0.0)
     return account.account_terms(eq.mesh.disc, eq.oil, film, friction)
 
 
-def ring_friction(disc: Disc, oil: Lubricant, lambda_bar: float, P: Array, H: Array) -> Friction:
+def ring_friction(disc: Disc, oil: Lubricant, lambda_bar: float, P: Array, H: Array) -> account.Friction:
     """The friction of a film in which nothing slides and nothing rolls: the heat of the pressure."""
     heat = disc.of_slopes(Pair(oil.mobility(P, H, lambda_bar)), P, oil.enthalpy(P))
     force = jnp.zeros(2)
-    return Friction(jnp.zeros((2, *P.shape)), heat, force, force, disc.total(heat) / CIRCLE.hertz_load)
+    return account.Friction(jnp.zeros((2, *P.shape)), heat, force, force, disc.total(heat) / CIRCLE.hertz_load)
 
 
 _friction_program = Program(jax.jit(ring_friction), ANY_SIZE)
