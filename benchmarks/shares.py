@@ -117,8 +117,7 @@ def measure_outside(nodes: int) -> tuple[float, float]:
 def _run_of_steps(nodes: int) -> tuple[Any, Any]:
     """A course of fixed steps of an impact, and its item in the middle of the impact."""
     from ertel.case.status import Status
-    from ertel.runs.drive import TransientRun
-    from ertel.runs.stepping import RunState, Step
+    from ertel.runs.stepping import RunState, Step, TransientRun
     from ertel.solvers.transient import Transient2D
 
     case = impact(1000, nodes, time={"step": STEP})
@@ -135,8 +134,7 @@ def measure_impact(nodes: int) -> dict[str, float]:
     from ertel.case.status import Status
     from ertel.equations.approach import balanced
     from ertel.equations.flow import Rate
-    from ertel.runs.drive import TransientRun
-    from ertel.runs.stepping import RunState, Step
+    from ertel.runs.stepping import RunState, Step, TransientRun
     from ertel.solvers import nonlinear, transient
 
     keep_compiled()

@@ -24,8 +24,8 @@ from ertel.physics.lubricant import Oil
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature
 from ertel.runs import files
-from ertel.runs.drive import TransientRun, drive
-from ertel.runs.stepping import Step
+from ertel.runs.drive import drive
+from ertel.runs.stepping import Step, TransientRun
 
 OIL = Oil()  # where the laws do not matter: others on the same grid are programs of their own, five seconds each
 ISOVISCOUS = Oil(viscosity="isoviscous", density="incompressible")

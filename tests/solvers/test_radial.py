@@ -31,7 +31,8 @@ from ertel.physics.lubricant import Oil
 from ertel.physics.registry import VISCOSITY_LAWS
 from ertel.physics.scales import Parameters
 from ertel.results.result import Result
-from ertel.runs.drive import TransientRun, result_of, simulate
+from ertel.runs.drive import result_of, simulate
+from ertel.runs.stepping import TransientRun
 from ertel.solvers import radial
 from ertel.solvers.radial import RadialImpact
 
