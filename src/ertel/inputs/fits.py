@@ -33,7 +33,7 @@ from ertel.case.reading import check_keys
 from ertel.case.records import ConfigError, refusing, show
 from ertel.inputs.case_files import load_case, path_of, read_toml, written
 from ertel.inputs.layout import READER
-from ertel.inputs.quantities import plain_data, split, value_in_si
+from ertel.inputs.quantities import marked_value, plain_data, split
 from ertel.physics.units import FINITE, Unit
 
 KEYS = {"case": (str, '"ball.toml"'), "unknowns": (dict, "[unknowns]"), "measurements": (list, "[[measurements]]")}
@@ -125,7 +125,7 @@ def _unknown(field: str, given: Any, case: Case) -> Unknown:
 
 def _prior(given: Any, unit: str, lower: float, upper: float) -> tuple[float, float]:
     mark = Unit(unit, f"1 {unit}") if unit else FINITE
-    value, sigma = (value_in_si(each, mark) for each in given) if isinstance(given, list) else (nan, nan)
+    value, sigma = (marked_value(each, mark) for each in given) if isinstance(given, list) else (nan, nan)
     if not (lower <= value <= upper and sigma > 0):
         raise ValueError("must be a value within the bounds, and its standard deviation")
     return value, sigma
