@@ -17,15 +17,7 @@ from typing import Any
 
 from common import grids, header, row, seconds
 
-COLUMNS = (
-    "nodes",
-    "JAX, s",
-    "JAX cores",
-    "scipy 1 worker, s",
-    "scipy all, s",
-    "scipy all cores",
-    "scipy all / JAX",
-)
+COLUMNS = ("nodes", "JAX, s", "JAX cores", "scipy 1 worker, s", "scipy all, s", "scipy all cores", "scipy all / JAX")
 
 
 def main() -> None:

@@ -23,19 +23,7 @@ from pathlib import Path
 from typing import Any
 from unittest import mock
 
-from common import (
-    child,
-    grids,
-    header,
-    impact,
-    impact_levels,
-    keep_compiled,
-    march,
-    rolling,
-    row,
-    seconds,
-    timed,
-)
+from common import child, grids, header, impact, impact_levels, keep_compiled, march, rolling, row, seconds, timed
 
 STEP, SETTLE, TIMED, COUNTED = 0.005, 4, 8, 100
 PARTS = {
@@ -129,8 +117,7 @@ def measure_outside(nodes: int) -> tuple[float, float]:
 def _run_of_steps(nodes: int) -> tuple[Any, Any]:
     """A course of fixed steps of an impact, and its item in the middle of the impact."""
     from ertel.case.status import Status
-    from ertel.runs.drive import TransientRun
-    from ertel.runs.stepping import RunState, Step
+    from ertel.runs.stepping import RunState, Step, TransientRun
     from ertel.solvers.transient import Transient2D
 
     case = impact(1000, nodes, time={"step": STEP})
@@ -147,8 +134,7 @@ def measure_impact(nodes: int) -> dict[str, float]:
     from ertel.case.status import Status
     from ertel.equations.approach import balanced
     from ertel.equations.flow import Rate
-    from ertel.runs.drive import TransientRun
-    from ertel.runs.stepping import RunState, Step
+    from ertel.runs.stepping import RunState, Step, TransientRun
     from ertel.solvers import nonlinear, transient
 
     keep_compiled()
@@ -178,8 +164,8 @@ def measure_impact(nodes: int) -> dict[str, float]:
     newton, krylov = (statistics.mean(getattr(level.work, name) for level in found) for name in ("newton", "krylov"))
     now = levels[0]
     rate, line = Rate(1.5 / STEP, 0.0 * now.H), balanced()
-    how = nonlinear.approach_as_unknown, nonlinear.point_preconditioner, transient.FALLING
-    problem = nonlinear.Problem(method.contact, method.setting.elastic, rate, line, 1.0, 1.0, *how)
+    how = nonlinear.Algorithms(nonlinear.approach_as_unknown, nonlinear.point_preconditioner, transient.OPTIONS)
+    problem = nonlinear.Problem(method.contact, method.setting.elastic, rate, line, 1.0, 1.0, how)
     parts = _parts(problem, now.P, now.H)
     return {
         "seconds": whole,
@@ -232,8 +218,7 @@ def measure_rolling(nodes: int) -> dict[str, float]:
     last = solutions[-1]
     c = discretise.contact_of(case, last.grid)
     elastic = multigrid.deformation_operators(last.grid, CIRCLE.compliance, nonlinear.PRECISION)
-    how = nonlinear.approach_as_unknown, nonlinear.line_preconditioner, steady.OPTIONS
-    problem = nonlinear.Problem(c, elastic, steady_rate(1.0), balanced(), 1.0, 1.0, *how)
+    problem = nonlinear.Problem(c, elastic, steady_rate(1.0), balanced(), 1.0, 1.0, steady.ALGORITHMS)
     parts = _parts(problem, last.P, last.H)
     return {
         "seconds": walls[-1],
@@ -285,7 +270,7 @@ def _parts(problem: Any, P: Any, H: Any) -> dict[str, tuple[float, float, float]
     free = stencils.inside(one, c.even)
 
     def levels_at(P: Any, H: Any) -> Any:
-        return problem.preconditioner(problem, P, H, free).args[0]
+        return problem.algorithms.preconditioner(problem, P, H, free).args[0]
 
     levels = levels_at(P, H)
     convolve = jax.jit(halfspace.surface_displacement, static_argnums=2)
@@ -311,7 +296,7 @@ def _parts(problem: Any, P: Any, H: Any) -> dict[str, tuple[float, float, float]
     iterations = 4
     diagonal = 1.0 + jnp.arange(P.size, dtype=P.dtype).reshape(P.shape) / P.size  # so that it does not converge at once
     search = jax.jit(lambda b: newton.gcr(lambda x: diagonal * x, lambda k, r: r, b, 0.0, iterations))
-    room = clock(jax.jit(lambda: jnp.zeros((2 * problem.options.krylov_limit, *P.shape))))
+    room = clock(jax.jit(lambda: jnp.zeros((2 * problem.algorithms.options.krylov_limit, *P.shape))))
     return {
         "fft": (exact, exact, exact + fft),
         "smoother": (0.0, 0.0, smooth),

@@ -4,11 +4,12 @@ import itertools
 import os
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
 from typer.testing import CliRunner
 
@@ -23,8 +24,8 @@ from ertel.physics.lubricant import Oil
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature
 from ertel.runs import files
-from ertel.runs.drive import TransientRun, drive
-from ertel.runs.stepping import Step
+from ertel.runs.drive import drive
+from ertel.runs.stepping import Step, TransientRun
 
 OIL = Oil()  # where the laws do not matter: others on the same grid are programs of their own, five seconds each
 ISOVISCOUS = Oil(viscosity="isoviscous", density="incompressible")
@@ -84,6 +85,12 @@ def march(method: Method, step: float, steps: int) -> list[State]:
         levels.insert(0, method.advance(levels[:3], step))
         assert levels[0].status.ok
     return levels
+
+
+def orders(values: Sequence[Any]) -> np.ndarray:
+    """Observed orders from numbers or fields on successive grids (or steps), each twice as fine: of the mean square."""
+    changes = [np.sqrt(np.mean(np.square(np.subtract(b, a)))) for a, b in itertools.pairwise(values)]
+    return np.log2(np.divide(changes[:-1], changes[1:]))
 
 
 def steps_of(case: Case, method: Method, start: Step | None = None) -> list[Step]:

@@ -183,16 +183,20 @@ def properties(user):
     return {name for element in user.client.elements.values() for name in element._to_dict().get("props", {})}
 
 
-async def test_the_name_of_a_case_is_text(user, site):
+async def test_the_name_of_a_case_and_a_message_are_text(user, site):
     case = (site.folder.root / "runs" / "ball" / CASE).read_text()
     await user.open("/new")
     await until(lambda: one(user, "run").enabled)
     usual = properties(user)
-    for name in map(plain_name, NAMES):
-        (site.folder.root / "odd.toml").write_text(f"name = {json.dumps(name)}\n{case}")
+    for name in NAMES:
+        (site.folder.root / "odd.toml").write_text(f"name = {json.dumps(plain_name(name))}\n{case}")
         await user.open("/new?case=odd.toml")
         await until(lambda: one(user, "run").enabled)
-        assert one(user, "name").props["placeholder"] == name
+        assert one(user, "name").props["placeholder"] == plain_name(name)
+        assert properties(user) <= usual
+        given = json.dumps(name)
+        one(user, "text").set_value(f"{case.partition('[lubricant]')[0]}[lubricant]\noil = {given}\n")
+        await until(lambda given=given: any(given in fault.text for fault in all_of(user, "fault")))
         assert properties(user) <= usual
 
 
@@ -214,18 +218,6 @@ async def test_the_names_of_files_and_directories_are_text(user, site):
         assert not any(text in html for text in ("<img src=x", "`${alert", "<script>alert"))
         await user.open(page)
         assert {*IN_FILES, *runs} <= texts(user)  # in the list, with its hints
-        assert properties(user) <= usual
-
-
-async def test_a_message_is_text(user):
-    await user.open("/new")
-    usual = properties(user)
-    user.find(marker="tab-text").click()
-    case = one(user, "text").value.partition("[lubricant]")[0]
-    for oil in NAMES:
-        given = json.dumps(oil)
-        one(user, "text").set_value(f"{case}\n[lubricant]\noil = {given}\n")
-        await until(lambda given=given: any(given in fault.text for fault in all_of(user, "fault")))
         assert properties(user) <= usual
 
 

@@ -109,7 +109,10 @@ def raise_signal(number):
     return pytest.param(lambda run: signal.raise_signal(number), 128 + number, id=signal.Signals(number).name)
 
 
-@pytest.mark.parametrize(("ask", "code"), [*map(raise_signal, SIGNALS), pytest.param(ask_to_stop, 130, id="file")])
+BY_FILE = pytest.param(ask_to_stop, 130, id="file")
+
+
+@pytest.mark.parametrize(("ask", "code"), [*map(raise_signal, SIGNALS), BY_FILE])
 def test_interrupt_and_resume(here, ball, monkeypatch, ask, code):
     """A file from before does not stop a run, and none is left."""
     original = RunStore.__call__
@@ -132,18 +135,19 @@ def test_interrupt_and_resume(here, ball, monkeypatch, ask, code):
     assert whole.drop_attrs(deep=False).identical(resumed.drop_attrs(deep=False))
 
 
-def test_interrupt_of_the_half_grid(here, monkeypatch):
+@pytest.mark.parametrize(("ask", "code"), [raise_signal(signal.SIGTERM), BY_FILE])
+def test_interrupt_of_the_half_grid(here, monkeypatch, ask, code):
     original = running.drive
 
     def interrupted(course, observers):
-        ask_to_stop(here / "runs" / "ball")
+        ask(here / "runs" / "ball")
         return original(course, observers)
 
     with monkeypatch.context() as patch:
         patch.setattr(running, "drive", interrupted)
-        result = ertel_("run", "ball.toml", "--error", code=130)
-    assert "to continue: ertel resume runs/ball" in result.stderr
-    assert "nothing is computed yet; to start it: ertel resume" in ertel_("show", "runs/ball", code=2).stderr
+        said = refused("run", "ball.toml", "-q", "--error", code=code)
+    assert said == "ertel: interrupted; to continue: ertel resume runs/ball --error\n"
+    assert "nothing is computed yet; to start it: ertel resume" in refused("show", "runs/ball")
     ertel_("resume", "runs/ball", "-q")
     assert json.loads(ertel_("show", "runs/ball", "--json").stdout)["status"] == "converged"
 

@@ -68,17 +68,14 @@ def test_messages_are_short_and_without_control_characters(here, arguments):
         assert all(c.isprintable() for c in sentence.rstrip("\n"))
 
 
-def test_tables_show_no_control_characters(capsys):
+def test_tables_and_json_show_no_control_characters(capsys):
+    """JSON reads back in any terminal."""
     tables.console().print("a\x1b[31mb")
     assert capsys.readouterr().out == "a\\x1b[31mb\n"
-
-
-def test_json_reads_back_in_any_terminal(capsys):
     content = {"name": "Öl\x1b µ"}
     terminal.print_json(content)
     printed = capsys.readouterr().out
-    assert printed.isascii()
-    assert json.loads(printed) == content
+    assert printed.isascii() and json.loads(printed) == content
 
 
 @pytest.mark.parametrize(("name", "word"), [("a b", "'a b'"), ("-x", "./-x"), ("plain", "plain")])
@@ -94,18 +91,6 @@ def test_usage_errors_are_sentences(here):
 
 
 # -- signals ----------------------------------------------------------------------------------------------------------
-
-
-def test_a_signal_during_comparisons(here, monkeypatch):
-    original = running.drive
-
-    def interrupted(course, observers):
-        signal.raise_signal(signal.SIGTERM)
-        return original(course, observers)
-
-    monkeypatch.setattr(running, "drive", interrupted)
-    said = refused("run", *STEADY, "--error", code=143)
-    assert said == "ertel: interrupted; to continue: ertel resume runs/steady --error\n"
 
 
 @pytest.mark.parametrize("number", SIGNALS)

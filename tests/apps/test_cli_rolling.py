@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from ertel import plots
 from ertel.inputs.case_files import load_case
-from ertel.runs import drive as drive_module
+from ertel.runs import stepping
 from ertel.runs.directory import read_progress
 from ertel.runs.drive import drive
 from ertel.runs.stepping import StepLimits
@@ -100,7 +100,7 @@ def test_the_error_of_a_transient_run(here):
 
 
 def test_a_transient_run_that_cannot_begin(here, monkeypatch):
-    monkeypatch.setattr(drive_module, "StepLimits", partial(StepLimits, smallest=10.0))
+    monkeypatch.setattr(stepping, "StepLimits", partial(StepLimits, smallest=10.0))
     result = ertel_("run", "transient.toml", code=1)
     assert "failed: " in result.stderr
     assert "No step was taken" in ertel_("show", "runs/transient").stdout

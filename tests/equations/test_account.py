@@ -56,12 +56,7 @@ def test_the_solids_under_hertz_pressure_store_two_fifths() -> None:
 
 @pytest.mark.parametrize(
     ("speed", "L", "oil"),
-    [
-        (1.0, 5, OIL),
-        (-1.0, 5, OIL),
-        (1.0, BARUS_LIMIT, OIL),
-        pytest.param(1.0, 5, BARUS, marks=pytest.mark.slow),
-    ],
+    [(1.0, 5, OIL), (-1.0, 5, OIL), (1.0, BARUS_LIMIT, OIL), pytest.param(1.0, 5, BARUS, marks=pytest.mark.slow)],
 )
 def test_steady_rolling_dissipates_what_its_resistance_takes(speed: float, L: float, oil: Oil) -> None:
     """In both directions, with and without piezoviscosity, and with an incompressible oil."""

@@ -22,7 +22,7 @@ from ertel.equations.shear import LIMIT, Shear, secant_mobility, shear
 from ertel.physics.fluidity import Carreau, CarreauYasuda, Fluidity, Limited, NewtonianOil, ReeEyring
 
 FLOW = jax.jit(shear)
-FLOW_BY_40_NODES = jax.jit(partial(shear, across=40))
+FLOW_BY_40_NODES = jax.jit(partial(shear, points=40))
 SECANT = jax.jit(secant_mobility)
 MANY_NODES = np.polynomial.legendre.leggauss(200)
 WIDTH = 250  # points of every call: each law compiles once
@@ -32,13 +32,7 @@ NEWTON = traceable(NewtonianOil())
 SQUALANE = traceable(Carreau(1.0, 0.42))
 YASUDA = traceable(CarreauYasuda(1.0, 0.5, 1.3))
 LIMITED = traceable(Limited(ReeEyring(1.0), 0.05, ambient=8.0, sharpness=0.1))
-LAWS = {
-    "eyring": EYRING,
-    "carreau": CARREAU,
-    "squalane": SQUALANE,
-    "yasuda": YASUDA,
-    "limited": LIMITED,
-}
+LAWS = {"eyring": EYRING, "carreau": CARREAU, "squalane": SQUALANE, "yasuda": YASUDA, "limited": LIMITED}
 every_law = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
 
 

@@ -13,9 +13,9 @@ from cases import RADIAL, SHORT_FALL, physics, stop_after
 
 import ertel
 from ertel.inputs.case_files import parse_case
-from ertel.runs.drive import Run, TransientRun, method_of, result_of, run_of
+from ertel.runs.drive import Run, method_of, result_of, run_of
 from ertel.runs.files import StoreError
-from ertel.runs.stepping import StepLimits
+from ertel.runs.stepping import StepLimits, TransientRun
 from ertel.runs.store import RunStore, compute
 
 OWN = ("wall_s", "compilations", "date_created")  # of the process

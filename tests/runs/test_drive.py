@@ -13,8 +13,8 @@ from ertel.equations.approach import ClosureLine, NewtonsLaw
 from ertel.physics.motion import constant
 from ertel.results.result import Result
 from ertel.results.summary import with_error
-from ertel.runs.drive import TransientRun, drive, result_of, run_of, simulate
-from ertel.runs.stepping import StepLimits
+from ertel.runs.drive import drive, result_of, run_of, simulate
+from ertel.runs.stepping import StepLimits, TransientRun
 from ertel.solvers.radial import RadialImpact
 from ertel.solvers.transient import Transient2D
 

@@ -16,7 +16,8 @@ from ertel.numerics import bdf
 from ertel.physics.motion import Oscillation, Polyline, Signal
 from ertel.physics.scales import Parameters
 from ertel.results.variables import BUDGET, FRICTION
-from ertel.runs.drive import Recorder, TransientRun, drive
+from ertel.runs.drive import Recorder, drive
+from ertel.runs.stepping import TransientRun
 
 PULSE = Polyline(((0.0, 1.0), (1.0, 1.0), (1.02, 3.0), (1.04, 1.0)))
 

@@ -21,8 +21,8 @@ from ertel.case.status import Status
 from ertel.inputs.case_files import load_case, parse_case
 from ertel.runs import arrays, files
 from ertel.runs.arrays import ReplacedData
-from ertel.runs.drive import TransientRun
 from ertel.runs.files import StoreError
+from ertel.runs.stepping import TransientRun
 from ertel.runs.store import RunStore, compute
 from ertel.solvers import steady
 

@@ -10,7 +10,8 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from cases import BARUS, ISOVISCOUS, free_ball
+from cases import BARUS, ISOVISCOUS, free_ball, orders
+from cases import march as levels_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
@@ -30,7 +31,8 @@ from ertel.physics.lubricant import Oil
 from ertel.physics.registry import VISCOSITY_LAWS
 from ertel.physics.scales import Parameters
 from ertel.results.result import Result
-from ertel.runs.drive import TransientRun, result_of, simulate
+from ertel.runs.drive import result_of, simulate
+from ertel.runs.stepping import TransientRun
 from ertel.solvers import radial
 from ertel.solvers.radial import RadialImpact
 
@@ -57,19 +59,7 @@ def exactly(case: Case) -> Case:
 
 def march(case: Case, step: float, until: float) -> list[State]:
     """Fixed steps, no error control; all levels, newest first."""
-    method = RadialImpact(case)
-    levels = [method.start()]
-    for _ in range(round(until / step)):
-        new = method.advance(levels[:3], step)
-        assert new.status is Status.CONVERGED
-        levels.insert(0, new)
-    return levels
-
-
-def observed_orders(values: list[Floats]) -> Floats:
-    """Orders from solutions with spacings 1, 1/2, 1/4 ...: of each number, or of a field's root mean square."""
-    size = [np.sqrt(np.mean((a - b) ** 2)) for a, b in pairwise(values)]
-    return np.log2(np.array(size[:-1]) / np.array(size[1:]))
+    return levels_of(RadialImpact(case), step, round(until / step))
 
 
 # -- grid and elasticity ----------------------------------------------------------------------------------------------
@@ -126,8 +116,7 @@ def test_the_kernel_is_of_second_order_for_a_smooth_pressure() -> None:
         r = radial.radii(nodes, 2.0)
         deformation = radial.elastic_kernel(r) @ np.maximum(1 - r**2, 0) ** 1.5
         errors.append(np.max(np.abs(deformation[:: (nodes - 1) // 32] - expected)))
-    orders = np.log2(np.array(errors[:-1]) / errors[1:])
-    assert np.all(orders > 1.9), orders
+    assert np.all(np.log2(np.divide(errors[:-1], errors[1:])) > 1.9), errors
 
 
 def test_the_load_is_exact_for_a_cone_and_right_for_hertz() -> None:
@@ -145,7 +134,7 @@ EQUATIONS = jax.jit(radial.equations)
 
 def equations_after(method: RadialImpact, levels: list[State], rates: Any, line: ClosureLine) -> radial.Equations:
     past = np.stack([level.fields["mass"] for level in levels])
-    return EQUATIONS(method.mesh, method.oil, method.lambda_bar, past, rates, line)
+    return EQUATIONS(method.mesh, past, rates, line)
 
 
 def some_equations(seed: int, nodes: int = 33) -> tuple[radial.Equations, Floats]:
@@ -163,7 +152,7 @@ def some_equations(seed: int, nodes: int = 33) -> tuple[radial.Equations, Floats
 @jax.jit
 def of_level(eq: radial.Equations, P: jax.Array, H: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
     """The residuals of the rings, what squeezes the oil, and what flows out of each ring."""
-    return radial.ring_residual(eq, P, H), eq.rate * eq.oil.density(P) * H + eq.past, radial.outflow(eq, P, H)
+    return radial.ring_residual(eq, P, H), eq.rate * eq.mesh.oil.density(P) * H + eq.past, radial.outflow(eq, P, H)
 
 
 @jax.jit
@@ -364,7 +353,7 @@ def test_second_order(runs: list[tuple[int, float]], least: float) -> None:
         "Delta": [np.array(level.approach) for level in levels],
         "H": [np.asarray(level.H)[:: (n - 1) // coarsest] for level, (n, _) in zip(levels, runs, strict=True)],
     }.items():
-        assert np.all(observed_orders(values) > least), (name, observed_orders(values))
+        assert np.all(orders(values) > least), (name, orders(values))
 
 
 # -- whole impacts ----------------------------------------------------------------------------------------------------

@@ -188,25 +188,23 @@ def test_a_film_wave_travels_at_the_mean_speed_of_the_surfaces() -> None:
     assert speed == pytest.approx(1.0, abs=0.05)
 
 
-def test_second_order_in_time() -> None:
-    """Under a load that swells gently: the error of the film falls with the square of the step.
+ROUGH = SelfAffine(rms=0.02, hurst=0.8, shortest=0.8, longest=2.0, seed=2, front=-0.5, ramp=1.0)
+
+
+@pytest.mark.parametrize(
+    ("case", "cells"),
+    [
+        (rolling(Drive(load=Oscillation(0.8, 0.2, 4.0, pi / 2)), nodes=65), 2),  # without a kink at T = 0
+        pytest.param(rolling(None, Feature(ROUGH), nodes=65), 4, marks=pytest.mark.slow),
+    ],
+    ids=["load", "roughness"],
+)
+def test_second_order_in_time(case: Case, cells: int) -> None:
+    """Under a load that swells gently, and over heights with two continuous derivatives that move.
 
     Upstream of the exit, where the film is smooth.  At the exit it changes within a cell or two.
     """
-    load = Drive(load=Oscillation(0.8, 0.2, 4.0, pi / 2))  # without a kink at T = 0
-    cell = 6 / 64
-    films = [np.asarray(march(rolling(load, nodes=65), cell / n, 2 * n)[0].H) for n in (4, 8, 16)]
-    upstream = Transient2D(rolling(nodes=65)).grid.x < 0.4
-    coarse, fine = (np.abs(late - early)[:, upstream].max() for early, late in pairwise(films))
-    assert np.log2(coarse / fine) > 1.7
-
-
-@pytest.mark.slow
-def test_second_order_in_time_with_a_rough_surface_that_moves() -> None:
-    """The error of the film falls with the square of the step, as the heights have two continuous derivatives."""
-    rough = SelfAffine(rms=0.02, hurst=0.8, shortest=0.8, longest=2.0, seed=2, front=-0.5, ramp=1.0)
-    case, cell = rolling(None, Feature(rough), nodes=65), 6 / 64
-    films = [np.asarray(march(case, cell / n, 4 * n)[0].H) for n in (4, 8, 16)]
+    films = [np.asarray(march(case, 6 / 64 / n, cells * n)[0].H) for n in (4, 8, 16)]
     upstream = Transient2D(case).grid.x < 0.4
     coarse, fine = (np.abs(late - early)[:, upstream].max() for early, late in pairwise(films))
     assert np.log2(coarse / fine) > 1.7

@@ -395,6 +395,7 @@ def test_the_oil_that_both_surfaces_bring() -> None:
     [
         ({"layer": 0.0}, {}, r"lubricant\.layer = 0.*above zero"),
         ({"layer": -0.1}, {}, r"lubricant\.layer = -0\.1.*above zero"),
+        ({"layer_1": -1.0}, {}, r"lubricant\.layer_1 = -1\.0.*above zero"),
         ({"layer": 5.0}, {}, r"lubricant\.layer = 5.*edge of the grid"),
         ({"layer": 0.1, "layer_1": 0.1}, {}, r"lubricant\.layer = 0\.1.*layer_1 and layer_2"),
         ({"layer_1": 0.1}, {"slide_to_roll": 3.0}, r"layer_1, layer_2.*slide_to_roll = 3"),
@@ -419,13 +420,6 @@ def test_an_impact_on_a_very_thick_layer_begins_above_it_and_is_read_again() -> 
     case = ertel.impact(M=1000, L=10, method="radial", half_width=64, nodes=33, layer=1010.0)
     assert case.schedule.start_approach == -1010.0
     assert Case.from_data(case.to_data()) == case
-
-
-def test_layers_that_are_not_there_are_refused_in_python() -> None:
-    for layer in (0.0, -1.0):
-        for key in ("layer", "layer_1"):
-            with pytest.raises(ValueError, match=rf"{key} = .*above zero"):
-                ertel.rolling(M=200, L=10, **{key: layer})
 
 
 @pytest.mark.parametrize("respond", [respond_linearly, respond_in_rolling])

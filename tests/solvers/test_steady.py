@@ -8,6 +8,7 @@ from functools import cache
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from cases import BARUS, BARUS_LIMIT, rolled, steady_solver
@@ -15,12 +16,14 @@ from cases import BARUS, BARUS_LIMIT, rolled, steady_solver
 from ertel.case.case import Case
 from ertel.case.sections import Drive
 from ertel.equations import contact, discretise
-from ertel.equations.flow import steady_rate
+from ertel.equations.approach import balanced
+from ertel.equations.flow import Rate, steady_rate
+from ertel.numerics import multigrid, stencils
 from ertel.physics.geometry import CIRCLE, HERTZ_LOAD
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import constant
 from ertel.physics.scales import Parameters
-from ertel.solvers import steady
+from ertel.solvers import nonlinear, steady
 from ertel.solvers.steady import Rolling
 
 pytestmark = pytest.mark.usefixtures("nothing_outside")
@@ -75,12 +78,7 @@ def case_of(key: tuple[str, float, float], nodes: int, drive: Drive | None = Non
 
 
 @cache
-def rolling(
-    key: tuple[str, float, float],
-    nodes: int = 129,
-    entrainment: float = 1.0,
-    fold: bool = True,
-) -> Rolling:
+def rolling(key: tuple[str, float, float], nodes: int = 129, entrainment: float = 1.0, fold: bool = True) -> Rolling:
     drive = Drive(entrainment=constant(entrainment)) if entrainment != 1.0 else None
     return steady.steady_film(case_of(key, nodes, drive, fold=fold))
 
@@ -285,6 +283,37 @@ def test_every_load_and_lubricant_converges(fluid: str, M: float) -> None:
             assert all(s.status.is_solved for s in rolling((fluid, M, L), 65).solutions), (L,)
 
 
+# -- the preconditioner -----------------------------------------------------------------------------------------------
+
+
+def test_the_diagonal_knows_how_the_viscosity_changes() -> None:
+    """At the foot of a spike it is larger than with the viscosity held fixed; the film is held fixed here."""
+    case = case_of(("roelands", 20, 10), 33)
+    film = rolling(("roelands", 20, 10), 33).finest
+    grid = film.grid
+    elastic = multigrid.deformation_operators(grid, CIRCLE.compliance, "float64")
+    c = discretise.contact_of(case, grid)
+    problem = nonlinear.Problem(c, elastic, Rate(0.0, 0.0), balanced(), 1.0, 1.0, steady.ALGORITHMS)
+
+    @jax.jit
+    def coefficients(problem: nonlinear.Problem, P: jax.Array, H: jax.Array, unit: jax.Array) -> tuple[Any, ...]:
+        """Those of the finest grid, the sum of the mobilities at the faces, and what the operator makes of a unit."""
+        free = jnp.where(P > 0.0, 1.0, 0.0)
+        level = nonlinear.multigrid_levels(problem, P, H, free, 1.0, multigrid.point_smoother)[0]
+        c = level.coefficients
+        return c, stencils.face_sum(c.eps, grid.even), level.operator(unit, jnp.zeros(grid.shape))
+
+    nothing = np.zeros(grid.shape)
+    c, faces, _ = coefficients(problem, film.P, film.H, nothing)
+    faces = np.asarray(faces) / grid.spacing**2
+    steepening = np.asarray(c.steepening) * np.asarray(c.free)
+    foot = np.unravel_index(np.argmax(steepening / faces), faces.shape)
+    assert steepening[foot] > 0.3 * faces[foot]
+    nothing[foot] = 1.0
+    found = float(coefficients(problem, film.P, film.H, nothing)[2][foot])
+    assert found == pytest.approx(faces[foot] + steepening[foot], rel=1e-9)
+
+
 SHARP = [
     (("barus", 3000, 20), 33),
     pytest.param(("barus", 3000, 20), 65, marks=pytest.mark.slow),
@@ -296,7 +325,7 @@ SHARP = [
 def test_the_preconditioner_loses_nothing_in_single_precision(key, nodes, monkeypatch) -> None:
     """Beside double: the Krylov iterations.  Barus' viscosity is far beyond single precision."""
     single = rolling(key, nodes)
-    monkeypatch.setattr(steady, "PRECISION", "float64")
+    monkeypatch.setattr(nonlinear, "PRECISION", "float64")
     double = steady.steady_film(case_of(key, nodes))
     for s, d in zip(single.solutions, double.solutions, strict=True):
         assert s.status.is_solved and d.status.is_solved

@@ -25,20 +25,11 @@ def moving(solid: Solid, speed: float) -> Moving:
 
 @register_dataclass
 @dataclass(frozen=True)
-class Constant:
-    heat: Real
-
-    def __call__(self, film: Array) -> tuple[Array, Array]:
-        return jnp.asarray(self.heat), jnp.zeros_like(film)
-
-
-@register_dataclass
-@dataclass(frozen=True)
 class Exponential:
     """A Newtonian oil: q falls as the viscosity does."""
 
     heat: Real
-    beta: float
+    beta: float = 0.0
 
     def __call__(self, film: Array) -> tuple[Array, Array]:
         heat = self.heat * jnp.exp(-self.beta * film)
@@ -72,7 +63,7 @@ def test_the_equations_hold(speed: float) -> None:
 
 def test_equal_surfaces_take_half_each() -> None:
     heat, into = np.full((2, NODES), 1e8), moving(STEEL, 1.0)
-    warm = warmed(Constant(heat), (into, into), np.full_like(heat, 1e-7))
+    warm = warmed(Exponential(heat), (into, into), np.full_like(heat, 1e-7))
     assert_allclose(warm.surface_1, into(heat / 2), rtol=1e-12)
     assert_allclose(warm.surface_2, warm.surface_1, rtol=1e-12)
 
@@ -80,7 +71,7 @@ def test_equal_surfaces_take_half_each() -> None:
 def test_thin_films_leave_the_partition_to_the_solids() -> None:
     """h -> 0: both surfaces have one temperature, and uniform heat is shared by the effusivities."""
     slow, fast, heat = moving(STEEL, 1.0), moving(STEEL, 4.0), np.full((1, NODES), 1e8)
-    warm = warmed(Constant(heat), (slow, fast), np.full_like(heat, 1e-12))
+    warm = warmed(Exponential(heat), (slow, fast), np.full_like(heat, 1e-12))
     assert_allclose(warm.surface_1, slow(heat / 3), rtol=1e-3)
     assert_allclose(warm.surface_2, warm.surface_1, rtol=1e-3)
 
@@ -129,7 +120,7 @@ def test_the_plain_iteration_jumps_between_two_branches_that_are_none() -> None:
     seen = []
     for _ in range(40):
         q = heat * np.exp(-0.08 * film)
-        film = warmed(Constant(q), into, np.full_like(q, 1e-7 / CONDUCTIVITY)).film
+        film = warmed(Exponential(q), into, np.full_like(q, 1e-7 / CONDUCTIVITY)).film
         seen.append(film.max())
     low, high = seen[-2:] if seen[-2] < seen[-1] else seen[:-3:-1]
     assert high > 1.5 * low

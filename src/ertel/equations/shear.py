@@ -36,26 +36,8 @@ import jax.numpy as jnp
 from jax import Array, tree
 from jax.custom_derivatives import SymbolicZero
 
-from ertel.equations.across import (
-    Moments,
-    Series,
-    Tensor,
-    Vector,
-    dot,
-    gauss,
-    gauss_nodes,
-    integrals_of_stress,
-    length,
-    moments_by_nodes,
-    secant_by_nodes,
-    series_moments,
-    series_of,
-    series_secant,
-    series_sums,
-    sliding_moments,
-    sums_by_nodes,
-    with_slope,
-)
+from ertel.equations import across
+from ertel.equations.across import Moments, Series, Tensor, Vector, dot, length
 from ertel.numerics.programs import in_blocks
 from ertel.physics.fluidity import Fluidity
 
@@ -79,7 +61,7 @@ class Shear(NamedTuple):
     iterations: Array
 
 
-def shear(law: Fluidity, pressure: Array, sliding: Array, gradient: Array, across: int = NODES) -> Shear:
+def shear(law: Fluidity, pressure: Array, sliding: Array, gradient: Array, points: int = NODES) -> Shear:
     """The mid-plane stress and the flux, by a number of nodes across the film.
 
     pressure: in Pa, shape (...).  sliding: s = eta (u1 - u2)/h in Pa, the mid-plane stress of a Newtonian oil, shape
@@ -88,14 +70,14 @@ def shear(law: Fluidity, pressure: Array, sliding: Array, gradient: Array, acros
     """
     given = law, pressure, Vector(*sliding), Vector(*gradient)
     law_, p, s, g = jax.lax.stop_gradient(given)
-    series, change = _with_change(lambda p: series_of(law_, p, s, g), p)
+    series, change = _with_change(lambda p: across.series_of(law_, p, s, g), p)
     simple = _of_series(series, change, s, g)
-    solution = in_blocks(partial(_solved, law_, across), ~series.holds, simple, p, s, g)
+    solution = in_blocks(partial(_solved, law_, points), ~series.holds, simple, p, s, g)
     stress, flux = (jnp.stack([of.x, of.y]) for of in _attached(given[:2], *given[2:], solution))
     return Shear(stress, flux, solution.by_gradient, jnp.max(solution.iterations))
 
 
-def secant_mobility(law: Fluidity, pressure: Array, stress: Array, gradient: Array, across: int = NODES) -> Tensor:
+def secant_mobility(law: Fluidity, pressure: Array, stress: Array, gradient: Array, points: int = NODES) -> Tensor:
     """The tensor K with Q = K g and the axes of the stress: smaller across tau_m, larger along it.
 
         K = S_2 + tau_m tau_m S_1/(tau_m . g)                                                     Newtonian: 1/12
@@ -104,8 +86,8 @@ def secant_mobility(law: Fluidity, pressure: Array, stress: Array, gradient: Arr
     off-diagonal part is small where sliding is along an axis; a preconditioner for fluxes along X and Y uses xx and yy.
     """
     t, g = Vector(*stress), Vector(*gradient)
-    series = series_of(law, pressure, t, g)
-    simple, exact = series_secant(series, t, g), partial(secant_by_nodes, law, across)
+    series = across.series_of(law, pressure, t, g)
+    simple, exact = across.series_secant(series, t, g), partial(across.secant_by_nodes, law, points)
     return in_blocks(exact, ~series.holds, simple, pressure, t, g)
 
 
@@ -116,10 +98,10 @@ def _of_series(series: Series, change: Series, sliding: Vector, gradient: Vector
     """The solution by the series: two iterations from the stress of a Newtonian oil.  change: by the pressure."""
     t = sliding
     for _ in range(2):
-        m = series_moments(series, integrals_of_stress(t, gradient), t, gradient)
+        m = across.series_moments(series, across.integrals_of_stress(t, gradient), t, gradient)
         t = t + divided(m.A, sliding - _flow(m.s, t, gradient)[0])
-    of_stress = integrals_of_stress(t, gradient)
-    m, by_pressure = series_moments(series, of_stress, t, gradient), series_sums(change, of_stress)
+    of_stress = across.integrals_of_stress(t, gradient)
+    m, by_pressure = across.series_moments(series, of_stress, t, gradient), across.series_sums(change, of_stress)
     return _solution(m, by_pressure, t, gradient, jnp.zeros(series.holds.shape, jnp.int32))
 
 
@@ -139,7 +121,7 @@ class _Iterate(NamedTuple):
     iterations: Array
 
 
-def _solved(law: Fluidity, across: int, pressure: Array, sliding: Vector, gradient: Vector) -> "_Solution":
+def _solved(law: Fluidity, points: int, pressure: Array, sliding: Vector, gradient: Vector) -> "_Solution":
     """The solution, with the number of iterations, the same at each point.
 
     With the fluidity F of the film without sliding, measured along the gradient, and psi(v) = stress(|v|) v/|v|, the
@@ -147,9 +129,9 @@ def _solved(law: Fluidity, across: int, pressure: Array, sliding: Vector, gradie
     tau_m itself.  In other directions F is the largest fluidity of the resting film; the first guess, psi(s/F),
     is then rather too small than too large.
     """
-    resting = _resting(law, across, pressure, gradient)
+    resting = _resting(law, points, pressure, gradient)
     aim, _ = _bent(law, pressure, sliding / resting)
-    nodes = gauss_nodes(law, across, pressure, aim, gradient)
+    nodes = across.gauss_nodes(law, points, pressure, aim, gradient)
 
     def unsolved(it: _Iterate) -> Array:
         return (it.left > 1.0) & (it.iterations < LIMIT)
@@ -157,7 +139,7 @@ def _solved(law: Fluidity, across: int, pressure: Array, sliding: Vector, gradie
     def improve(it: _Iterate) -> _Iterate:
         """Try the change; where it does not reduce the residual, try half of it next."""
         t = it.stress + it.change
-        s0, s1, A = sliding_moments(law, pressure, t, gradient, nodes)
+        s0, s1, A = across.sliding_moments(law, pressure, t, gradient, nodes)
         now, unbent = _bent(law, pressure, (s0 * t + s1 * gradient) / resting)
         residual = length(aim - now)
         better = residual < it.residual
@@ -174,15 +156,15 @@ def _solved(law: Fluidity, across: int, pressure: Array, sliding: Vector, gradie
     last = jax.lax.while_loop(unsolved, improve, first)
     t = last.stress + last.change
     count = jnp.full(pressure.shape, last.iterations)
-    _, by_pressure = _with_change(lambda p: sums_by_nodes(law, p, t, gradient, nodes), pressure)
-    return _solution(moments_by_nodes(law, pressure, t, gradient, nodes), by_pressure, t, gradient, count)
+    _, by_pressure = _with_change(lambda p: across.sums_by_nodes(law, p, t, gradient, nodes), pressure)
+    return _solution(across.moments_by_nodes(law, pressure, t, gradient, nodes), by_pressure, t, gradient, count)
 
 
-def _resting(law: Fluidity, across: int, pressure: Array, gradient: Vector) -> Array:
+def _resting(law: Fluidity, points: int, pressure: Array, gradient: Vector) -> Array:
     """The integral of d(phi tau)/dtau along the gradient, without sliding: (sinh Sigma)/Sigma for Eyring's law."""
-    z, weight = gauss(across, pressure.ndim)
+    z, weight = across.gauss(points, pressure.ndim)
     size = 0.5 * z * length(gradient)
-    phi, slope = with_slope(law, pressure, size)
+    phi, slope = across.with_slope(law, pressure, size)
     return jnp.sum(weight * (phi + slope * size**2), axis=0)
 
 
@@ -264,11 +246,11 @@ def _by_law(law: Fluidity, change: Any, pressure: Array, gradient: Vector, t: Ve
     moving = {k: number for k, number in changes if not _is_zero(number)}
     if not moving:
         return (Vector(jnp.zeros(()), jnp.zeros(())),) * 2
-    nodes = gauss_nodes(law, NODES, pressure, t, gradient)
+    nodes = across.gauss_nodes(law, NODES, pressure, t, gradient)
 
     def flow(moved: dict[int, Array]) -> tuple[Vector, Vector]:
         values = [moved.get(k, number) for k, number in enumerate(numbers)]
-        return _flow(sums_by_nodes(tree.unflatten(structure, values), pressure, t, gradient, nodes), t, gradient)
+        return _flow(across.sums_by_nodes(tree.unflatten(structure, values), pressure, t, gradient, nodes), t, gradient)
 
     return jax.jvp(flow, ({k: numbers[k] for k in moving},), (moving,))[1]
 

@@ -192,15 +192,12 @@ class Method(Protocol):
 
     def start(self) -> State:
         """The state at T = 0."""
-        ...
 
     def attempt(self, levels: Sequence[State], step: float) -> Stepping:
         """One step on from one to three levels, newest first; the new state has its error and its record."""
-        ...
 
     def solve(self, problem: Any) -> StepSolution:
         """The solution of a problem that `attempt` yields."""
-        ...
 
     def advance(self, levels: Sequence[State], step: float) -> State:
         """One step on from one to three levels, newest first, its problems solved by this method."""
@@ -211,15 +208,12 @@ class Method(Protocol):
 
         If the contact is axisymmetric, the extremes lie on rings: X_min, X_P_max are their radii, Y_min, Y_P_max are 0.
         """
-        ...
 
     def friction(self, level: State) -> Any:
         """The `account.Friction` of a level; its maps are of the shape of the fields."""
-        ...
 
     def whole(self, field: Field, odd: bool = False) -> Field:
         """A field on all nodes of `coordinates`: a level may keep one side of an axis of symmetry only.
 
         odd: whether the field changes its sign at the axis Y = 0.
         """
-        ...

@@ -68,18 +68,18 @@ class ThinningFlow(PressureFlow):
             self._secant(contact, P, H, stress, gradient),
         )
 
-    def mobilities(self, contact: Contact, P: Array, H: Array, across: int = ROUGHLY) -> Mobilities:
+    def mobilities(self, contact: Contact, P: Array, H: Array, points: int = ROUGHLY) -> Mobilities:
         """The mobilities at the nodes for the preconditioner: what couples X and Y is left out."""
         slope = jax.lax.stop_gradient(node_slopes(P, contact.spacing, contact.even))
-        flow, gradient = self._shear(contact, P, H, contact.lubricant.viscosity(P), slope, across)
-        secant = self._secant(contact, P, H, flow.stress, gradient, across)
+        flow, gradient = self._shear(contact, P, H, contact.lubricant.viscosity(P), slope, points)
+        secant = self._secant(contact, P, H, flow.stress, gradient, points)
         return Mobilities(secant, _thinned(mobility(contact, P, H), flow.by_gradient))
 
     def _secant(
-        self, contact: Contact, P: Array, H: Array, stress: Array, gradient: Array, across: int = NODES
+        self, contact: Contact, P: Array, H: Array, stress: Array, gradient: Array, points: int = NODES
     ) -> Pair:
         """The mobilities at the nodes from the flow across the film there."""
-        factor = secant_mobility(self.law, self.p_h * P, stress, gradient, across)
+        factor = secant_mobility(self.law, self.p_h * P, stress, gradient, points)
         return _thinned(mobility(contact, P, H), factor)
 
     def _force(self, flow: Shear, film: Array) -> Array:
@@ -87,13 +87,13 @@ class ThinningFlow(PressureFlow):
         return 12.0 * flow.flux / (opened(film) * self.unit)
 
     def _shear(
-        self, contact: Contact, P: Array, film: Array, viscosity: Array, slope: Array, across: int = NODES
+        self, contact: Contact, P: Array, film: Array, viscosity: Array, slope: Array, points: int = NODES
     ) -> tuple[Shear, Array]:
         """The flow across the film, and H grad P in Pa."""
         H = opened(film)
         gradient = H * slope * self.unit
         along_x = contact.lambda_bar * viscosity * self.sliding / (12.0 * H) * self.unit
-        return shear(self.law, self.p_h * P, jnp.stack([along_x, jnp.zeros_like(along_x)]), gradient, across), gradient
+        return shear(self.law, self.p_h * P, jnp.stack([along_x, jnp.zeros_like(along_x)]), gradient, points), gradient
 
 
 class _Faces(NamedTuple):

@@ -11,13 +11,7 @@ from typing import Annotated, ClassVar, Generic, TypeVar
 from ertel.physics import units
 from ertel.physics.fluidity import Carreau, Fluidity
 from ertel.physics.lubricant import Oil
-from ertel.physics.temperature_laws import (
-    ZERO_CELSIUS,
-    Ambient,
-    Expansion,
-    PressureRule,
-    ViscosityOfTemperature,
-)
+from ertel.physics.temperature_laws import ZERO_CELSIUS, Ambient, Expansion, PressureRule, ViscosityOfTemperature
 from ertel.physics.units import Bounds, require_positive
 
 Data = TypeVar("Data", covariant=True)

@@ -28,6 +28,7 @@ SERIES = 12  # kept in memory: some surfaces on the grids of a hierarchy
 SEED = Bounds(ge=0, le=2**63 - 1, whole=True)
 
 Array = Any  # NumPy arrays that broadcast
+Front = Annotated[Amount, units.POSITION, Meaning("x up to which it reaches at T = 0; left out: everywhere", -1.5)]
 
 
 class Shape(Protocol):
@@ -59,9 +60,7 @@ class Waviness:
     wavelength_y: Annotated[Amount, units.WIDTH, Meaning("wavelength along y; left out: ridges along y", 0.5)] = inf
     phase_x: Annotated[float, units.FINITE, Meaning("phase along x, in radians")] = 0.0
     phase_y: Annotated[float, units.FINITE, Meaning("phase along y, in radians")] = 0.0
-    front: Annotated[
-        Amount, units.POSITION, Meaning("x up to which the waves reach at T = 0; left out: they are everywhere", -1.5)
-    ] = inf
+    front: Front = inf
     ramp: Annotated[
         Amount | None, units.WIDTH, Meaning("length behind the front over which they grow; left out: at once", 0.5)
     ] = None
@@ -266,9 +265,7 @@ class SelfAffine:
     period: Annotated[
         Amount | None, units.WIDTH, Meaning("length after which it repeats; left out: 8 times the longest", "2 mm")
     ] = None
-    front: Annotated[
-        Amount, units.POSITION, Meaning("x up to which it reaches at T = 0; left out: it is everywhere", -1.5)
-    ] = inf
+    front: Front = inf
     ramp: Annotated[
         Amount | None, units.WIDTH, Meaning("length behind the front over which it grows; goes with front", 0.5)
     ] = None

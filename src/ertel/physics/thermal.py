@@ -213,7 +213,4 @@ class Exponential:
 
 
 WarmViscosity = Houpert | Exponential
-WARM_VISCOSITIES: dict[ViscosityName, type[Houpert] | type[Exponential]] = {
-    "houpert": Houpert,
-    "exponential": Exponential,
-}
+WARM_VISCOSITIES: dict[ViscosityName, type[WarmViscosity]] = {"houpert": Houpert, "exponential": Exponential}

@@ -37,7 +37,8 @@ from ertel.results.dataset import Frame, provenance
 from ertel.runs.files import Damaged, StoreError, content_of, reading, replace, require_regular, sealed, unsealed
 
 if TYPE_CHECKING:  # they bring JAX
-    from ertel.runs.drive import SteadyRun, TransientRun
+    from ertel.runs.drive import SteadyRun
+    from ertel.runs.stepping import TransientRun
 
 ROOT = "zarr.json"
 GROWING = ("time", "frame")  # the dimensions along which rows are appended

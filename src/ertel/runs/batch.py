@@ -5,9 +5,9 @@ Many impacts at once on one device: every time step of all of them is one compil
     results = simulate_batch([parse_case({"contact": {"M": M, "L": 10}}) for M in (200, 500, 1000)])
 
 Each case is a run of its own, with its own adaptive steps, events and end: a generator that yields the problem of its
-next step and is sent the solution (`stepping.next_step`).  The problems of all runs that have not ended are solved by
-one call of `jax.vmap`.  What the cases must share is the shape of that call: grid, axes of symmetry, laws of the oil,
-closure.
+next step and is sent the solution (`TransientRun.attempts`).  The problems of all runs that have not ended are solved
+by one call of `jax.vmap`.  What the cases must share is the shape of that call: grid, axes of symmetry, laws of the
+oil, closure.
 
 A batched iteration goes on until the slowest case has converged, so a batch pays where a single step leaves the device
 idle: small grids, and graphics processors.  Runs that fill the cores are better spread over processes (`ertel.sweep`).
@@ -35,8 +35,8 @@ from ertel.equations.state import StepSolution
 from ertel.inputs.case_files import CaseLike, ConfigError, as_case, parse_case, written
 from ertel.numerics.programs import double_precision, require_double
 from ertel.results.result import Result
-from ertel.runs.drive import METHODS, Recorder, TransientRun, method_of, result_of, run_of
-from ertel.runs.stepping import Step
+from ertel.runs.drive import METHODS, Recorder, method_of, result_of, run_of
+from ertel.runs.stepping import Step, TransientRun
 from ertel.runs.workers import Failure, check_fork
 from ertel.solvers.transient import StepProblem, Transient2D, solve_step
 

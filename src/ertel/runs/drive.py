@@ -9,9 +9,9 @@ stop.
 
 import time as clock
 import warnings
-from collections.abc import Callable, Generator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import numpy as np
@@ -21,37 +21,23 @@ from numpy.typing import NDArray
 from ertel.case.case import Case
 from ertel.case.definition import grid_of
 from ertel.case.status import Status
-from ertel.equations.state import Method, State, solved
+from ertel.equations.state import Method
 from ertel.inputs.case_files import CaseLike, as_case
 from ertel.numerics.grid import Grid, Symmetry
 from ertel.numerics.programs import double_precision
-from ertel.results.dataset import Frame, assemble, assemble_steady
+from ertel.results.dataset import Frame, assemble_steady
 from ertel.results.result import Result
-from ertel.results.summary import attributes, impact_summary, rolling_summary, steady_summary
+from ertel.results.summary import attributes, steady_summary
 from ertel.runs import workers
 from ertel.runs.compile import check_jax, compilations
 from ertel.runs.outlook import warnings_of, with_case_warnings
-from ertel.runs.stepping import Counts, RunState, Step, StepLimits, begin, next_step
+from ertel.runs.stepping import Arrays, Progress, Step, TransientRun
 from ertel.solvers import steady
 from ertel.solvers.radial import RadialImpact
 from ertel.solvers.steady import GridSolution
 from ertel.solvers.transient import Transient2D
 
-Arrays = Mapping[str, NDArray[Any]]
 Observer = Callable[[Any], object]
-
-
-class Progress(NamedTuple):
-    """The progress of a run.
-
-    T: time in t0, None of a steady contact.  step: the number of time steps, or of grids.  done: the approximate
-    fraction of the run, 0 to 1.  message: the last result as one line of text.
-    """
-
-    T: float | None
-    step: int
-    done: float
-    message: str
 
 
 METHODS: Mapping[str, Callable[[Case], Method]] = {"2d": Transient2D, "transient": Transient2D, "radial": RadialImpact}
@@ -60,84 +46,6 @@ METHODS: Mapping[str, Callable[[Case], Method]] = {"2d": Transient2D, "transient
 def method_of(case: Case) -> Method:
     """The time stepping method of a case."""
     return METHODS[case.solver.method](case)
-
-
-# -- in time ----------------------------------------------------------------------------------------------------------
-
-NUMBERS = ("T", "approach", "velocity", "load", "outside")  # of a State, besides its fields
-REACHED = "max_approach_"
-
-
-class TransientRun:
-    """An impact, or rolling in time from the steady film.
-
-    A run of either kind gives one `StepResult` after the other.  Each has a record, scalars by name; frames, the maps
-    that fell due; and the status of the run after it.
-    """
-
-    def __init__(self, case: Case, method: Method, limits: StepLimits | None = None):
-        self.case, self.method, self.limits = case, method, limits or StepLimits()
-
-    def begin(self) -> Step:
-        """Return the result before the first step, without a record."""
-        return begin(self.case, self.method, self.limits)
-
-    def advance(self, result: Step) -> Step:
-        """Return the next result."""
-        return solved(self.attempts(result), self.method.solve)
-
-    def attempts(self, result: Step) -> Generator[Any, Any, Step]:
-        """The next result: yields the problem of each attempt and is sent its solution, see `simulate_batch`."""
-        return next_step(self.case, self.method, result.state, self.limits)
-
-    def progress(self, result: Step) -> Progress:
-        """Tell how far the run is after a result."""
-        record, counts, schedule = result.record, result.state.counts, self.case.schedule
-        T = result.state.levels[0].T
-        if not record:
-            return Progress(T, counts.steps, 0.0, "")
-        turned = schedule.until == "max-approach" and record["V"] <= 0
-        done = 1.0 if turned else min(T / schedule.duration, 1.0)
-        work = f"{counts.steps} steps, {counts.newton_iterations} Newton, {counts.krylov_iterations} Krylov"
-        message = f"T {T:.3f}  Δ {record['Delta']:+.4f}  H_c {record['H_c']:.5f}  {work}"
-        return Progress(T, counts.steps, done, message)
-
-    def to_arrays(self, result: Step) -> dict[str, NDArray[Any]]:
-        """Everything that is needed to continue after a result, as named arrays, exact to the last bit."""
-        state, levels = result.state, result.state.levels
-        scalars = {"next_step": state.next_step, "next_frame": state.next_frame, **vars(state.counts)}
-        reached = {f"{REACHED}{key}": value for key, value in (state.max_approach or {}).items()}
-        names = list(levels[0].fields)
-        stacks = {name: np.array([getattr(level, name) for level in levels]) for name in NUMBERS}
-        stacks |= {name: np.array([level.fields[name] for level in levels]) for name in names}
-        everything = {**scalars, **reached, **stacks, "fields": names, "status": result.status.value}
-        return {key: np.asarray(value) for key, value in everything.items()}
-
-    def from_arrays(self, arrays: Arrays) -> Step:
-        """Return the result from the arrays of `to_arrays`."""
-        names = arrays["fields"].tolist()
-        numbers = zip(*(arrays[name].tolist() for name in NUMBERS), strict=True)
-        levels = tuple(
-            State(T, Delta, V, {name: arrays[name][i] for name in names}, outside=outside, load=load)
-            for i, (T, Delta, V, load, outside) in enumerate(numbers)
-        )
-        counts = Counts(**{name: arrays[name].item() for name in Counts.__dataclass_fields__})
-        reached = {key.removeprefix(REACHED): float(v) for key, v in arrays.items() if key.startswith(REACHED)}
-        next_step, next_frame = float(arrays["next_step"]), int(arrays["next_frame"])
-        state = RunState(levels, next_step, counts, next_frame, reached or None)
-        return Step(state, {}, (), Status(str(arrays["status"])))
-
-    def dataset(self, records: Sequence[Mapping[str, float]], frames: Sequence[Frame], last: Any) -> xr.Dataset:
-        """Return the run as a Dataset."""
-        return assemble(self.case, records, frames, self.method.coordinates)
-
-    def summary(self, data: xr.Dataset, last: Step, status: Status, work: Mapping[str, float]) -> dict[str, Any]:
-        """Return the outcome of the run as plain data; work: compilations, wall_s."""
-        counts = {**vars(last.state.counts), **work}
-        counts["convolutions"] = round(counts["convolutions"], 1)
-        if self.case.starts_apart:
-            return impact_summary(self.case, data, last.state.max_approach, counts, status)
-        return rolling_summary(self.case, data, counts, status)
 
 
 # -- steady -----------------------------------------------------------------------------------------------------------

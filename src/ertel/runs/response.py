@@ -33,8 +33,8 @@ from ertel.physics.units import plain
 from ertel.results import diagnostics
 from ertel.results.dataset import assemble_steady
 from ertel.results.diagnostics import LARGE_ERROR
-from ertel.runs.drive import METHODS, Observer, Recorder, TransientRun, drive, warn
-from ertel.runs.stepping import Step, frame_of, turning_time
+from ertel.runs.drive import METHODS, Observer, Recorder, drive, warn
+from ertel.runs.stepping import Step, TransientRun, frame_of, turning_time
 from ertel.runs.workers import check_fork
 from ertel.solvers import steady
 from ertel.solvers.response import RoughnessWave, WaveResponse, tangent_start, tangent_step, wave_response

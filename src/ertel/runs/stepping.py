@@ -1,25 +1,45 @@
-"""Time steps with error control: attempts until one is accepted, events, and maps at given times.
+"""Runs in time: steps with error control, attempts until one is accepted, events, and maps at given times.
 
-Nothing here loops over a run (`drive`), and nothing solves: `next_step` is a generator that yields the problems of its
-attempts and is sent their solutions, so that one run and a batch of runs share it.
+Nothing here loops over a run (`drive`), and nothing solves: `TransientRun.attempts` is a generator that yields the
+problems of its attempts and is sent their solutions, so that one run and a batch of runs share it.
 """
 
 from collections.abc import Generator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
 
 from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.equations.account import coefficients, whole_maps
-from ertel.equations.state import Method, State, Work, combined, interpolated
+from ertel.equations.state import Method, State, Work, combined, interpolated, solved
 from ertel.numerics import bdf
-from ertel.results.dataset import Frame
+from ertel.results.dataset import Frame, assemble
+from ertel.results.summary import impact_summary, rolling_summary
 
 UNLOADED = 1e-8  # F below which the ball has left
 SAME_TIME = 1e-9  # t0: two maps closer than this are one
+NUMBERS = ("T", "approach", "velocity", "load", "outside")  # of a State, besides its fields
+REACHED = "max_approach_"  # how the names of numbers at maximum approach begin in a checkpoint
+
+Arrays = Mapping[str, NDArray[Any]]
+
+
+class Progress(NamedTuple):
+    """The progress of a run.
+
+    T: time in t0, None of a steady contact.  step: the number of time steps, or of grids.  done: the approximate
+    fraction of the run, 0 to 1.  message: the last result as one line of text.
+    """
+
+    T: float | None
+    step: int
+    done: float
+    message: str
 
 
 @dataclass(frozen=True)
@@ -78,113 +98,173 @@ class Step:
     status: Status
 
 
-def begin(case: Case, method: Method, limits: StepLimits) -> Step:
-    """The run before its first step, without a record; the film from which rolling starts is worth a map."""
-    start = method.start()
-    step = case.schedule.step or min(limits.first * abs(case.schedule.start_approach), _longest(case, limits))
-    state = RunState((start,), step, Counts().plus(start.work), next_frame=1 if case.starts_apart else 0)
-    return Step(state, {}, (), Status.RUNNING if start.status.ok else start.status)
+class TransientRun:
+    """An impact, or rolling in time from the steady film.
 
-
-# -- one step -------------------------------------------------------------------------------------------------------
-
-
-def next_step(case: Case, method: Method, state: RunState, limits: StepLimits) -> Generator[Any, Any, Step]:
-    """The next accepted step after one or more attempts: yields their problems and receives the solutions.
-
-    Where the step would become too small it returns the last state again, with that status and without a record.
+    A run of either kind gives one result after the other, a `Step` or a `GridStep`.  Each has a record, scalars by
+    name; frames, the maps that fell due; and the status of the run after it.
     """
-    fixed = case.schedule.step
-    step = fixed or state.next_step
-    counts = state.counts
-    while step >= limits.smallest:
-        length = _landing(case, state.levels[0].T, step, limits)
-        new = yield from method.attempt(state.levels, length)
-        counts = counts.plus(new.work)
-        if not new.status.ok:
-            step, counts = limits.cut * length, replace(counts, rejected=counts.rejected + 1)
-            continue
-        error = 0.0 if fixed else _error(case, state.levels, new)
-        if not fixed and not error <= bdf.REJECTED:
-            step, counts = bdf.adapted(length, error), replace(counts, rejected=counts.rejected + 1)
-            continue
-        following = fixed or min(bdf.adapted(length, error), _longest(case, limits))
-        return _accept(case, method, state, new, replace(counts, steps=counts.steps + 1), following, error)
-    return Step(replace(state, counts=counts), {}, (), Status.STEP_TOO_SMALL)
 
+    def __init__(self, case: Case, method: Method, limits: StepLimits | None = None):
+        self.case, self.method, self.limits = case, method, limits or StepLimits()
 
-def _landing(case: Case, T: float, step: float, limits: StepLimits) -> float:
-    """The step, changed to end on the next stop where that is near: a knot of a signal, or an end given as a time.
+    def begin(self) -> Step:
+        """The result before the first step, without a record; the film from which rolling starts is worth a map."""
+        start, schedule = self.method.start(), self.case.schedule
+        step = schedule.step or min(self.limits.first * abs(schedule.start_approach), self._longest)
+        state = RunState((start,), step, Counts().plus(start.work), next_frame=1 if self.case.starts_apart else 0)
+        return Step(state, {}, (), Status.RUNNING if start.status.ok else start.status)
 
-    An adaptive step that would leave less than its own length is halved, so that no very short step follows.  A stop
-    nearer than the smallest step counts as reached.
-    """
-    end = inf if isinstance(case.schedule.until, str) else case.schedule.until
-    remaining = min(case.motion.next_knot(T + limits.smallest), end) - T
-    if remaining < step * (1 + 1e-9):
-        return remaining
-    return remaining / 2 if remaining < 2 * step and not case.schedule.step else step
+    def advance(self, result: Step) -> Step:
+        """Return the next result."""
+        return solved(self.attempts(result), self.method.solve)
 
+    # -- one step -----------------------------------------------------------------------------------------------------
 
-def _longest(case: Case, limits: StepLimits) -> float:
-    """The longest adaptive step."""
-    return min(limits.largest, limits.of_period * case.motion.shortest_period)
+    def attempts(self, result: Step) -> Generator[Any, Any, Step]:
+        """The next accepted step after one or more attempts: yields their problems and receives the solutions.
 
+        Where the step would become too small it returns the last state again, with that status and without a record.
+        """
+        fixed, limits, state = self.case.schedule.step, self.limits, result.state
+        step = fixed or state.next_step
+        counts = state.counts
+        while step >= limits.smallest:
+            length = self._landing(state.levels[0].T, step)
+            new = yield from self.method.attempt(state.levels, length)
+            counts = counts.plus(new.work)
+            if not new.status.ok:
+                step, counts = limits.cut * length, replace(counts, rejected=counts.rejected + 1)
+                continue
+            error = 0.0 if fixed else self._error(state.levels, new)
+            if not fixed and not error <= bdf.REJECTED:
+                step, counts = bdf.adapted(length, error), replace(counts, rejected=counts.rejected + 1)
+                continue
+            following = fixed or min(bdf.adapted(length, error), self._longest)
+            return self._accept(state, new, replace(counts, steps=counts.steps + 1), following, error)
+        return Step(replace(state, counts=counts), {}, (), Status.STEP_TOO_SMALL)
 
-def _error(case: Case, levels: Sequence[State], new: State) -> float:
-    """Local error of Delta, V and the film in units of the tolerance, from the prediction (see `bdf.error_factor`).
+    def _landing(self, T: float, step: float) -> float:
+        """The step, changed to end on the next stop where that is near: a knot of a signal, or an end given as a time.
 
-    Without inertia V is no unknown of its own, and may jump.
-    """
-    if len(levels) < 3:
-        return 1.0  # too little history; keep the step
-    times = [level.T for level in levels]
-    predict = bdf.interpolation_weights(new.T, times)
-    approach, velocity = (combined(predict, [getattr(o, name) for o in levels]) for name in ("approach", "velocity"))
-    of_speed = abs(new.velocity - velocity) if case.motion.inertia else 0.0
-    difference = max(abs(new.approach - approach), of_speed, new.error)
-    return float(bdf.error_factor([new.T, *times]) * difference / case.schedule.tolerance)
+        An adaptive step that would leave less than its own length is halved, so that no very short step follows.  A
+        stop nearer than the smallest step counts as reached.
+        """
+        schedule = self.case.schedule
+        end = inf if isinstance(schedule.until, str) else schedule.until
+        remaining = min(self.case.motion.next_knot(T + self.limits.smallest), end) - T
+        if remaining < step * (1 + 1e-9):
+            return remaining
+        return remaining / 2 if remaining < 2 * step and not schedule.step else step
 
+    @property
+    def _longest(self) -> float:
+        """The longest adaptive step."""
+        return min(self.limits.largest, self.limits.of_period * self.case.motion.shortest_period)
 
-def _accept(
-    case: Case, method: Method, state: RunState, new: State, counts: Counts, following: float, error: float
-) -> Step:
-    levels = (new, *state.levels)[:3]
-    frames, next_frame = _due_frames(case, method, levels, state.next_frame)
-    reached = state.max_approach
-    if case.starts_apart and reached is None and levels[0].velocity <= 0.0 < levels[1].velocity:
-        peak = interpolated(levels, turning_time(levels))
-        friction = method.friction(peak)
-        reached = {"T": peak.T, "Delta": peak.approach, **method.measure(peak), **coefficients(friction)}
-        frames.append(Frame(peak.T, whole_maps(method.whole, peak.fields, friction), "max-approach"))
-    status = Status.CONVERGED if _ended(case, new, new.record["F"], reached) else Status.RUNNING
-    if status is Status.CONVERGED and case.schedule.until != "max-approach":
-        frames.append(frame_of(method, new, "end"))
-    spent = {
-        name: float(value - getattr(state.counts, name)) for name, value in vars(counts).items() if name != "steps"
-    }
-    record = {
-        "T": new.T,
-        "dT": levels[0].T - levels[1].T,
-        "Delta": new.approach,
-        "V": new.velocity,
-        **new.record,
-        "U": case.motion.entrainment(new.T),
-        "w": case.motion.load(new.T),
-        "error": error,
-        **spent,
-    }
-    return Step(RunState(levels, following, counts, next_frame, reached), record, _each_time_once(frames), status)
+    def _error(self, levels: Sequence[State], new: State) -> float:
+        """Local error of Delta, V and the film in units of the tolerance, from the prediction (`bdf.error_factor`).
 
+        Without inertia V is no unknown of its own, and may jump.
+        """
+        if len(levels) < 3:
+            return 1.0  # too little history; keep the step
+        times = [level.T for level in levels]
+        predict = bdf.interpolation_weights(new.T, times)
+        approach = combined(predict, [level.approach for level in levels])
+        velocity = combined(predict, [level.velocity for level in levels])
+        of_speed = abs(new.velocity - velocity) if self.case.motion.inertia else 0.0
+        difference = max(abs(new.approach - approach), of_speed, new.error)
+        return float(bdf.error_factor([new.T, *times]) * difference / self.case.schedule.tolerance)
 
-def _ended(case: Case, level: State, F: float, reached: Mapping[str, float] | None) -> bool:
-    match case.schedule.until:
-        case "max-approach":
-            return reached is not None
-        case "rebound":
-            return reached is not None and F < UNLOADED
-        case until:
-            return level.T >= until * (1 - 1e-12)
+    def _accept(self, state: RunState, new: State, counts: Counts, following: float, error: float) -> Step:
+        case, method, levels = self.case, self.method, (new, *state.levels)[:3]
+        frames, number, interval = [], state.next_frame, case.schedule.interval
+        while number * interval <= new.T:
+            frames.append(frame_of(method, interpolated(levels, number * interval), ""))
+            number += 1
+        reached = state.max_approach
+        if case.starts_apart and reached is None and levels[0].velocity <= 0.0 < levels[1].velocity:
+            peak = interpolated(levels, turning_time(levels))
+            friction = method.friction(peak)
+            reached = {"T": peak.T, "Delta": peak.approach, **method.measure(peak), **coefficients(friction)}
+            frames.append(Frame(peak.T, whole_maps(method.whole, peak.fields, friction), "max-approach"))
+        status = Status.CONVERGED if self._ended(new, reached) else Status.RUNNING
+        if status is Status.CONVERGED and case.schedule.until != "max-approach":
+            frames.append(frame_of(method, new, "end"))
+        before = vars(state.counts)
+        record = {
+            "T": new.T,
+            "dT": levels[0].T - levels[1].T,
+            "Delta": new.approach,
+            "V": new.velocity,
+            **new.record,
+            "U": case.motion.entrainment(new.T),
+            "w": case.motion.load(new.T),
+            "error": error,
+            **{name: float(value - before[name]) for name, value in vars(counts).items() if name != "steps"},
+        }
+        return Step(RunState(levels, following, counts, number, reached), record, _each_time_once(frames), status)
+
+    def _ended(self, level: State, reached: Mapping[str, float] | None) -> bool:
+        match self.case.schedule.until:
+            case "max-approach":
+                return reached is not None
+            case "rebound":
+                return reached is not None and level.record["F"] < UNLOADED
+            case until:
+                return level.T >= until * (1 - 1e-12)
+
+    # -- what is shown and kept ---------------------------------------------------------------------------------------
+
+    def progress(self, result: Step) -> Progress:
+        """Tell how far the run is after a result."""
+        record, counts, schedule = result.record, result.state.counts, self.case.schedule
+        T = result.state.levels[0].T
+        if not record:
+            return Progress(T, counts.steps, 0.0, "")
+        turned = schedule.until == "max-approach" and record["V"] <= 0
+        done = 1.0 if turned else min(T / schedule.duration, 1.0)
+        work = f"{counts.steps} steps, {counts.newton_iterations} Newton, {counts.krylov_iterations} Krylov"
+        message = f"T {T:.3f}  Δ {record['Delta']:+.4f}  H_c {record['H_c']:.5f}  {work}"
+        return Progress(T, counts.steps, done, message)
+
+    def to_arrays(self, result: Step) -> dict[str, NDArray[Any]]:
+        """Everything that is needed to continue after a result, as named arrays, exact to the last bit."""
+        state, levels = result.state, result.state.levels
+        scalars = {"next_step": state.next_step, "next_frame": state.next_frame, **vars(state.counts)}
+        reached = {f"{REACHED}{key}": value for key, value in (state.max_approach or {}).items()}
+        names = list(levels[0].fields)
+        stacks = {name: np.array([getattr(level, name) for level in levels]) for name in NUMBERS}
+        stacks |= {name: np.array([level.fields[name] for level in levels]) for name in names}
+        everything = {**scalars, **reached, **stacks, "fields": names, "status": result.status.value}
+        return {key: np.asarray(value) for key, value in everything.items()}
+
+    def from_arrays(self, arrays: Arrays) -> Step:
+        """Return the result from the arrays of `to_arrays`."""
+        names = arrays["fields"].tolist()
+        numbers = zip(*(arrays[name].tolist() for name in NUMBERS), strict=True)
+        levels = tuple(
+            State(T, Delta, V, {name: arrays[name][i] for name in names}, outside=outside, load=load)
+            for i, (T, Delta, V, load, outside) in enumerate(numbers)
+        )
+        counts = Counts(**{name: arrays[name].item() for name in Counts.__dataclass_fields__})
+        reached = {key.removeprefix(REACHED): float(v) for key, v in arrays.items() if key.startswith(REACHED)}
+        next_step, next_frame = float(arrays["next_step"]), int(arrays["next_frame"])
+        state = RunState(levels, next_step, counts, next_frame, reached or None)
+        return Step(state, {}, (), Status(str(arrays["status"])))
+
+    def dataset(self, records: Sequence[Mapping[str, float]], frames: Sequence[Frame], last: Any) -> xr.Dataset:
+        """Return the run as a Dataset."""
+        return assemble(self.case, records, frames, self.method.coordinates)
+
+    def summary(self, data: xr.Dataset, last: Step, status: Status, work: Mapping[str, float]) -> dict[str, Any]:
+        """Return the outcome of the run as plain data; work: compilations, wall_s."""
+        counts = {**vars(last.state.counts), **work}
+        counts["convolutions"] = round(counts["convolutions"], 1)
+        if self.case.starts_apart:
+            return impact_summary(self.case, data, last.state.max_approach, counts, status)
+        return rolling_summary(self.case, data, counts, status)
 
 
 # -- between steps --------------------------------------------------------------------------------------------------
@@ -199,15 +279,6 @@ def turning_time(levels: Sequence[State]) -> float:
         middle = (early + late) / 2
         early, late = (middle, late) if bdf.interpolation_weights(middle, times) @ V > 0 else (early, middle)
     return (early + late) / 2
-
-
-def _due_frames(case: Case, method: Method, levels: Sequence[State], number: int) -> tuple[list[Frame], int]:
-    """The maps since the previous step, at multiples of the interval."""
-    frames = []
-    while number * case.schedule.interval <= levels[0].T:
-        frames.append(frame_of(method, interpolated(levels, number * case.schedule.interval), ""))
-        number += 1
-    return frames, number
 
 
 def _each_time_once(frames: Sequence[Frame]) -> tuple[Frame, ...]:

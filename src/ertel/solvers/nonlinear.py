@@ -23,7 +23,6 @@ from ertel.equations.linearised import linear_film
 from ertel.numerics import multigrid, newton, stencils
 from ertel.numerics.grid import Grid
 from ertel.numerics.line_smoother import line_smoother
-from ertel.numerics.multigrid import DeformationOperator
 
 Number = Array | float
 PRECISION = "float32"  # of the preconditioner
@@ -38,22 +37,28 @@ class Problem:
 
     contact, rate, line: the surfaces, the rate of change following the flow, the closure's line.
     tolerance: of Reynolds' equation at each node, (n, n) or a number.  load_tolerance: of a line with Delta unknown.
-    elastic: the deformation operators of the preconditioner's grids.  close, preconditioner, options: the algorithms.
+    elastic: the deformation operators of the preconditioner's grids.
     """
 
     contact: Contact
-    elastic: tuple[DeformationOperator, ...]
+    elastic: tuple[multigrid.DeformationOperator, ...]
     rate: Rate
     line: ClosureLine
     tolerance: Number
     load_tolerance: Number
-    close: "CloseSystem" = field(metadata={"static": True})
-    preconditioner: "Preconditioner" = field(metadata={"static": True})
-    options: newton.Options = field(metadata={"static": True})
+    algorithms: "Algorithms" = field(metadata={"static": True})
 
 
 Preconditioner = Callable[[Problem, Array, Array, Array], newton.Map]  # from P, H and the free nodes
 CloseSystem = Callable[[Problem, Array, Number], "ClosedSystem"]  # from the first guess of P and Delta
+
+
+class Algorithms(NamedTuple):
+    """What closes the system, the approximate inverse of its Jacobian, and the limits of the iterations."""
+
+    close: CloseSystem
+    preconditioner: Preconditioner
+    options: newton.Options
 
 
 class ClosedSystem(NamedTuple):
@@ -73,15 +78,16 @@ def solve(problem: Problem, P: Array, approach: Number) -> tuple[newton.Solution
     """P, H and Delta from a first guess of P and Delta (which is not used where Delta follows from P)."""
     turned = partial(flow_aligned, problem.rate)
     problem, P = _flow_aligned(problem), turned(P)
-    closed = problem.close(problem, P, approach)
+    how = problem.algorithms
+    closed = how.close(problem, P, approach)
 
     def residual(P: Array, H: Array) -> Array:
         return contact.residual(problem.contact, P, H, problem.rate)
 
-    inverse = partial(problem.preconditioner, problem)
+    inverse = partial(how.preconditioner, problem)
     fill = partial(filled, problem)
     system = newton.NewtonKrylov(
-        residual, closed.film_change, inverse, problem.tolerance, problem.options, closed.border, fill
+        residual, closed.film_change, inverse, problem.tolerance, how.options, closed.border, fill
     )
     solution = system.solve(P, closed.H)
     fields = {name: turned(getattr(solution, name)) for name in ("P", "H", "left")}
@@ -182,7 +188,7 @@ def multigrid_levels(
     H: Array,
     free: Array,
     rate: Array | float,
-    smoother: Callable[[DeformationOperator, multigrid.Coefficients], multigrid.Smoother],
+    smoother: Callable[[multigrid.DeformationOperator, multigrid.Coefficients], multigrid.Smoother],
 ) -> tuple[multigrid.GridLevel, ...]:
     """The V-cycle's grids for the Jacobian, on the finest grid the exact one.
 

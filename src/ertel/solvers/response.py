@@ -37,15 +37,13 @@ from ertel.equations.flow import Flow, OilContent, Rate, flow_aligned, rate_in_t
 from ertel.equations.linearised import LinearFilm, flux_change, linear_film
 from ertel.equations.state import State, Work
 from ertel.numerics import bdf, multigrid
-from ertel.numerics.bdf import Weights
 from ertel.numerics.line_smoother import LineSmoother, line_smoother
-from ertel.numerics.multigrid import Coefficients, DeformationOperator
 from ertel.numerics.newton import gcr
 from ertel.numerics.programs import require_double
 from ertel.numerics.stencils import inside, upstream_slope
 from ertel.physics.motion import constant
 from ertel.solvers import nonlinear
-from ertel.solvers.nonlinear import PRECISION, Problem, point_preconditioner
+from ertel.solvers.nonlinear import PRECISION, Problem
 from ertel.solvers.steady import GridSolution
 from ertel.solvers.transient import FALLING, Transient2D
 
@@ -86,17 +84,7 @@ def tangent_step(method: Transient2D, smooth: Sequence[State], changes: Sequence
         for levels in (smooth[1 : before + 1], changes[:before])
     )
     c, flow = method.contact_at(new.T), method.flow(new.T, times[1:])
-    problem = Problem(
-        c,
-        method.setting.elastic,
-        Rate(rates[0], 0.0),
-        line,
-        1.0,
-        1.0,
-        nonlinear.eliminate_approach,
-        point_preconditioner,
-        FALLING,
-    )
+    problem = Problem(c, method.setting.elastic, Rate(rates[0], 0.0), line, 1.0, 1.0, FALLING)
     fields, approach, iterations = _solve_step(problem, new.fields, past, change, rates, flow, shape)
     velocity = rate_of_change(rates, float(approach), approaches)
     status = Status.CONVERGED if int(iterations) < STEP_LIMIT else Status.NEWTON_STALLED
@@ -105,7 +93,7 @@ def tangent_step(method: Transient2D, smooth: Sequence[State], changes: Sequence
 
 @jax.jit
 def _solve_step(
-    problem: Problem, fields: Fields, past: Fields, change: Fields, rates: Weights, flow: Flow | None, shape: Array
+    problem: Problem, fields: Fields, past: Fields, change: Fields, rates: bdf.Weights, flow: Flow | None, shape: Array
 ) -> tuple[Fields, Array, Array]:
     """The changes of the fields and of the approach, and the number of Krylov iterations.
 
@@ -124,7 +112,7 @@ def _solve_step(
 
     _, change_of_r = jax.linearize(residual, P, H, jnp.zeros_like(P))
     closed = nonlinear.eliminate_approach(problem, P, 0.0)
-    inverse = point_preconditioner(problem, P, H, free)
+    inverse = nonlinear.point_preconditioner(problem, P, H, free)
     given = -line.value / line.approach_weight - shape  # the part of dH that no pressure makes
     dP, iterations = gcr(
         lambda d: free * change_of_r(d, closed.film_change(d), jnp.zeros_like(d)),
@@ -176,7 +164,7 @@ def wave_response(case: Case, film: GridSolution, wave: RoughnessWave) -> WaveRe
 @jax.jit
 def _solve_wave(
     c: Contact,
-    elastic: tuple[DeformationOperator, ...],
+    elastic: tuple[multigrid.DeformationOperator, ...],
     P: Array,
     H: Array,
     line: ClosureLine,
@@ -230,7 +218,7 @@ class _Riding(NamedTuple):
 
 
 def _levels(
-    film: LinearFilm, free: Array, elastic: tuple[DeformationOperator, ...], riding: _Riding
+    film: LinearFilm, free: Array, elastic: tuple[multigrid.DeformationOperator, ...], riding: _Riding
 ) -> tuple[multigrid.GridLevel, ...]:
     """The V-cycle's grids, on the finest grid the operator with the mobility of the nodes."""
     precision = elastic[0].spectrum.dtype
@@ -238,7 +226,7 @@ def _levels(
     fields = free, riding
     free, riding = tree.map(lambda values: jnp.asarray(values, multigrid.in_precision(precision, values)), fields)
 
-    def smoother(e: DeformationOperator, c: Coefficients) -> LineSmoother:
+    def smoother(e: multigrid.DeformationOperator, c: multigrid.Coefficients) -> LineSmoother:
         """The waves where the grid holds those that ride with the oil; elsewhere long waves alone."""
         turn = riding.frequency * e.spacing / riding.entrainment
         holds = turn <= 2 * jnp.pi / NODES_PER_WAVE
@@ -249,5 +237,5 @@ def _levels(
     def residual(dP: Array, dH: Array) -> Array:
         return film.residual(dP, dH, lambda mass: riding.rate(mass, film.spacing))
 
-    finest = Coefficients(film.eps, film.by_H.mass, film.by_P.mass, free, film.steepening)
+    finest = multigrid.Coefficients(film.eps, film.by_H.mass, film.by_P.mass, free, film.steepening)
     return multigrid.hierarchy(elastic, finest, smoother, residual)

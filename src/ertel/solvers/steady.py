@@ -22,7 +22,6 @@ from ertel.case.case import Case
 from ertel.case.definition import grid_of
 from ertel.case.status import Status
 from ertel.equations import account, contact, discretise
-from ertel.equations.account import Friction, Moment, whole_maps
 from ertel.equations.approach import balanced
 from ertel.equations.contact import Contact
 from ertel.equations.flow import OilContent, steady_rate, wedge
@@ -31,11 +30,9 @@ from ertel.numerics import multigrid, newton, stencils
 from ertel.numerics.grid import Extrapolation, Grid, check_coarsening, expected_next, extrapolate
 from ertel.numerics.integrals import Plane
 from ertel.numerics.programs import ANY_SIZE, Program, double_precision
-from ertel.numerics.stencils import folded, unfolded
 from ertel.physics.geometry import ContactMotion, Geometry
 from ertel.solvers import nonlinear
 from ertel.solvers.heat import Heated, heated
-from ertel.solvers.nonlinear import PRECISION, Problem
 
 Floats = NDArray[np.float64]
 
@@ -50,6 +47,7 @@ SMALL = 2 * 65 * 65  # entries of the largest array on a grid that is solved in 
 # least: where the tolerance is so loose that the first guess may meet it, one iteration leaves too much
 # Krylov: 3 to 6 are needed, a sharp spike on a fine grid wants all; each keeps its two fields; Newton: likewise, 5 to 7
 OPTIONS = newton.Options(newton_limit=100, newton_least=2, krylov_limit=18, first_reduction=0.1)
+ALGORITHMS = nonlinear.Algorithms(nonlinear.approach_as_unknown, nonlinear.line_preconditioner, OPTIONS)
 
 _program = Program(nonlinear.solve, SMALL)
 
@@ -106,12 +104,12 @@ class GridSolution:
         return self._values["load"]
 
     @cached_property
-    def account(self) -> tuple[dict[str, float], Friction]:
+    def account(self) -> tuple[dict[str, float], account.Friction]:
         """The terms of its balances and the coefficients of its friction by name, and its friction."""
         m, scale = self.case.motion, self.case.geometry.hertz_load
         U, load = m.entrainment(0.0), m.load(0.0)
         gap_change = discretise.gap_change(self.case, self.grid, 0.0)
-        moment = Moment(self.approach, U, m.sliding(0.0), gap_change, load, scale)
+        moment = account.Moment(self.approach, U, m.sliding(0.0), gap_change, load, scale)
         terms, friction = _account_program(Plane.of(self.grid), self.contact, self.P, self.H, self.content, moment)
         around = discretise.outside_of(self.case, self.grid).at(motion_of(self.case, self.approach))
         around = around._replace(load=self.outside)
@@ -131,7 +129,7 @@ class GridSolution:
     @property
     def maps(self) -> dict[str, Floats]:
         """Its fields on the whole plane by name: those of `account.whole_maps`, and the temperatures."""
-        maps = whole_maps(self.whole, self.fields, self.account[1])
+        maps = account.whole_maps(self.whole, self.fields, self.account[1])
         heat = self.heat
         if heat is not None:
             maps |= {name: np.asarray(self.whole(getattr(heat, name))) for name in ("T_1", "T_2", "T_film")}
@@ -142,7 +140,7 @@ class GridSolution:
 
         odd: whether it changes its sign at the axis Y = 0.
         """
-        return unfolded(np.asarray(field), self.grid.even, odd)  # type: ignore[arg-type]
+        return stencils.unfolded(np.asarray(field), self.grid.even, odd)  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)
@@ -221,7 +219,7 @@ def dry_guess(geometry: Geometry, grid: Grid, load: float) -> tuple[Floats, floa
     """Pressure and approach of the dry contact under a load in units F*; the pressure is scaled to carry it exactly."""
     P = geometry.dry_pressure(load, grid.kept_x[None, :], grid.kept_y[:, None])
     needed = load * geometry.hertz_load / grid.spacing**2
-    return P * (needed / unfolded(P, grid.even).sum()), geometry.dry_approach(load)
+    return P * (needed / stencils.unfolded(P, grid.even).sum()), geometry.dry_approach(load)
 
 
 def _rough_guess(case: Case, grid: Grid) -> tuple[Floats, float]:
@@ -250,11 +248,11 @@ def _from_coarse(c: Contact, coarse: Array, starved: Array) -> Array:
 
     Newton's iteration moves a meniscus upstream in fewer steps than it takes to correct one that lies too far upstream.
     """
-    coarse = unfolded(coarse, c.even)
+    coarse = stencils.unfolded(coarse, c.even)
     full = multigrid.prolong(jnp.where(coarse > 0.0, 1.0, 0.0)) == 1.0
     # linear interpolation has steps in the slope, which cause a large residual in the inlet
     P = jnp.where(full | ~starved, multigrid.prolong_smooth(coarse), 0.0)
-    return stencils.inside(folded(jnp.maximum(P, 0.0), c.even), c.even)
+    return stencils.inside(stencils.folded(jnp.maximum(P, 0.0), c.even), c.even)
 
 
 _refined = Program(jax.jit(_from_coarse), ANY_SIZE)
@@ -274,25 +272,23 @@ def solve_on_grid(case: Case, grid: Grid, c: Contact, P: Array | Floats, approac
     return GridSolution(case, grid, s.P, s.H, float(Delta), history[-1], status, n, k, work, history, around.load)
 
 
-def problem_of(case: Case, grid: Grid, c: Contact, outside: float) -> Problem:
+def problem_of(case: Case, grid: Grid, c: Contact, outside: float) -> nonlinear.Problem:
     """The equations of the steady film on one grid.  outside: the load that the oil outside the grid carries."""
     geometry, tolerance = case.geometry, case.solver.tolerance if case.is_steady else TOLERANCE
-    return Problem(
+    return nonlinear.Problem(
         c,
-        multigrid.deformation_operators(grid, geometry.compliance, PRECISION),
+        multigrid.deformation_operators(grid, geometry.compliance, nonlinear.PRECISION),
         steady_rate(case.motion.entrainment(0.0), discretise.layer_of(case, grid)),
         balanced(case.motion.load(0.0), geometry.hertz_load).less(outside),
         tolerance,
         tolerance / geometry.hertz_load,
-        nonlinear.approach_as_unknown,
-        nonlinear.line_preconditioner,
-        OPTIONS,
+        ALGORITHMS,
     )
 
 
 def _account(
-    space: Plane, c: Contact, P: Array, H: Array, content: OilContent, m: Moment
-) -> tuple[dict[str, Array], Friction]:
+    space: Plane, c: Contact, P: Array, H: Array, content: OilContent, m: account.Moment
+) -> tuple[dict[str, Array], account.Friction]:
     change = wedge(content, m.U, c.spacing)
     return account.account(space, c, P, H, m, content.oil, content.passing, change)
 
@@ -301,7 +297,7 @@ _oil_program = Program(jax.jit(contact.steady_oil), ANY_SIZE)
 _account_program = Program(jax.jit(_account), ANY_SIZE)
 
 
-def steady_friction(case: Case, s: GridSolution) -> Friction:
+def steady_friction(case: Case, s: GridSolution) -> account.Friction:
     """The friction of a steady film, of the shape of its grid; the case may slide in another way."""
     m, space = case.motion, Plane.of(s.grid)
     c, scale = replace(s, case=case).contact, case.geometry.hertz_load

@@ -22,24 +22,25 @@ from ertel.equations.contact import Contact
 from ertel.equations.flow import Flow, OilContent, Rate, rate_in_time
 from ertel.equations.state import Axes, Method, State, Stepping, StepSolution, Work, padded
 from ertel.numerics import bdf, multigrid, newton, stencils
-from ertel.numerics.bdf import Weights
 from ertel.numerics.grid import Symmetry, check_coarsening
 from ertel.numerics.integrals import Plane
-from ertel.numerics.multigrid import DeformationOperator
 from ertel.numerics.programs import Program
 from ertel.numerics.stencils import total, unfolded
 from ertel.physics.geometry import ContactMotion
 from ertel.solvers import nonlinear, steady
-from ertel.solvers.nonlinear import PRECISION, CloseSystem, Problem, point_preconditioner
+from ertel.solvers.nonlinear import PRECISION, Algorithms, Problem
 
 THIN = 0.1  # of the film scale: below this the time error of a film is not taken relative to itself
 MAX_PRESSURE_DROP = 0.4  # share of the last pressure by which the prediction may fall
 LOAD_TOLERANCE = 0.01  # of the tolerance, is left over in a balanced load (relative)
 # RESIDUAL: largest residual film of a step, in tolerances of time; a larger one would dominate the step size.
 # A step needs 2 or 3 Krylov iterations, and each has its two fields
-FALLING_RESIDUAL, FALLING = 20.0, newton.Options(newton_limit=100, krylov_limit=6, first_reduction=0.1)
+FALLING_RESIDUAL, ROLLING_RESIDUAL = 20.0, 10.0
+OPTIONS = newton.Options(newton_limit=100, krylov_limit=6, first_reduction=0.1)
+FALLING = Algorithms(nonlinear.eliminate_approach, nonlinear.point_preconditioner, OPTIONS)
 # With little inertia or none V is the difference of the films of two steps, and a large residual of a step is amplified
-ROLLING_RESIDUAL, ROLLING = 10.0, replace(FALLING, krylov_limit=10, first_reduction=0.01)
+SHARPER = replace(OPTIONS, krylov_limit=10, first_reduction=0.01)
+ROLLING = Algorithms(nonlinear.approach_as_unknown, nonlinear.point_preconditioner, SHARPER)
 
 
 @register_dataclass
@@ -52,7 +53,7 @@ class Setting:
     relative.  film_scale: of the case.  hertz_load: F* in a^2 p_h.  coarsenings: see `film_error`.
     """
 
-    elastic: tuple[DeformationOperator, ...]
+    elastic: tuple[multigrid.DeformationOperator, ...]
     space: Plane
     axes: Axes
     gap_slope: Array
@@ -69,20 +70,20 @@ class Known(NamedTuple):
     shape (3,).  approach: the predicted Delta.  sliding: u1 - u2 in a/t0.  around: load and uplift of the oil outside.
     """
 
-    predict: Weights
-    rates: Weights
+    predict: bdf.Weights
+    rates: bdf.Weights
     line: ClosureLine
     approach: float
     sliding: float
     load_around: float
     uplift: float
 
-    def packed(self) -> Weights:
+    def packed(self) -> bdf.Weights:
         """One array: each one that goes to the device costs the same time, however small."""
         return np.hstack(self)
 
     @classmethod
-    def of(cls, packed: Array | Weights) -> "Known":
+    def of(cls, packed: Array | bdf.Weights) -> "Known":
         return cls(packed[:3], packed[3:6], ClosureLine(*packed[6:9]), *packed[9:])  # type: ignore[arg-type]
 
 
@@ -99,12 +100,11 @@ class StepProblem:
     setting: Setting
     contact: Contact
     past: tuple[Mapping[str, Array], ...]
-    known: Weights
+    known: bdf.Weights
     edge: Array | NDArray[np.float64]
     flow: Flow | None
     roughness_change: Array | float
-    close: CloseSystem = field(metadata={"static": True})
-    options: newton.Options = field(metadata={"static": True})
+    algorithms: Algorithms = field(metadata={"static": True})
 
 
 class Transient2D(Method):
@@ -202,7 +202,7 @@ class Transient2D(Method):
             around.edge,
             self.flow(T, [*times, times[-1]][:2]),
             discretise.roughness_change(self.case, self.grid, T),
-            *((nonlinear.eliminate_approach, FALLING) if falls else (nonlinear.approach_as_unknown, ROLLING)),
+            FALLING if falls else ROLLING,
         )
         numbers = np.asarray(solution.numbers).tolist()
         extremes = state.named_numbers(self.grid, numbers[len(account.NUMBERS) :])
@@ -295,9 +295,7 @@ def solve_step(p: StepProblem) -> StepSolution:
         known.line.less(known.load_around),
         allowed,
         LOAD_TOLERANCE * s.tolerance,
-        p.close,
-        point_preconditioner,
-        p.options,
+        p.algorithms,
     )
     solution, approach = nonlinear.solve(problem, P, known.approach)
     P, H = solution.P, solution.H
@@ -327,5 +325,5 @@ def _numbers(
     return jnp.concatenate([stepped, state.extreme_numbers(setting.axes, s.P, s.H)])
 
 
-def _weighted(weights: Weights, fields: Sequence[Array]) -> Array:
+def _weighted(weights: bdf.Weights, fields: Sequence[Array]) -> Array:
     return jnp.tensordot(jnp.asarray(weights), jnp.stack(fields), axes=1)
