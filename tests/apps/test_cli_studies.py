@@ -266,7 +266,6 @@ def test_a_study_may_have_other_files_beside_it(here):
     [
         ("sweep loads.toml --set contact.M=20", "the study has one case only: give a list"),
         ("sweep loads.toml --set contact.M=[20,'x']", 'contact.M = "x": must be a number (in the case with contact.M'),
-        ("sweep loads.toml --set sweep.mode=grid", 'sweep.mode = "grid": allowed: product, zip'),
         ("sweep loads.toml --part 3/2", "--part 3/2: must be I/N"),
         ("sweep loads.toml --scheduler tcp://a:1 --scheduler-file b", "scheduler = "),
         ("sweep loads.toml --jobs 0", "Invalid value for '--jobs'"),

@@ -137,37 +137,3 @@ def test_steps_settle_where_a_third_order_error_is_below_the_tolerance(step, uni
     for _ in range(40):
         step = bdf.adapted(step, (step / unit) ** 3)
     assert step == pytest.approx(bdf.SAFETY * unit, rel=1e-9)
-
-
-def solve_adaptive(tolerance: float) -> tuple[float, int]:
-    """y' = -y (y - 1) 30 from 0.01 to t = 1, an S-shaped front: the largest true error and the number of steps."""
-    rate = 30.0
-
-    def exact(t):
-        return 1 / (1 + 99 * np.exp(-rate * t))
-
-    step = 1e-4
-    times = [step * k for k in range(3)]
-    ys = [exact(t) for t in times]
-    worst = 0.0
-    while times[-1] < 1.0:
-        levels = [times[-1] + step, *times[:-4:-1]]
-        w = derivative_weights(levels[:3])
-        past = w[1] * ys[-1] + w[2] * ys[-2]
-        b = w[0] - rate  # w0 y + past = rate (y - y^2), the root that continues the solution
-        y = (-b + sqrt(b * b - 4 * rate * past)) / (2 * rate)
-        prediction = interpolation_weights(levels[0], levels[1:]) @ np.array(ys[:-4:-1])
-        error = abs(error_factor(levels) * (y - prediction)) / tolerance
-        if error <= bdf.REJECTED:
-            times.append(levels[0])
-            ys.append(y)
-            worst = max(worst, abs(y - exact(levels[0])))
-        step = bdf.adapted(step, error)
-    return worst, len(times)
-
-
-def test_step_control_buys_accuracy_at_the_price_of_second_order():
-    """A tolerance 1000 times smaller: steps 10 times shorter, true error about 100 times smaller."""
-    (loose, few), (tight, many) = solve_adaptive(1e-5), solve_adaptive(1e-8)
-    assert many / few == pytest.approx(10.0, rel=0.2)
-    assert loose / tight == pytest.approx(100.0, rel=0.4)

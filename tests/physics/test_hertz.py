@@ -142,15 +142,6 @@ def test_asymptotes_as_the_paper_writes_them(t_star, share):
         assert by_place == pytest.approx(hertz.parabola_front_speed(t, t_star), rel=1e-9)
 
 
-def test_best_parabola_of_the_central_part_is_the_papers_2_7():
-    """Half base fitted over the central 70 % of the contact time: the full base is 2.69."""
-    T = np.linspace(-0.7, 0.7, 401) * HALF_CONTACT_TIME
-    exact = hertz.contact_radius(T + HALF_CONTACT_TIME)
-    half_bases = np.linspace(1.2, 1.5, 301)
-    misfit = [np.sum((hertz.parabola_radius(T, t_star) - exact) ** 2) for t_star in half_bases]
-    assert 2 * half_bases[np.argmin(misfit)] == pytest.approx(2.69, abs=0.01)
-
-
 def test_asymptotes_end():
     """Taylor's parabola has its root at 0.9 t*."""
     root = sqrt(8) / pi * HALF_CONTACT_TIME

@@ -173,14 +173,11 @@ def sweep(
     """
     from ertel.apps import studies
     from ertel.inputs.studies import load_study
-    from ertel.runs.studies import require_place
 
     engine = studies.Engine(jobs, scheduler, scheduler_file, tls)
     chosen = studies.part_of(part)
     study = load_study(study_file, set_ or [])
-    directory = out or Path("sweeps").absolute() / study.name
-    require_place(directory, option="--out")
-    studies.sweep(study, directory, engine, chosen, as_json, quiet)
+    studies.sweep(study, out or Path("sweeps").absolute() / study.name, engine, chosen, as_json, quiet)
 
 
 @app.command()
@@ -205,14 +202,11 @@ def fit(
     continues; a fit with other data or bounds uses the runs again as far as they are the same.
     """
     from ertel.apps import studies
-    from ertel.runs.fit import NAME, load_fit_problem
-    from ertel.runs.studies import require_place
+    from ertel.runs.fit import load_fit_problem
 
     engine = studies.Engine(jobs, scheduler, scheduler_file, tls)
     problem = load_fit_problem(fit_file, set_ or [])
-    directory = out or Path("fits").absolute() / fit_file.stem
-    require_place(directory, NAME, "--out")
-    studies.fit(problem, directory, engine, as_json, quiet)
+    studies.fit(problem, out or Path("fits").absolute() / fit_file.stem, engine, as_json, quiet)
 
 
 @app.command("warm-up")

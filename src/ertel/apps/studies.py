@@ -37,6 +37,7 @@ def part_of(text: str | None) -> stored.Part:
 
 def sweep(study: Study, directory: Path, engine: Engine, part: stored.Part, as_json: bool, quiet: bool) -> None:
     """Do what is left of a study, write and print what all its runs say."""
+    stored.require_place(directory, option="--out")
     prepare_jax()
     left = stored.left_of(study.cases, directory, part)
     if not quiet:
@@ -83,6 +84,7 @@ def traction(
 
 def fit(problem: fits.FitProblem, directory: Path, engine: Engine, as_json: bool, quiet: bool) -> None:
     """Do what is left of a fit, write and print it."""
+    stored.require_place(directory, fits.NAME, "--out")
     prepare_jax()
     with interruptible() as stop, writing_to(directory, GOES_ON):
         try:

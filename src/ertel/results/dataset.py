@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from functools import cache
 from importlib.metadata import version
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -90,18 +91,15 @@ def assemble_steady(
     rows = [with_coefficients(s.record, case.scales) for s in solutions]
     work = ("residual", "newton_iterations", "krylov_iterations", "convolutions")
     names = (*variables.MEASURED, *variables.BUDGET, *variables.FRICTION, *work)
-    longest = max((len(s.history) for s in solutions), default=0)
-    history = np.full((len(solutions), longest), np.nan)
-    for row, s in zip(history, solutions, strict=True):
-        row[: len(s.history)] = s.history
+    histories = list(zip_longest(*(s.history for s in solutions), fillvalue=np.nan))
     arrays: Arrays = {
         **{name: (("Y", "X"), maps[name]) for name in fields},
         **{name: (("grid",), np.array([row[name] for row in rows], dtype=float)) for name in names},
-        "history": (("grid", "iteration"), history),
+        "history": (("grid", "iteration"), np.reshape(histories, (len(histories), len(solutions))).T),
         "Y": (("Y",), grid.y),
         "X": (("X",), grid.x),
         "grid": (("grid",), np.array([s.grid.nodes for s in solutions], dtype=np.int64)),
-        "iteration": (("iteration",), np.arange(longest)),
+        "iteration": (("iteration",), np.arange(len(histories))),
     }
     return _dataset(case, arrays, attributes)
 

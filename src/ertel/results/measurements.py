@@ -79,7 +79,7 @@ class Measurement:
         x = np.zeros_like(values) if self.x is None else np.asarray(self.x, dtype=np.float64)
         sigma = np.asarray(1.0 if self.sigma is None else self.sigma, dtype=np.float64)
         align = (self.align,) if isinstance(self.align, str) else tuple(self.align)
-        _name_of(self.quantity)
+        _unit(self.quantity)
         if unknown := [name for name in align if name not in ALIGNMENTS]:
             raise ValueError(f"align = {unknown[0]!r}: must be of {', '.join(ALIGNMENTS)}")
         if (self.x is None) != (self.kind == "number"):
@@ -356,23 +356,18 @@ class Comparison:
         return f"{m.name}: {QUANTITIES[m.quantity].long_name}{where}: {self.text}, {len(self.x)} values{shift}"
 
 
-def _name_of(quantity: str) -> Variable:
+def _unit(quantity: str) -> str:
+    """The SI unit of a quantity, "1" of a plain number.  Raises ValueError for a name that is not known."""
     if quantity not in QUANTITIES:
         raise ValueError(f"quantity = {quantity!r}: must be the name of a result, such as h, h_c, restitution")
-    return QUANTITIES[quantity]
-
-
-def _unit(quantity: str) -> str:
-    """The SI unit of a quantity, "1" of a plain number."""
-    about = _name_of(quantity)
+    about = QUANTITIES[quantity]
     return about.si_units or (about.unit if about.unit in IN_SI else "1")
 
 
 def _in_si(quantity: str, value: float | str) -> float:
     unit = _unit(quantity)
+    is_number = unit == "1" or not isinstance(value, str)
     try:
-        return (
-            float(value) if unit == "1" or not isinstance(value, str) else in_si(value, Unit(unit, f"1 {unit}", True))
-        )
+        return float(value) if is_number else in_si(value, Unit(unit, f"1 {unit}", True))
     except ValueError as error:
         raise ValueError(f"{quantity} = {value!r}: {error}") from error

@@ -9,15 +9,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from html import escape
 from io import BytesIO
 from math import floor, isfinite, log10
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from ertel.case.status import Status
 from ertel.physics.scales import Scales
 from ertel.physics.temperature_laws import ZERO_CELSIUS
 from ertel.results.variables import COEFFICIENT, FILMS, FRICTION, MEASURED, VARIABLES, Variable, unit_of, with_prefix
-
-if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
-    from matplotlib.figure import Figure
 
 Outcome = Mapping[str, Any]  # of a run, as `results.summary` and `summary.json` have it
 
@@ -334,7 +331,7 @@ def html_columns(columns: Sequence[Sequence[str]]) -> str:
     return f"<table>{table}</table>"
 
 
-def html_image(draw: "Callable[[], Figure]", name: str) -> str:
+def html_image(draw: Callable[[], Any], name: str) -> str:
     """A figure as an image that the page contains; empty where there is nothing to draw yet."""
     try:
         figure = draw()

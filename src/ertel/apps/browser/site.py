@@ -272,10 +272,8 @@ class Slider:
     @property
     def at(self) -> float | str | None:
         """The moment: the name of an event, or the time of the map; None of a steady contact."""
-        if not self._info.T:
-            return None
         named = [event for event, index in self._info.events.items() if index == self.index]
-        return named[0] if named else self._info.T[self.index]
+        return named[0] if named else self.T
 
     @property
     def T(self) -> float | None:
@@ -306,9 +304,9 @@ class Slider:
         self._label_time()
 
     def _label_time(self) -> None:
-        if self._info.T:
-            T, t0 = self._info.T[self.index], self._info.t0
-            self._label.set_text((f"{with_prefix(T * t0, 's')}  ·  " if t0 else "") + f"T = {T:.3f}")
+        if self.T is not None:
+            in_seconds = f"{with_prefix(self.T * self._info.t0, 's')}  ·  " if self._info.t0 else ""
+            self._label.set_text(f"{in_seconds}T = {self.T:.3f}")
 
     def _moved(self) -> None:
         self._label_time()
