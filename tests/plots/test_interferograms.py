@@ -181,34 +181,6 @@ def test_a_run_that_does_not_know_its_oil_is_full(ball, few_pixels):
     unknown = ball.assign(oil=np.nan * ball["oil"])
     for run in (ball.drop_vars("oil"), unknown):
         np.testing.assert_array_equal(images(plots.interferogram(run))[0], picture)
-    with pytest.raises(plots.NoFigure, match=r"oil: an earlier version wrote this run .*; run it again"):
-        plots.oil(ball.drop_vars("oil"))
-
-
-# -- what cannot be drawn --------------------------------------------------------------------------------------------
-
-
-NAMES = "must be mono, white or a light of ertel.optics"
-
-
-@pytest.mark.parametrize(
-    ("run", "draw", "options", "said"),
-    [
-        ("moes", plots.interferogram, {}, r"the run is dimensionless.*run a case in SI.*film_scale"),
-        ("moes", plots.interferogram, {"film_scale": 300.0}, "film_scale = 300"),
-        ("rolls", plots.interferogram, {"at": 1.0}, "a steady contact has no moments"),
-        ("no maps", plots.interferogram, {}, "has no maps yet"),
-        ("ball", plots.interferogram, {"light": "sunny"}, f"light = 'sunny': {NAMES}"),
-        ("ball", plots.interferogram, {"light": 532e-9}, f"light = 5.32e-07: {NAMES}"),
-        ("rolls", plots.animation, {}, "a steady contact does not move"),
-        ("one map", plots.animation, {}, "the run has 1 maps"),
-    ],
-)
-def test_refused(ball, rolls, few_pixels, run, draw, options, said):
-    runs = {"moes": dry_impact(MOES_FALLS), "rolls": rolls, "ball": ball}
-    runs |= {"no maps": ball.isel(frame=slice(0)), "one map": ball.isel(frame=[0])}
-    with pytest.raises(plots.NoFigure, match=said):
-        draw(runs[run], **options)
 
 
 def test_result_has_it(ball, rolls, few_pixels):

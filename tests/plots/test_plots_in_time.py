@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from cases import python
 from drawn import flow_arrows, line, of_type, panels, right_of, roughness_lines, words
-from made_up import BALL_FALLS, BALL_ROLLS, BARUS, C1, MOES_FALLS, MOES_ROLLS, as_in_time, dry_impact, in_time
+from made_up import BALL_FALLS, BALL_ROLLS, BARUS, C1, MOES_FALLS, MOES_ROLLS, as_in_time, dry_impact, in_time, steady
 from matplotlib.colors import to_rgba
 
 from ertel import plots
@@ -124,23 +124,6 @@ def test_a_time_chooses_the_map_next_to_it_and_an_event_its_own(moes):
     data = moes.isel(frame=slice(0, 30))  # without a maximum
     shown = line(panels(plots.profiles(data))[1], "last map")
     np.testing.assert_array_equal(shown.get_ydata(), data["P"].values[-1, 40])
-
-
-@pytest.mark.parametrize("at", [0.01, 3.91, -1.0, "touch", "end"])
-def test_a_moment_that_the_run_does_not_have_is_refused(moes, at):
-    with pytest.raises(ValueError, match=r'at = .*0\.05 to 3\.9 t0 .*has "max-approach"$'):
-        plots.overview(moes, at=at)
-
-
-def test_a_figure_that_the_run_does_not_have(ball):
-    with pytest.raises(plots.NoFigure, match="convergence: a run in time has no such figure"):
-        plots.convergence(ball)
-    with pytest.raises(plots.NoFigure, match=r"the front has no speed: .*before it"):
-        plots.front(ball.isel(frame=slice(0, 30)))
-    with pytest.raises(plots.NoFigure, match="a rolling contact has none"):
-        plots.front(in_time(BALL_ROLLS))
-    with pytest.raises(plots.NoFigure, match="no maps"):
-        plots.overview(ball.isel(frame=slice(0, 0)))
 
 
 # -- profiles and maps ------------------------------------------------------------------------------------------------
@@ -296,17 +279,20 @@ def test_maps_show_hills_and_valleys():
         assert words(axes) == [f"roughness +{half:.3g} nm", f"roughness \N{MINUS SIGN}{half:.3g} nm"]
 
 
-def test_profiles_show_the_roughness():
+def test_profiles_show_the_roughness_below():
     data = in_time(replace(as_in_time(MOES_ROLLS), roughness=ROUGH[1:]))
-    for axes in panels(plots.profiles(data, at=1.0)):
+    at_rest = Drive(slide_to_roll=-2.0)  # surface 1
+    rough = steady(replace(MOES_ROLLS, roughness=(Feature(Waviness(0.01, 0.5, phase_x=0.3), 1),), drive=at_rest))
+    for axes in panels(plots.profiles(data, at=1.0)) + panels(plots.midlines(rough)):
         assert axes.get_ylim()[0] < 0 <= min(axes.get_yticks())
         assert any(text.get_text().startswith("roughness") for text in axes.texts)
     for axes in panels(plots.profiles(data, at="end")):  # the spot has left, but for round-off
         assert axes.get_ylim()[0] == 0 and not axes.texts
+    assert all(roughness_lines(axes) for axes in panels(plots.maps(rough)))
 
 
-def test_a_smooth_impact_shows_no_roughness_and_no_flow(moes):
-    for axes in panels(plots.overview(moes)):
+def test_a_smooth_contact_shows_no_roughness_and_a_resting_one_no_flow(moes):
+    for axes in panels(plots.overview(moes)) + panels(plots.overview(steady(MOES_ROLLS))):
         assert not roughness_lines(axes)
         assert not [text for text in axes.texts if "roughness" in text.get_text()]
     assert not [text for axes in panels(plots.maps(moes)) for text in axes.texts]

@@ -11,9 +11,11 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from ertel import plots
+from ertel.case.definition import grid_of
 from ertel.inputs.python import rolling
 from ertel.physics.surfaces import Feature, Spot
 from ertel.plots import interferograms
+from ertel.results.dataset import assemble_steady
 from ertel.results.result import Plot
 from ertel.results.study_result import StudyResult
 
@@ -94,8 +96,6 @@ def test_panels_in_axes_of_ones_own(runs):
     assert left.get_xlabel() == "$x$ (µm)" and not left.get_title() and not figure.get_suptitle()
     assert not right.has_data()
     assert plots.profiles(runs["ball"], ax=[left, right]) is figure and right.has_data()
-    with pytest.raises(plots.NoFigure, match="ax: this picture has 2 panels"):
-        plots.profiles(runs["ball"], ax=left)
 
 
 def test_size_and_no_titles(runs):
@@ -104,19 +104,44 @@ def test_size_and_no_titles(runs):
     assert not figure.get_suptitle() and not any(axes.get_title() for axes in figure.axes)
 
 
+LIGHTS = "must be mono, white or a light of ertel.optics"
+
+
 @pytest.mark.parametrize(
-    ("options", "said"),
+    ("run", "name", "options", "said"),
     [
-        ({"columns": 3}, "columns = 3: must be 1 or 2"),
-        ({"figsize": 3}, r"figsize = 3: must be width and height in inches"),
-        ({"figsize": ("a", "b")}, r"figsize = .*must be width and height in inches"),
-        ({"figsize": (85, 60)}, r"figsize = \(85, 60\): must be width and height in inches"),
-        ({"columns": 1, "figsize": (3.0, 3.0)}, "give one of them"),
+        ("ball", "film", {"columns": 3}, "columns = 3: must be 1 or 2"),
+        ("ball", "film", {"figsize": 3}, r"figsize = 3: must be width and height in inches"),
+        ("ball", "film", {"figsize": ("a", "b")}, r"figsize = .*must be width and height in inches"),
+        ("ball", "film", {"figsize": (85, 60)}, r"figsize = \(85, 60\): must be width and height in inches"),
+        ("ball", "film", {"columns": 1, "figsize": (3.0, 3.0)}, "give one of them"),
+        ("ball", "profiles", {"ax": Figure().subplots()}, "ax: this picture has 2 panels"),
+        *(("moes", "overview", {"at": at}, r'at = .*0\.05 to 3\.9 t0 .*has "max-approach"$')
+          for at in (0.01, 3.91, -1.0, "touch", "end")),
+        ("ball", "convergence", {}, "convergence: a run in time has no such figure"),
+        ("before", "front", {}, r"the front has no speed: .*before it"),
+        ("rough", "front", {}, "a rolling contact has none"),
+        ("no maps", "overview", {}, "no maps"),
+        ("old", "oil", {}, r"oil: an earlier version wrote this run .*; run it again"),
+        ("steady", "film", {"at": 1.0}, "steady contact has no moments"),
+        ("steady", "history", {}, r"history: a steady contact has no such figure; it has overview, .*maps"),
+        ("no solution", "overview", {}, "no solution"),
+        ("moes", "interferogram", {}, r"the run is dimensionless.*run a case in SI.*film_scale"),
+        ("moes", "interferogram", {"film_scale": 300.0}, "film_scale = 300"),
+        ("steady", "interferogram", {"at": 1.0}, "a steady contact has no moments"),
+        ("no maps", "interferogram", {}, "has no maps yet"),
+        ("ball", "interferogram", {"light": "sunny"}, f"light = 'sunny': {LIGHTS}"),
+        ("ball", "interferogram", {"light": 532e-9}, f"light = 5.32e-07: {LIGHTS}"),
+        ("steady", "animation", {}, "a steady contact does not move"),
+        ("one map", "animation", {}, "the run has 1 maps"),
     ],
-)
-def test_refused(runs, options, said):
+)  # fmt: skip
+def test_refused(runs, run, name, options, said):
+    parts = {"before": slice(0, 30), "no maps": slice(0, 0), "one map": slice(0, 1)}
+    cut = {key: runs["ball"].isel(frame=frames) for key, frames in parts.items()}
+    cut |= {"old": runs["ball"].drop_vars("oil"), "no solution": assemble_steady(LONG, grid_of(LONG), ())}
     with pytest.raises(plots.NoFigure, match=said):
-        plots.film(runs["ball"], **options)
+        getattr(plots, name)({**runs, **cut}[run], **options)
 
 
 def test_files_have_fonts_that_journals_take(runs, tmp_path):

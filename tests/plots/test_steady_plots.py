@@ -4,20 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from drawn import edge_of_oil, flow_arrows, line, of_type, panels, right_of, roughness_lines
+from drawn import edge_of_oil, flow_arrows, line, of_type, panels, right_of
 from made_up import BALL_ROLLS as BALL
 from made_up import C1, H_C, H_MIN, in_time, solutions, steady
 from made_up import MOES_ROLLS as MOES
 
 from ertel import plots
-from ertel.case.definition import grid_of
-from ertel.case.sections import SOLVERS, Drive
+from ertel.case.sections import SOLVERS
 from ertel.inputs.python import rolling
 from ertel.physics import hertz
 from ertel.physics.geometry import Geometry
-from ertel.physics.surfaces import Feature, Waviness
 from ertel.plots.view import estimate_of
-from ertel.results.dataset import assemble_steady
 from ertel.solvers.steady import Rolling
 
 
@@ -41,16 +38,10 @@ def test_every_panel_says_what_it_shows(name, data, request):
         assert axes.get_xlabel() and axes.get_ylabel() and axes.get_title()
 
 
-def test_what_a_steady_contact_has_and_what_not(moes):
+def test_what_a_steady_contact_has_and_its_flow(moes):
     assert plots.names_of(moes) == ("overview", "film", "pressure", "midlines", "convergence", "friction")
     for flow in (1.0, -1.0):
         assert [flow_arrows(axes) for axes in panels(plots.maps(steady(MOES, flow)))] == [[flow], [flow]]
-    with pytest.raises(plots.NoFigure, match="steady contact has no moments"):
-        plots.film(moes, at=1.0)
-    with pytest.raises(plots.NoFigure, match=r"history: a steady contact has no such figure; it has overview, .*maps"):
-        plots.history(moes)
-    with pytest.raises(plots.NoFigure, match="no solution"):
-        plots.overview(assemble_steady(MOES, grid_of(MOES), ()))
 
 
 def test_heading_gives_films_with_their_errors(ball, moes):
@@ -98,17 +89,6 @@ def test_midlines_carry_both_fields(ball):
     np.testing.assert_allclose(dry.get_ydata(), hertz.pressure(x) * C1.p_h * 1e-9)
     np.testing.assert_allclose(across.get_lines()[0].get_ydata(), ball["H"].values[:, 96] * C1.film * 1e9)
     assert (along.get_xlabel(), across.get_xlabel()) == ("$x$ (µm)", "$y$ (µm)")
-
-
-def test_roughness_of_a_contact():
-    """Below the mid-lines, and lines in the maps."""
-    at_rest = Drive(slide_to_roll=-2.0)  # surface 1
-    rough = steady(replace(MOES, roughness=(Feature(Waviness(0.01, 0.5, phase_x=0.3), 1),), drive=at_rest))
-    for axes in panels(plots.midlines(rough)):
-        assert axes.get_ylim()[0] < 0 <= min(axes.get_yticks())
-        assert any(text.get_text().startswith("roughness") for text in axes.texts)
-    assert all(roughness_lines(axes) for axes in panels(plots.maps(rough)))
-    assert not any(roughness_lines(axes) for axes in panels(plots.overview(steady(MOES))))
 
 
 def test_convergence_and_films_on_every_grid(moes):

@@ -134,7 +134,7 @@ EQUATIONS = jax.jit(radial.equations)
 
 def equations_after(method: RadialImpact, levels: list[State], rates: Any, line: ClosureLine) -> radial.Equations:
     past = np.stack([level.fields["mass"] for level in levels])
-    return EQUATIONS(method.mesh, method.oil, method.lambda_bar, past, rates, line)
+    return EQUATIONS(method.mesh, past, rates, line)
 
 
 def some_equations(seed: int, nodes: int = 33) -> tuple[radial.Equations, Floats]:
@@ -152,7 +152,7 @@ def some_equations(seed: int, nodes: int = 33) -> tuple[radial.Equations, Floats
 @jax.jit
 def of_level(eq: radial.Equations, P: jax.Array, H: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
     """The residuals of the rings, what squeezes the oil, and what flows out of each ring."""
-    return radial.ring_residual(eq, P, H), eq.rate * eq.oil.density(P) * H + eq.past, radial.outflow(eq, P, H)
+    return radial.ring_residual(eq, P, H), eq.rate * eq.mesh.oil.density(P) * H + eq.past, radial.outflow(eq, P, H)
 
 
 @jax.jit

@@ -45,7 +45,7 @@ def flow_of(case: Case, T: float) -> PressureFlow:
     if case.oil.is_newtonian:
         return NEWTONIAN_FLOW
     scales = case.scales
-    assert scales is not None  # `rules.check_rheology`
+    assert scales is not None  # a rule of cases
     law = traceable(case.oil.fluidity_law)
     return ThinningFlow(law, scales.p_h, scales.shear_stress, case.motion.sliding(T))
 

@@ -24,17 +24,17 @@ their numbers, on the grid of that case.
 from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
-from math import sqrt
+from math import inf, nan, sqrt
 from pathlib import Path
 from typing import Any
 
 from ertel.case.case import Case
 from ertel.case.reading import check_keys
-from ertel.case.records import ConfigError, show
+from ertel.case.records import ConfigError, refusing, show
 from ertel.inputs.case_files import load_case, path_of, read_toml, written
 from ertel.inputs.layout import READER
-from ertel.inputs.quantities import number_or_quantity, plain_data, split
-from ertel.physics.units import Unit
+from ertel.inputs.quantities import marked_value, plain_data, split
+from ertel.physics.units import FINITE, Unit
 
 KEYS = {"case": (str, '"ball.toml"'), "unknowns": (dict, "[unknowns]"), "measurements": (list, "[[measurements]]")}
 
@@ -105,28 +105,27 @@ def parse_unknowns(given: Any, case: Case) -> tuple[Unknown, ...]:
 
 
 def _unknown(field: str, given: Any, case: Case) -> Unknown:
-    table = {"bounds": given} if isinstance(given, list) else given
-    if isinstance(table, Mapping):
-        check_keys(table, ("bounds", "prior"), f"unknowns.{field}")
-    pair = table.get("bounds") if isinstance(table, Mapping) else None
-    name, allowed = f"unknowns.{field}", 'bounds must be two positive values with units, ["LEAST", "MOST"]'
-    if not isinstance(pair, list) or len(pair) != 2:
-        raise ConfigError(f"{name} = {show(given)}: {allowed}")
-    (lower, unit), (upper, other) = (_stored(case, field, value) for value in pair)
-    if not 0 < lower < upper or unit != other:
-        raise ConfigError(f"{name} = {show(given)}: {allowed}, the smaller one first")
-    prior, starts = None, [value for value in (_number(case.to_data(), field)[0],) if lower <= value <= upper]
+    place, allowed = f"unknowns.{field}", 'bounds must be two positive values with units, ["LEAST", "MOST"]'
+    table = given if isinstance(given, Mapping) else {"bounds": given}
+    check_keys(table, ("bounds", "prior"), place)
+    with refusing(place, given):
+        pair = table.get("bounds")
+        if not isinstance(pair, list) or len(pair) != 2:
+            raise ValueError(allowed)
+        (lower, unit), (upper, other) = (_stored(case, field, value) for value in pair)
+        if not 0 < lower < upper or unit != other:
+            raise ValueError(f"{allowed}, the smaller one first")
+    prior, usual = None, _number(case.to_data(), field)[0]
     if "prior" in table:
-        try:
+        with refusing(f"{place}.prior", table["prior"]):
             prior = _prior(table["prior"], unit, lower, upper)
-        except (TypeError, ValueError) as error:
-            raise ConfigError(f"{name}.prior = {show(table['prior'])}: {error}") from error
-        starts = [prior[0]]
-    return Unknown(field, unit, lower, upper, prior, [*starts, sqrt(lower * upper)][0])
+    inside = usual if lower <= usual <= upper else sqrt(lower * upper)
+    return Unknown(field, unit, lower, upper, prior, prior[0] if prior else inside)
 
 
 def _prior(given: Any, unit: str, lower: float, upper: float) -> tuple[float, float]:
-    value, sigma = (number_or_quantity(each, Unit(unit, f"1 {unit}")) if unit else float(each) for each in given)
+    mark = Unit(unit, f"1 {unit}") if unit else FINITE
+    value, sigma = (marked_value(each, mark) for each in given) if isinstance(given, list) else (nan, nan)
     if not (lower <= value <= upper and sigma > 0):
         raise ValueError("must be a value within the bounds, and its standard deviation")
     return value, sigma
@@ -135,7 +134,7 @@ def _prior(given: Any, unit: str, lower: float, upper: float) -> tuple[float, fl
 def _stored(case: Case, field: str, value: Any) -> tuple[float, str]:
     """A value in SI and its unit, as a case has it that is given this value.  Raises ConfigError."""
     number, unit = _number(with_settings(case, {field: value}).to_data(), field)
-    if not number < float("inf"):
+    if not number < inf:
         raise ConfigError(f"unknowns.{field} = {show(value)}: must be a number of the case")
     return number, unit
 
@@ -146,7 +145,7 @@ def _number(data: Any, field: str) -> tuple[float, str]:
         data = data.get(part) if isinstance(data, Mapping) else None
     if isinstance(data, str) and split(data)[0]:
         return float(split(data)[0]), split(data)[1]
-    return (float(data), "") if type(data) in (int, float) else (float("nan"), "")
+    return (float(data), "") if type(data) in (int, float) else (nan, "")
 
 
 def with_settings(case: Case, settings: Settings) -> Case:

@@ -193,7 +193,7 @@ def _listed(given: Given, mark: Mark) -> tuple[float, ...]:
     items = given.split(",") if isinstance(given, str) else list(given)
     if not items:
         raise ValueError("must be one value or more")
-    return tuple(_value(item, mark) for item in items)
+    return tuple(marked_value(item, mark) for item in items)
 
 
 def _ranged(text: str, mark: Mark) -> tuple[float, ...]:
@@ -201,7 +201,7 @@ def _ranged(text: str, mark: Mark) -> tuple[float, ...]:
     if len(rest) not in (2, 3) or rest[2:] not in ([], [LOG]):
         raise ValueError(f"must be FIRST:LAST:NUMBER, or FIRST:LAST:NUMBER:{LOG} for equal ratios")
     unit = split(rest[0])[1] or split(left)[1]
-    start, end = (_value(text, mark, unit) for text in (left, rest[0]))
+    start, end = (marked_value(text, mark, unit) for text in (left, rest[0]))
     return spaced(start, end, int(rest[1]) if rest[1].isdecimal() else rest[1], logarithmic=bool(rest[2:]))
 
 
@@ -220,7 +220,7 @@ def spaced(start: float, end: float, number: Any, logarithmic: bool) -> tuple[fl
     return tuple(float(first + (last - first) * i / (number - 1)) for i in range(number))
 
 
-def _value(given: Any, mark: Mark, unit: str = "") -> float:
+def marked_value(given: Any, mark: Mark, unit: str = "") -> float:
     """A plain number, or a quantity in SI; one without its unit is in `unit`, or in SI."""
     given = given.item() if isinstance(given, np.generic) else given
     if isinstance(mark, Bounds):

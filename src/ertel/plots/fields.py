@@ -128,7 +128,8 @@ def _draw_map(
     axes.figure.colorbar(image, ax=axes, label=z.label, extend=extend, location=place)
     axes.set_title(f"{heading}, a line every {steps[1]:.3g} {z.unit}")
     if view.flow:
-        axes.text(0.02, 0.97, f"flow {arrow(view)}", transform=axes.transAxes, va="top", fontsize="small")
+        ways = "\N{DOWNWARDS ARROW}\N{UPWARDS ARROW}" if view.is_turned else ARROWS
+        axes.text(0.02, 0.97, f"flow {ways[int(view.flow < 0)]}", transform=axes.transAxes, va="top", fontsize="small")
 
 
 def _side(view: View, name: str) -> float:
@@ -137,11 +138,6 @@ def _side(view: View, name: str) -> float:
     if name == "loss":
         profile = profile.where(profile > SEEN * profile.max(), 0.0)
     return view.extent(profile["X"].values, profile.values)
-
-
-def arrow(view: View) -> str:
-    """An arrow the way the surfaces carry the oil over a map."""
-    return ("\N{DOWNWARDS ARROW}\N{UPWARDS ARROW}" if view.is_turned else ARROWS)[int(view.flow < 0)]
 
 
 def _draw_roughness(axes: Axes, view: View) -> list[Line2D]:

@@ -110,17 +110,15 @@ def _factors(dataset: xr.Dataset, along: xr.DataArray) -> tuple[list[str], list[
 
 def _lines(dataset: xr.Dataset, along: xr.DataArray) -> Iterator[tuple[Place, Any, tuple[str, LineStyle]]]:
     """The lines that have numbers, each a combination of the other values, with their colours, markers and styles."""
-    of_colour, of_look = (_places(dataset, dims) for dims in _factors(dataset, along))
+    of_colour, of_look = (
+        [dict(zip(dims, each, strict=True)) for each in product(*(range(dataset.sizes[dim]) for dim in dims))]
+        for dims in _factors(dataset, along)
+    )
     shades = ORDERED_COLOURS(np.linspace(0.0, 1.0, len(of_colour))) if len(of_colour) > 1 else [BLUE]
     for one, shade in zip(of_colour, shades, strict=True):
         for other, look in zip(of_look, cycle(LOOKS), strict=False):
             if any(_has_numbers(dataset.isel({**one, **other}), name) for names in PANELS for name in names):
                 yield {**one, **other}, shade, look
-
-
-def _places(dataset: xr.Dataset, dims: Sequence[str]) -> list[Place]:
-    """Each combination of the values along some dimensions."""
-    return [dict(zip(dims, each, strict=True)) for each in product(*(range(dataset.sizes[dim]) for dim in dims))]
 
 
 def _legend(dataset: xr.Dataset) -> list[Line2D]:
@@ -138,16 +136,13 @@ def _legend(dataset: xr.Dataset) -> list[Line2D]:
         for name, face in zip(films, FACES, strict=False)
     }
     groups = [group for group in (of_colour, of_look) if "" not in group] + [of_film] * (len(of_film) > 1)
-    entries = [entry for group in groups for entry in _some(group)]
-    for label, entry in entries:
-        entry.set_label(label)
-    return [entry for _, entry in entries]
-
-
-def _some(group: Mapping[str, Line2D]) -> list[tuple[str, Line2D]]:
-    """The entries of a legend, so many that they can be read: the first, the last and some between them."""
-    chosen = np.linspace(0, len(group) - 1, min(len(group), MOST_NAMES)).astype(int)
-    return [list(group.items())[number] for number in chosen]
+    entries = []
+    for group in groups:  # the first, the last and some between them
+        for number in np.linspace(0, len(group) - 1, min(len(group), MOST_NAMES)).astype(int):
+            label, entry = list(group.items())[number]
+            entry.set_label(label)
+            entries.append(entry)
+    return entries
 
 
 def _values_text(dataset: xr.Dataset, place: Place, dims: Sequence[str]) -> str:

@@ -131,23 +131,10 @@ _stress_program = Program(jax.jit(_Film.stress), ANY_SIZE)
 def heated(
     case: Case, P: Any, H: Any, slide_to_roll: float | None = None, heat: Real | None = None, grid: Grid | None = None
 ) -> Heated:
-    """The temperatures of a steady contact with the section [thermal].
+    """The temperatures of a steady contact in SI; raises ValueError if it has no section [thermal].
 
-    Parameters
-    ----------
-    case : Case
-        The case, in SI.
-    P, H : array
-        Pressure and isothermal film on the case's grid, shape (n_y, n_x) as stored.
-    slide_to_roll : float, optional
-        Another one than the case's.
-    heat : array, optional
-        Heat of sliding per area (W/m^2) from which the iteration starts; none if it is left out.  There is one
-        solution, wherever it starts.
-    grid : Grid, optional
-        That of P and H, if it is not the case's.
-
-    Raises ValueError if the case has no section [thermal].
+    P, H: pressure and isothermal film on the grid, that of the case unless another is given.  slide_to_roll: another
+    one than the case's.  heat: of sliding per area (W/m^2), from which the iteration starts, none if it is left out.
     """
     thermal, s, eta0 = case.thermal, case.scales, case.oil.eta0
     if thermal is None or s is None or eta0 is None:
@@ -248,18 +235,9 @@ def warmed(
 ) -> Warmed:
     """The temperatures of the film and of both surfaces.
 
-    Parameters
-    ----------
-    release : callable
-        q (W/m^2) and dq/dT_f <= 0 at T_f, of the shape of the film; traceable by JAX, and a pytree.
-    rises : two of `Moving` and `Resting`
-        K_1 and K_2, linear.
-    resistance : array
-        r = h/k of the film, m^2 K/W, above zero, of any shape.
-    bodies : two floats
-        T_b,1 and T_b,2, the temperatures of the bodies, in the scale in which `release` takes T_f.
-    heat : array, optional
-        q from which the iteration starts; a film that releases none if it is left out.
+    release: q (W/m^2) and dq/dT_f <= 0 at T_f; traceable by JAX, and a pytree.  rises: K_1 and K_2, linear.
+    resistance: r = h/k of the film, m^2 K/W, above zero, of any shape.  bodies: T_b,1 and T_b,2, in the scale in which
+    `release` takes T_f.  heat: q from which the iteration starts; a film that releases none if it is left out.
     """
     q = np.zeros_like(resistance) if heat is None else heat
     return jax.device_get(_program(_Balance(release, tuple(rises), resistance, tuple(bodies)), q))

@@ -42,7 +42,7 @@ BLOCKS = 4  # sizes of the matrix in a Newton iteration; 8 and 16 are not faster
 
 
 class Mesh(NamedTuple):
-    """A radial grid and what elasticity needs on it.
+    """A radial grid, what elasticity needs on it, and the oil.
 
     Nodes r (n,), faces halfway between (n - 1,), volumes per radian of the ring around each node (n,).
     kernel (n, n): (2/pi^2) double integral of P/distance = kernel @ P, exact for a pressure that is linear between
@@ -54,6 +54,8 @@ class Mesh(NamedTuple):
     volume: Array
     kernel: Array
     disc: Disc
+    oil: Lubricant
+    lambda_bar: float
 
 
 class Equations(NamedTuple):
@@ -64,8 +66,6 @@ class Equations(NamedTuple):
     """
 
     mesh: Mesh
-    oil: Lubricant
-    lambda_bar: float
     rate: float
     past: Array
     apart: Array
@@ -80,8 +80,6 @@ class RadialProblem(NamedTuple):
     """
 
     mesh: Mesh
-    oil: Lubricant
-    lambda_bar: float
     past: tuple[Mapping[str, Array], ...]
     predict_P: bdf.Weights
     predict_mass: bdf.Weights
@@ -101,12 +99,13 @@ class RadialSolution(NamedTuple):
     newton: Array
 
 
-def mesh(r: Floats) -> Mesh:
-    """The grid with nodes r, from 0 outwards, and its elastic kernel."""
+def mesh(r: Floats, oil: Lubricant, lambda_bar: float) -> Mesh:
+    """The grid with nodes r, from 0 outwards, with an oil."""
     require_double()
     face = (r[1:] + r[:-1]) / 2
     ends = np.concatenate([r[:1], face, r[-1:]])
-    return Mesh(*jax.device_put((r, face, np.diff(ends**2) / 2, elastic_kernel(r), Disc.of(r))))
+    nodes, face, volume, kernel = jax.device_put((r, face, np.diff(ends**2) / 2, elastic_kernel(r)))
+    return Mesh(nodes, face, volume, kernel, Disc.of(r), traceable(oil), lambda_bar)
 
 
 def disc(r: Floats, b: Floats) -> Floats:
@@ -145,13 +144,13 @@ def outflow(eq: Equations, P: Array, H: Array) -> Array:
 
     The surfaces do not overlap in a solution, but they may during the iteration; the flow is then zero.
     """
-    eps = eq.oil.mobility(P, H, eq.lambda_bar)
+    eps = eq.mesh.oil.mobility(P, H, eq.mesh.lambda_bar)
     return -eq.mesh.face * (eps[1:] + eps[:-1]) / 2 * jnp.diff(P) / jnp.diff(eq.mesh.r)
 
 
 def ring_residual(eq: Equations, P: Array, H: Array) -> Array:
     """Reynolds' equation (1), squeeze + div(flux), averaged over each ring; zero on the outer node."""
-    squeeze = eq.rate * eq.oil.density(P) * H + eq.past
+    squeeze = eq.rate * eq.mesh.oil.density(P) * H + eq.past
     divergence = jnp.diff(outflow(eq, P, H), prepend=0.0) / eq.mesh.volume[:-1]
     return squeeze.at[:-1].add(divergence).at[-1].set(0.0)
 
@@ -210,19 +209,11 @@ def solve_rings(eq: Equations, P: Array, tolerance: float) -> RadialSolution:
     return jax.lax.while_loop(go_on, improve, solution(P, jnp.zeros((), jnp.int32)))
 
 
-def equations(
-    mesh: Mesh,
-    oil: Lubricant,
-    lambda_bar: float,
-    past: Array,
-    rates: bdf.Weights,
-    line: ClosureLine,
-    uplift: float = 0.0,
-) -> Equations:
+def equations(mesh: Mesh, past: Array, rates: bdf.Weights, line: ClosureLine, uplift: float = 0.0) -> Equations:
     """The equations of a level.  past: the oil of the earlier ones, newest first.  uplift: by the oil outside."""
     apart = CIRCLE.gap(mesh.r, 0.0) + uplift - line.value / line.approach_weight
     stiffness = mesh.kernel + line.load_weight / line.approach_weight * mesh.disc.weights
-    return Equations(mesh, oil, lambda_bar, rates[0], jnp.asarray(rates[1:]) @ past, apart, stiffness)
+    return Equations(mesh, rates[0], jnp.asarray(rates[1:]) @ past, apart, stiffness)
 
 
 @jax.jit
@@ -230,7 +221,7 @@ def solve_ring_step(p: RadialProblem) -> StepSolution:
     """The fields and the numbers after one step."""
     line, tolerance = p.line.less(p.around.load), p.tolerance * p.rates[0]
     pressures, masses = (jnp.stack([level[name] for level in p.past]) for name in ("P", "mass"))
-    eq = equations(p.mesh, p.oil, p.lambda_bar, masses[:2], p.rates, line, p.around.uplift)
+    eq = equations(p.mesh, masses[:2], p.rates, line, p.around.uplift)
     P = jnp.maximum(jnp.tensordot(p.predict_P, pressures, axes=1), 0.0).at[-1].set(p.around.edge[-1])
     s = solve_rings(eq, P, tolerance)
     approach = line.approach(p.mesh.disc.weights @ s.P)
@@ -261,11 +252,10 @@ class RadialImpact(Method):
     """
 
     def __init__(self, case: Case):
-        self.mesh = mesh(radii(case.solver.nodes, case.solver.half_width))
-        self.lambda_bar = case.parameters.lambda_bar
+        lambda_bar = case.parameters.lambda_bar
+        self.mesh = mesh(radii(case.solver.nodes, case.solver.half_width), case.lubricant, lambda_bar)
         self.layer = case.layer
-        self.outside = outside.around_circle(np.asarray(self.mesh.r), 0.0 if case.layer else self.lambda_bar)
-        self.oil = traceable(case.lubricant)
+        self.outside = outside.around_circle(np.asarray(self.mesh.r), 0.0 if case.layer else lambda_bar)
         self.closure = NewtonsLaw.of(case.motion)
         self.tolerance = case.solver.tolerance * case.parameters.trapped_film
         self.start_approach = case.schedule.start_approach
@@ -279,7 +269,7 @@ class RadialImpact(Method):
         around, P = self.outside.at(motion), np.asarray(self.outside.at_first(motion))
         r, kernel, weights = map(np.asarray, (self.mesh.r, self.mesh.kernel, self.mesh.disc.weights))
         H = CIRCLE.gap(r, 0.0) - self.start_approach + kernel @ P + around.uplift
-        full = self.oil.density(P) * H
+        full = self.mesh.oil.density(P) * H
         oil = full if self.layer is None else np.minimum(full, self.layer)
         fields = jax.device_put({"P": P, "H": H, "mass": oil})
         return State(0.0, self.start_approach, 1.0, fields, outside=around.load, load=float(weights @ P))
@@ -295,8 +285,6 @@ class RadialImpact(Method):
         around = self.outside.at(outside.predicted(levels, T, CIRCLE.hertz_load, 0.0))
         solution: StepSolution = yield RadialProblem(
             self.mesh,
-            self.oil,
-            self.lambda_bar,
             tuple(level.fields for level in padded(levels)),
             bdf.three(bdf.interpolation_weights(T, past)),
             bdf.three(bdf.interpolation_weights(T, times)),
@@ -328,7 +316,7 @@ class RadialImpact(Method):
     def friction(self, level: State) -> account.Friction:
         """See `Method.friction`."""
         P, H = jax.device_put((level.P, level.H))
-        return _friction_program(self.mesh.disc, self.oil, self.lambda_bar, P, H)
+        return _friction_program(self.mesh, P, H)
 
     def whole(self, field: Array, odd: bool = False) -> Array:
         """The field itself."""
@@ -337,26 +325,26 @@ class RadialImpact(Method):
 
 def ring_oil(eq: Equations, P: Array, H: Array) -> Array:
     """The oil that is there after a step, as mass; see `transient.oil_there`."""
-    full, r = eq.oil.density(P) * H, ring_residual(eq, P, H)
+    full, r = eq.mesh.oil.density(P) * H, ring_residual(eq, P, H)
     at_rim = jnp.where(P[-1] > 0.0, 0.0, jnp.maximum(eq.rate * full[-1] + eq.past[-1], 0.0))
     return full - r.at[-1].set(at_rim) / eq.rate
 
 
 def ring_account(eq: Equations, P: Array, H: Array, oil: Array, approach: float) -> dict[str, Array]:
     """The account after a step, by name."""
-    friction = ring_friction(eq.mesh.disc, eq.oil, eq.lambda_bar, P, H)
-    eps = Pair(eq.oil.mobility(P, H, eq.lambda_bar))
+    friction = ring_friction(eq.mesh, P, H)
+    eps = Pair(eq.mesh.oil.mobility(P, H, eq.mesh.lambda_bar))
     deformation = H + approach - CIRCLE.gap(eq.mesh.r, 0.0)
-    growth = ring_residual(eq, P, H) - eq.rate * (eq.oil.density(P) * H - oil).at[-1].set(0.0)
+    growth = ring_residual(eq, P, H) - eq.rate * (eq.mesh.oil.density(P) * H - oil).at[-1].set(0.0)
     film = account.Film(P, H, oil, oil, eps, friction.loss, deformation, growth, 0.0, 0.0)
-    return account.account_terms(eq.mesh.disc, eq.oil, film, friction)
+    return account.account_terms(eq.mesh.disc, eq.mesh.oil, film, friction)
 
 
-def ring_friction(disc: Disc, oil: Lubricant, lambda_bar: float, P: Array, H: Array) -> account.Friction:
+def ring_friction(mesh: Mesh, P: Array, H: Array) -> account.Friction:
     """The friction of a film in which nothing slides and nothing rolls: the heat of the pressure."""
-    heat = disc.of_slopes(Pair(oil.mobility(P, H, lambda_bar)), P, oil.enthalpy(P))
+    heat = mesh.disc.of_slopes(Pair(mesh.oil.mobility(P, H, mesh.lambda_bar)), P, mesh.oil.enthalpy(P))
     force = jnp.zeros(2)
-    return account.Friction(jnp.zeros((2, *P.shape)), heat, force, force, disc.total(heat) / CIRCLE.hertz_load)
+    return account.Friction(jnp.zeros((2, *P.shape)), heat, force, force, mesh.disc.total(heat) / CIRCLE.hertz_load)
 
 
 _friction_program = Program(jax.jit(ring_friction), ANY_SIZE)

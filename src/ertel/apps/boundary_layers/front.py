@@ -75,9 +75,8 @@ def dry_impact(results: Results, plan: Plan) -> Drawn:
         "Errors of the laws": DataFrame({"law": name, largest: f"{error:.4f}"} for name, error in errors.items()),
         "Full base fitted to the front": DataFrame(bases),
     }
-    return Drawn(
-        figure, caption, {"radius": DataFrame({"T": T, **{name: A for name, (A, *_) in laws.items()}})}, tables
-    )
+    data = DataFrame({"T": T, **{name: A for name, (A, *_) in laws.items()}})
+    return Drawn(figure, caption, {"radius": data}, tables)
 
 
 def _draw_laws(left: Axes, right: Axes, T: Values, laws: Mapping[str, Curve]) -> None:
@@ -186,13 +185,10 @@ def film_and_speed(results: Results, plan: Plan) -> Drawn:
     plane = fronts.at_max_approach(results[plane_run(plan).name])["H"].sel(Y=0.0, method="nearest")
     X, H = _profile(radial)
     dry = hertz.parabola_front_speed_at(np.where((X > 0) & (X < 1), X, np.nan))
+    computed, by_parabola = (_fitted(X, H, speed) for speed in (fronts.front(radial).speed_at(X), dry))
     fitted: dict[str, Curve] = {
-        "$C v^{0.67}$, $v$ of the computed front": (
-            _fitted(X, H, fronts.front(radial).speed_at(X)),
-            plots.ORANGE,
-            "--",
-        ),
-        "$C v^{0.67}$, $v$ of the parabola (23)": (_fitted(X, H, dry), plots.BLUE, "--"),
+        "$C v^{0.67}$, $v$ of the computed front": (computed, plots.ORANGE, "--"),
+        "$C v^{0.67}$, $v$ of the parabola (23)": (by_parabola, plots.BLUE, "--"),
     }
     figure, (axes,) = new_figure(1, 1)
     _draw_both_sides(axes, X, (H, "black", "-"), "computed, radial method")

@@ -150,14 +150,9 @@ def _isotropic(wavelengths: Wavelengths) -> tuple[Wave, ...]:
 
 
 def _on_grids(
-    name: str,
-    function: Callable[..., Any],
-    arguments: Sequence[Any],
-    grids: Sequence[int],
-    seconds: float,
-    start: float = 5.0,
-    options: tuple[Any, ...] = (),
-) -> list[Task]:
+    name: str, function: Callable[..., Any], arguments: Sequence[Any], grids: Sequence[int], seconds: float,
+    *options: Any, start: float = 5.0,
+) -> list[Task]:  # fmt: skip
     """A run on each grid.  seconds: that it takes on 513 nodes after the start (measured, one core)."""
     return [
         Task(f"{name}_{nodes}", function, (*arguments, nodes, *options), start + seconds * (nodes / 513) ** 2)
@@ -167,7 +162,7 @@ def _on_grids(
 
 def _impacts(name: str, case: Moes, shapes: Sequence[Wave], grids: Sequence[int], *options: Any) -> list[Task]:
     seconds = 18.0 * (len(shapes) + 1)  # in lockstep with the smooth impact
-    return _on_grids(name, wavy_impact, (*case, tuple(shapes)), grids, seconds, options=options)
+    return _on_grids(name, wavy_impact, (*case, tuple(shapes)), grids, seconds, *options)
 
 
 def wave_runs(plan: Plan) -> dict[Moes, list[Task]]:
@@ -323,14 +318,13 @@ def rolling_runs(plan: Plan) -> dict[Moes, list[Task]]:
     }
 
 
-def twin_runs(plan: Plan) -> dict[tuple[float, ...], list[Task]]:
+def twin_runs(plan: Plan) -> dict[tuple[float, float, float, float], list[Task]]:
     """The rolling twins of impacts, by M, L, wavelength and place."""
-    return {
-        twin: _on_grids(
-            "twin_{}_{:g}_at_{:g}".format(_moes(twin), *twin[2:]), rolling_twin, twin, plan.twin_grids, 7.0, start=15.0
-        )
-        for twin in plan.twins
-    }
+    runs = {}
+    for twin in plan.twins:
+        name = "twin_{}_{:g}_at_{:g}".format(_moes(twin), *twin[2:])
+        runs[twin] = _on_grids(name, rolling_twin, twin, plan.twin_grids, 7.0, start=15.0)
+    return runs
 
 
 def straight_runs(plan: Plan) -> dict[tuple[Any, ...], list[Task]]:
@@ -338,26 +332,19 @@ def straight_runs(plan: Plan) -> dict[tuple[Any, ...], list[Task]]:
     runs, grids = {}, plan.straight_grids
     for *case, wavelength in plan.straight:
         name, across = f"{_moes(case)}_{wavelength:g}", (*case, (wavelength,))
+        ridges = _on_grids(f"ridges_{name}", ridged_rolling, (*case, wavelength), grids, 7.0)
         runs["transverse", *case, wavelength] = _on_grids(
-            f"transverse_{name}", rolling_response, across, grids, 7.0, options=(inf,)
+            f"transverse_{name}", rolling_response, across, grids, 7.0, inf
         )
-        runs["longitudinal", *case, wavelength] = _on_grids(
-            f"ridges_{name}", ridged_rolling, (*case, wavelength), grids, 7.0
-        )
+        runs["longitudinal", *case, wavelength] = ridges
     return runs
 
 
 def starved_runs(plan: Plan) -> dict[tuple[str, float, float], list[Task]]:
     """The contacts on layers of oil, by kind, M and L."""
     contacts = [(kind, float(M), float(L)) for kind, cases in plan.starved.items() for M, L in cases]
-    return {
-        contact: _on_grids(
-            f"starved_{contact[0]}_{_moes(contact[1:])}",
-            starved_films,
-            contact,
-            plan.starved_grids,
-            seconds=0.0,
-            start=plan.starved_seconds,
-        )
-        for contact in contacts
-    }
+    runs, seconds = {}, plan.starved_seconds
+    for contact in contacts:
+        name = f"starved_{contact[0]}_{_moes(contact[1:])}"
+        runs[contact] = _on_grids(name, starved_films, contact, plan.starved_grids, 0.0, start=seconds)
+    return runs
