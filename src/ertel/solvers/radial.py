@@ -332,19 +332,24 @@ def ring_oil(eq: Equations, P: Array, H: Array) -> Array:
 
 def ring_account(eq: Equations, P: Array, H: Array, oil: Array, approach: float) -> dict[str, Array]:
     """The account after a step, by name."""
-    friction = ring_friction(eq.mesh, P, H)
     eps = Pair(eq.mesh.oil.mobility(P, H, eq.mesh.lambda_bar))
+    friction = ring_friction(eq.mesh, P, eps)
     deformation = H + approach - CIRCLE.gap(eq.mesh.r, 0.0)
     growth = ring_residual(eq, P, H) - eq.rate * (eq.mesh.oil.density(P) * H - oil).at[-1].set(0.0)
     film = account.Film(P, H, oil, oil, eps, friction.loss, deformation, growth, 0.0, 0.0)
     return account.account_terms(eq.mesh.disc, eq.mesh.oil, film, friction)
 
 
-def ring_friction(mesh: Mesh, P: Array, H: Array) -> account.Friction:
+def ring_friction(mesh: Mesh, P: Array, eps: Pair) -> account.Friction:
     """The friction of a film in which nothing slides and nothing rolls: the heat of the pressure."""
-    heat = mesh.disc.of_slopes(Pair(mesh.oil.mobility(P, H, mesh.lambda_bar)), P, mesh.oil.enthalpy(P))
+    heat = mesh.disc.of_slopes(eps, P, mesh.oil.enthalpy(P))
     force = jnp.zeros(2)
     return account.Friction(jnp.zeros((2, *P.shape)), heat, force, force, mesh.disc.total(heat) / CIRCLE.hertz_load)
 
 
-_friction_program = Program(jax.jit(ring_friction), ANY_SIZE)
+@jax.jit
+def _friction(mesh: Mesh, P: Array, H: Array) -> account.Friction:
+    return ring_friction(mesh, P, Pair(mesh.oil.mobility(P, H, mesh.lambda_bar)))
+
+
+_friction_program = Program(_friction, ANY_SIZE)
