@@ -99,11 +99,6 @@ def test_chart_is_the_light_itself(light):
     np.testing.assert_allclose(chart.linear(film, density), light.colours(RIG, film, RIG.index(density)), atol=1e-3)
 
 
-def fringes(picture):
-    """How often brightness crosses its mean on the way along a line."""
-    return np.count_nonzero(np.diff(np.sign(picture - picture.mean())))
-
-
 @pytest.mark.parametrize("pixels", [24, 48, 96, 400])
 def test_no_ghost_rings(pixels):
     """The fringes of a paraboloid get finer outwards: they are grey where the pixels cannot show them."""

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from math import inf, sin
-from typing import Annotated, Any, NamedTuple, Protocol
+from typing import Annotated, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -306,10 +306,11 @@ class SelfAffine:
 
     def heights_above(self, shortest: float, X: Array, Y: Array) -> Array:
         """The heights without waves shorter than `shortest` (a)."""
-        series, period = _series(self, shortest), plain(self._period)
-        along = np.exp(2j * np.pi / period * np.asarray(X)[..., None] * series.along)
-        across = np.exp(2j * np.pi / period * np.asarray(Y)[..., None] * series.across)
-        heights = _sum(across @ series.amplitudes, along)
+        amplitudes, waves_along, waves_across = _series(self, shortest)
+        wave_number = 2j * np.pi / plain(self._period)
+        along = np.exp(wave_number * np.asarray(X)[..., None] * waves_along)
+        across = np.exp(wave_number * np.asarray(Y)[..., None] * waves_across)
+        heights = _sum(across @ amplitudes, along)
         if self.front == inf:
             return heights
         return heights * smooth_step((plain(self.front) - X) / plain(self.ramp or 0.0))
@@ -322,17 +323,12 @@ def _sum(across: NDArray[np.complex128], along: NDArray[np.complex128]) -> NDArr
     return np.asarray(np.einsum("...m,...m->...", across, along).real)
 
 
-class _Series(NamedTuple):
-    """The complex amplitudes (across, along) of the waves, by their numbers in a period along Y and along X."""
-
-    amplitudes: NDArray[np.complex128]
-    along: NDArray[np.int64]
-    across: NDArray[np.int64]
-
-
 @lru_cache(maxsize=SERIES)
-def _series(surface: SelfAffine, shortest: float) -> _Series:
-    """The waves of a surface of which a grid keeps those above a wavelength."""
+def _series(surface: SelfAffine, shortest: float) -> tuple[NDArray[np.complex128], Array, Array]:
+    """The waves of a surface of which a grid keeps those above a wavelength.
+
+    Their complex amplitudes (across, along), and their numbers in a period along X and along Y.
+    """
     period, rolloff = plain(surface._period), plain(surface.rolloff or surface.longest)
     most = int(period / plain(surface.shortest) * (1 + 1e-12))
     along, across = np.arange(-most, most + 1), np.arange(most + 1)
@@ -346,7 +342,7 @@ def _series(surface: SelfAffine, shortest: float) -> _Series:
     heights = plain(surface.rms) * np.sqrt(2.0 * squares / squares.sum())
     waves = heights * np.exp(2j * np.pi * _phases(surface.seed, most)) * kept_share(number * shortest / period)
     rows, columns = waves.any(axis=1), waves.any(axis=0)
-    return _Series(waves[np.ix_(rows, columns)], along[columns], across[rows])
+    return waves[np.ix_(rows, columns)], along[columns], across[rows]
 
 
 def _phases(seed: int, most: int) -> NDArray[np.float64]:

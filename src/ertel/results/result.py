@@ -22,8 +22,6 @@ from ertel.results.variables import PREFIXES, exponent, is_steady, to_si
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from matplotlib.figure import Figure
 
-IN_TIME = ("overview", "film", "pressure", "oil", "maps", "profiles", "history", "friction")
-STEADY = ("overview", "film", "pressure", "oil", "maps", "midlines", "convergence", "friction")
 PHYSICAL = ("interferogram", "measured")  # of a case in SI
 Sigma = float | str | None  # rms roughness in m, or with a unit
 
@@ -39,15 +37,17 @@ class Plot:
     dataset: xr.Dataset
 
     def __getattr__(self, name: str) -> "Callable[..., Figure]":
-        if name not in {*IN_TIME, *STEADY, *PHYSICAL}:
-            raise AttributeError(f"Plot: has no picture {name!r}; it has {', '.join(self._names())}")
         from ertel import plots
 
+        if name not in {*plots.NAMES, *PHYSICAL}:
+            raise AttributeError(f"Plot: has no picture {name!r}; it has {', '.join(self._names())}")
         return MethodType(getattr(plots, name), self.dataset)
 
     def _names(self) -> tuple[str, ...]:
-        names = STEADY if is_steady(self.dataset) else IN_TIME
-        return (*names, *PHYSICAL) if "si_factor" in self.dataset["H"].attrs else names
+        from ertel import plots
+
+        names = plots.STEADY if is_steady(self.dataset) else plots.IN_TIME
+        return (*names, *PHYSICAL) if "si_factor" in self.dataset["H"].attrs else (*names,)
 
     def __dir__(self) -> Iterable[str]:
         return [*self._names(), "dataset"]
