@@ -4,6 +4,7 @@ import itertools
 import os
 import subprocess
 import sys
+import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -44,6 +45,7 @@ nodes = 33
 [time]
 tolerance = 0.01
 """  # a case file, whose last section goes on
+SMALL: dict[str, Any] = tomllib.loads(SMALL_IMPACT)
 RADIAL = {"name": "small", "contact": {"M": 200, "L": 10}, "solver": {"method": "radial", "nodes": 33}}
 SHORT_FALL = parse_case({**RADIAL, "time": {"tolerance": 0.01, "until": 0.15}, "output": {"interval": 0.05}})
 BARUS_LIMIT = 1e-12  # an L at which Barus' oil is isoviscous to round-off, and needs no compilation of its own

@@ -21,3 +21,11 @@ def impact(kinds: Any) -> Any:
 @pytest.fixture
 def steady(kinds: Any) -> Any:
     return kinds["steady"]
+
+
+@pytest.fixture(scope="session")
+def grids(kinds: Any) -> Any:
+    """The solutions of the steady contact."""
+    from ertel.solvers.steady import nested
+
+    return list(nested(kinds["steady"].case))

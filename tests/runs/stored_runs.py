@@ -19,15 +19,16 @@ from ertel.runs.stepping import StepLimits, TransientRun
 from ertel.runs.store import RunStore, compute
 
 OWN = ("wall_s", "compilations", "date_created")  # of the process
-BALL = {"radius": "10 mm", "E_prime": "220 GPa"}
+BALL = {"radius": "10 mm", "E_prime": "219.7802 GPa"}
 OIL = {"eta0": "40 mPa*s", "alpha": "22 / GPa"}
 NINE_STEPS = {"time": {"tolerance": 0.01, "until": 0.2}, "output": {"interval": 0.05}}
 FALL = {**BALL, "mass": "33 g", "speed": "0.1 m/s"}
-ROLL = {"kind": "rolling", **BALL, "load": "3.9 N", "mean_speed": "0.5 m/s"}
+ROLL = {"kind": "rolling", **BALL, "load": "3.888524 N", "mean_speed": "0.502636 m/s"}  # M = 20, L = 10
+STEADY = {"name": "small", "contact": ROLL, "lubricant": OIL, "solver": {"nodes": 65}}  # of reference/rolling.json
 CASES = {
     "impact": parse_case({"name": "small", "contact": FALL, "lubricant": OIL, "solver": {"nodes": 33}, **NINE_STEPS}),
     "radial": parse_case({**RADIAL, **NINE_STEPS}),
-    "steady": parse_case({"name": "small", "contact": ROLL, "lubricant": OIL, "solver": {"nodes": 65}}),
+    "steady": parse_case(STEADY),
     "ends at a time": SHORT_FALL,
     "ends at an event": parse_case({**RADIAL, "time": {"tolerance": 0.02, "until": "max-approach"}}),
     "gives up": SHORT_FALL,

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cases import SMALL
 from stored_runs import killed
 
 import ertel
@@ -18,9 +19,8 @@ from ertel.runs import studies
 from ertel.runs.fit import FitError, fit, fit_problem, load_fit_problem, solve_fit
 from ertel.runs.workers import Failure
 
-BALL = {"radius": "10 mm", "mass": "32.6726 g", "E_prime": "226.37 GPa", "speed": "0.1 m/s"}
-GUESS = {"eta0": "10 mPa*s", "alpha": "22 / GPa"}
-CASE = parse_case({"contact": BALL, "lubricant": GUESS, "solver": {"method": "radial", "nodes": 17}})
+RINGS = {"method": "radial", "nodes": 17}
+CASE = parse_case({**SMALL, "solver": RINGS})
 UNKNOWNS: dict[str, Any] = {"lubricant.eta0": ("5 mPa*s", "1 Pa*s"), "lubricant.alpha": ("5 / GPa", "60 / GPa")}
 TRUTH = np.array([0.04, 20e-9])
 FILM, RESTITUTION = (0.5, 0.5), (-0.07, 0.0)  # exponents of eta0 and alpha, about those of an impact
@@ -149,15 +149,15 @@ def test_measurements_that_are_refused(data: Any, sentence: str) -> None:
 
 # -- stored runs ------------------------------------------------------------------------------------------------------
 
-SHORT = {"contact": BALL, "lubricant": {**GUESS, "eta0": "19 mPa*s"}, "solver": {"method": "radial", "nodes": 17}}
-SHORT |= {"name": "ball", "time": {"until": 0.02, "tolerance": 0.1}}
+SHORT = {**SMALL, "name": "ball", "solver": RINGS, "time": {"until": 0.02, "tolerance": 0.1}}
+SHORT["lubricant"] = {**SMALL["lubricant"], "eta0": "19 mPa*s"}
 ONE = {"lubricant.eta0": ("5 mPa*s", "1 Pa*s")}
 
 
 @pytest.fixture(scope="module")
 def pressure() -> Measurement:
     """The central pressure of an oil of 20 mPa*s in the first moments of an impact."""
-    result = ertel.simulate({**SHORT, "lubricant": {**GUESS, "eta0": "20 mPa*s"}})
+    result = ertel.simulate({**SHORT, "lubricant": {**SMALL["lubricant"], "eta0": "20 mPa*s"}})
     t, p = (result.si[name].values for name in ("t", "p_c"))
     return Measurement("history", "p_c", p[[-2, -1]], t[[-2, -1]], sigma=0.01 * p[-1])
 

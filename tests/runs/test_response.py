@@ -1,13 +1,12 @@
 """The response to waviness: of an impact, in lockstep and by the derivative of the run; of rolling, by one solve."""
 
-import tomllib
 from collections.abc import Callable
 from functools import cache
 
 import numpy as np
 import pytest
 import xarray as xr
-from cases import OIL, SMALL_IMPACT, impact, rolled, steady_solver
+from cases import OIL, SMALL, impact, rolled, steady_solver
 
 from ertel.case.case import Case
 from ertel.case.sections import SOLVERS, Drive
@@ -78,8 +77,7 @@ SHORT = {"step": 0.1, "start_approach": -0.5}
 
 @pytest.mark.parametrize("response", [respond, respond_linearly])
 def test_roughness_may_be_given_in_si(response: Callable[..., xr.Dataset]) -> None:
-    source = {**tomllib.loads(SMALL_IMPACT), "time": SHORT}
-    case = parse_case({**source, "solver": {"nodes": 17}})
+    case = parse_case({**SMALL, "time": SHORT, "solver": {"nodes": 17}})
     assert case.scales
     height, length = quantity("10 nm"), quantity("60 um")
     plain = Waviness(10e-9 / case.scales.film, 60e-6 / case.scales.a)

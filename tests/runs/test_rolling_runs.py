@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from stored_runs import CASES, ROLL, STEADY
 
 from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
@@ -14,12 +15,6 @@ from ertel.runs.store import RunStore, compute
 from ertel.solvers import steady
 
 pytestmark = pytest.mark.filterwarnings("ignore:H_min is uncertain", "ignore:there is no error estimate")
-OIL = {"eta0": "40 mPa*s", "alpha": "22 / GPa"}
-CONTACT = {  # of reference/rolling.json, M = 20, L = 10
-    **{"kind": "rolling", "radius": "10 mm", "E_prime": "219.7802 GPa"},
-    **{"load": "3.888524 N", "mean_speed": "0.502636 m/s"},
-}
-CASE = {"name": "small", "contact": CONTACT, "lubricant": OIL, "solver": {"nodes": 65}}
 KEYS = [  # the issue's
     *("kind", "M", "L", "lambda_bar", "alpha_bar", "H_c", "H_min", "X_min", "Y_min", "Delta", "P_max", "load"),
     *("residual", "newton_iterations", "krylov_iterations", "convolutions", "wall_s", "status"),
@@ -27,26 +22,14 @@ KEYS = [  # the issue's
 ]
 
 
-@pytest.fixture(scope="module")
-def case():
-    return parse_case(CASE)
-
-
-@pytest.fixture(scope="module")
-def solutions(case):
-    return list(steady.nested(case))
-
-
-@pytest.fixture(scope="module")
-def whole(case):
-    return simulate(case)
+CASE = CASES["steady"]
 
 
 # -- in memory --------------------------------------------------------------------------------------------------------
 
 
-def test_the_dataset_of_a_steady_contact(whole):
-    data = whole.dataset
+def test_the_dataset_of_a_steady_contact(kinds):
+    data = kinds["steady"].whole.dataset
     assert dict(data.sizes) == {"Y": 65, "X": 65, "grid": 2, "iteration": data.sizes["iteration"]}
     assert data["grid"].values.tolist() == [33, 65]
     assert data["H"].dims == data["P"].dims == ("Y", "X")
@@ -63,8 +46,9 @@ def test_the_dataset_of_a_steady_contact(whole):
     assert si["h"].dims == ("y", "x") and si["y_min"].attrs["units"] == "m"
 
 
-def test_the_summary_of_a_steady_contact(whole, case):
-    summary, s = whole.summary, case.scales
+def test_the_summary_of_a_steady_contact(kinds):
+    whole, s = kinds["steady"].whole, CASE.scales
+    summary = whole.summary
     assert set(KEYS) <= set(summary)
     assert summary["load"] == pytest.approx(2 * np.pi / 3, rel=1e-7)
     last = whole.dataset.isel(grid=-1)
@@ -82,9 +66,9 @@ def test_the_summary_of_a_steady_contact(whole, case):
     assert "v0_m_per_s" not in summary["si"]
 
 
-def test_the_film_and_its_error_bar_are_those_of_the_reference(case, nothing_outside):
+def test_the_film_and_its_error_bar_are_those_of_the_reference(nothing_outside):
     """The film on this grid and the converged one, of reference/rolling.json."""
-    summary = simulate(case).summary
+    summary = simulate(CASE).summary
     assert summary["H_c"] == pytest.approx(0.4190912, rel=1e-4)
     for name, converged in {"H_c": 0.431967, "H_min": 0.292473}.items():
         true = abs(summary[name] - converged)
@@ -92,7 +76,7 @@ def test_the_film_and_its_error_bar_are_those_of_the_reference(case, nothing_out
 
 
 def test_one_grid_has_no_error_bar():
-    summary = simulate(parse_case({**CASE, "solver": {"nodes": 33}})).summary
+    summary = simulate(parse_case({**STEADY, "solver": {"nodes": 33}})).summary
     assert summary["H_c_error"] is summary["H_min_extrapolated"] is summary["si"]["h_c_error_m"] is None
     assert any("no error estimate" in warning for warning in summary["warnings"])
 
@@ -104,31 +88,31 @@ def said(solutions, case) -> str:
     return " ".join(diagnostics.steady_warnings(case, solutions))
 
 
-def test_warnings_of_a_coarse_grid(case, solutions):
-    coarse, fine = solutions
-    assert "no error estimate" in said([fine], case)
-    assert "did not converge" in said([replace(coarse, status=Status.NEWTON_STALLED), fine], case)
-    assert "overlap" in said([coarse, replace(fine, H=fine.H - 1)], case)
-    assert "H_c is uncertain by about" in said([replace(coarse, H=0.5 * coarse.H), fine], case)
-    assert "is not a node" in said([coarse, fine], parse_case({**CASE, "solver": {"nodes": 65, "inlet": 4.0}}))
-    narrow = replace(fine, outside=0.4 * case.geometry.hertz_load)
-    assert "the domain is too small (the oil outside it carries 40% of the load" in said([coarse, narrow], case)
-    assert "the films are off by about 8% or more" in said([coarse, narrow], case)
-    assert "use solver.half_width >= 5" in said([coarse, narrow], case)
-    assert "the domain is too small" not in said([coarse, fine], case)
+def test_warnings_of_a_coarse_grid(grids):
+    coarse, fine = grids
+    assert "no error estimate" in said([fine], CASE)
+    assert "did not converge" in said([replace(coarse, status=Status.NEWTON_STALLED), fine], CASE)
+    assert "overlap" in said([coarse, replace(fine, H=fine.H - 1)], CASE)
+    assert "H_c is uncertain by about" in said([replace(coarse, H=0.5 * coarse.H), fine], CASE)
+    assert "is not a node" in said([coarse, fine], parse_case({**STEADY, "solver": {"nodes": 65, "inlet": 4.0}}))
+    narrow = replace(fine, outside=0.4 * CASE.geometry.hertz_load)
+    assert "the domain is too small (the oil outside it carries 40% of the load" in said([coarse, narrow], CASE)
+    assert "the films are off by about 8% or more" in said([coarse, narrow], CASE)
+    assert "use solver.half_width >= 5" in said([coarse, narrow], CASE)
+    assert "the domain is too small" not in said([coarse, fine], CASE)
     spot = {"shape": "spot", "height": 0.1, "radius": 0.1, "surface": 2}
-    contact = CONTACT | {"slide_to_roll": 2}
-    assert "2.1 cells" in said([coarse, fine], parse_case({**CASE, "contact": contact, "roughness": [spot]}))
+    contact = ROLL | {"slide_to_roll": 2}
+    assert "2.1 cells" in said([coarse, fine], parse_case({**STEADY, "contact": contact, "roughness": [spot]}))
 
 
 # -- stored -----------------------------------------------------------------------------------------------------------
 
 
-def test_a_run_that_gives_up(tmp_path, monkeypatch, case, solutions):
-    coarse, fine = solutions
+def test_a_run_that_gives_up(tmp_path, monkeypatch, grids):
+    coarse, fine = grids
     stalled = [coarse, replace(fine, status=Status.NEWTON_STALLED)]
     monkeypatch.setattr(steady, "nested", lambda case, done: iter(stalled[len(done) :]))
-    run = RunStore.create(tmp_path / "run", case)
+    run = RunStore.create(tmp_path / "run", CASE)
     summary = compute(run)
     assert (summary["status"], summary["H_c_error"]) == ("Newton iteration stalled", None)
     assert compute(RunStore.open(tmp_path / "run"))["status"] == "Newton iteration stalled"
@@ -168,10 +152,10 @@ def test_a_film_below_zero_is_no_result():
         assert "H_c" not in repr(result)
 
 
-def test_a_solution_that_stalled_is_no_result(case, solutions):
-    coarse, fine = solutions
+def test_a_solution_that_stalled_is_no_result(grids):
+    coarse, fine = grids
     stalled = [coarse, replace(fine, status=Status.NEWTON_STALLED, residual=0.3)]
-    summary = steady_summary(case, stalled, {"compilations": 0, "wall_s": 1.0}, Status.NEWTON_STALLED)
+    summary = steady_summary(CASE, stalled, {"compilations": 0, "wall_s": 1.0}, Status.NEWTON_STALLED)
     numbers_are_withheld(summary)
     assert "the solution failed (residual 0.3, 1e-08 is allowed)" in summary["warnings"][0]
     assert not any("%" in sentence for sentence in summary["warnings"])

@@ -32,12 +32,6 @@ def kind(request, kinds):
     return kinds[request.param]
 
 
-@pytest.fixture(scope="module")
-def grids():
-    """The solutions of the steady contact."""
-    return list(steady.nested(CASES["steady"]))
-
-
 # -- a whole run ------------------------------------------------------------------------------------------------------
 
 

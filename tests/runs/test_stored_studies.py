@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from cases import SMALL
 
 import ertel
 from ertel.case.case import Case
@@ -23,16 +24,13 @@ from ertel.runs.studies import gather as gathered
 from ertel.runs.studies import has_compiled, left_of, run_directory, run_study, write_study
 from ertel.runs.workers import LocalWorker
 
-BALL = {"radius": "10 mm", "mass": "32.6726 g", "E_prime": "226.37 GPa"}
-OIL = {"alpha": "22 / GPa"}
-
 
 def study_of(until: float = 0.02, mode: str = "product", **varying: Any) -> dict[str, Any]:
     """Impacts that are over at once."""
     return {
         "name": "balls",
-        "contact": {**BALL, "speed": varying.get("speed", ["0.1 m/s", "0.2 m/s"])},
-        "lubricant": {**OIL, "eta0": varying.get("eta0", ["10 mPa*s", "20 mPa*s"])},
+        "contact": {**SMALL["contact"], "speed": varying.get("speed", ["0.1 m/s", "0.2 m/s"])},
+        "lubricant": {**SMALL["lubricant"], "eta0": varying.get("eta0", ["10 mPa*s", "20 mPa*s"])},
         "solver": {"method": "radial", "nodes": 17},
         "time": {"until": until, "tolerance": 0.1},
         "sweep": {"mode": mode},
