@@ -16,7 +16,7 @@ from ertel.physics.geometry import HERTZ_LOAD
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Oscillation, constant
 from ertel.physics.scales import impact_scales
 
-BALL = NewtonsLaw.of(FREE_BALL)
+BALL = NewtonsLaw(FREE_BALL.inertia, FREE_BALL.load)
 NEWTON = 15 / (8 * pi)  # of Delta'' = - NEWTON * double integral of P
 
 
@@ -128,7 +128,7 @@ def test_forces_without_a_film():
 @given(TIMES, st.floats(0.01, 10.0), st.floats(0.1, 2.0))
 def test_a_ball_at_rest_carries_the_load_that_is_applied(times, inertia, load):
     """Delta constant: F = w(T), at every inertia; without any whatever the motion was before."""
-    rolling = NewtonsLaw.of(STEADY_ROLLING)
+    rolling = NewtonsLaw(STEADY_ROLLING.inertia, STEADY_ROLLING.load)
     assert rolling.line(0.5, derivative_weights([0.5, 0.4, 0.2]), [0.9, 0.8], [1.0, 2.0]) == balanced()
     law = NewtonsLaw(inertia, Oscillation(load, 0.1, 2.0))
     line = law.line(times[0], derivative_weights(times[:3]), [0.9, 0.9], [0.0, 0.0])

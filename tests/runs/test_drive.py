@@ -75,7 +75,7 @@ def test_a_rig_may_prescribe_the_approach(method: type[Transient2D] | type[Radia
 
     case = impact(200, 10, 33, time={"until": 2.5, "tolerance": 1e-3})
     pressed = method(case)
-    pressed.closure = Rig.of(case.motion)
+    pressed.closure = Rig(case.motion.inertia, case.motion.load)
     data = result_of(TransientRun(case, pressed)).dataset
     np.testing.assert_allclose(data.Delta.values, [motion(T) for T in data.time.values], atol=1e-12)
     H_c = float(data.H_c[-1])

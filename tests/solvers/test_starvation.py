@@ -82,7 +82,7 @@ def test_the_change_of_the_void_is_its_derivative() -> None:
     def three_ways(r: jax.Array, dr: jax.Array) -> tuple[jax.Array, ...]:
         by_jax = jax.jvp(void, (r, first), (dr, d_first))[1]
         up, down = (void(r + share * dr, first + share * d_first) for share in (step, -step))
-        return void_change(jnp.asarray(1.0 - P), dr, d_first, 2.0, 0.1), by_jax, (up - down) / (2.0 * step)
+        return void_change(jnp.asarray(1.0 - P), dr * 0.1 / 2.0, d_first), by_jax, (up - down) / (2.0 * step)
 
     found, by_jax, expected = three_ways(r, dr)
     assert_allclose(found, by_jax, atol=1e-12)

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from ertel.numerics.bdf import Weights
 from ertel.physics.geometry import HERTZ_LOAD
-from ertel.physics.motion import Motion, Signal
+from ertel.physics.motion import Signal
 
 
 class ClosureLine(NamedTuple):
@@ -57,10 +57,6 @@ class NewtonsLaw:
     inertia: float
     load: Signal
     hertz_load: float = HERTZ_LOAD
-
-    @classmethod
-    def of(cls, motion: Motion, hertz_load: float = HERTZ_LOAD) -> "NewtonsLaw":
-        return cls(motion.inertia, motion.load, hertz_load)
 
     def line(self, T: float, rates: Weights, approaches: Sequence[float], velocities: Sequence[float]) -> ClosureLine:
         """The linear equation at time T, from BDF weights (newest first) and the earlier Delta and dDelta/dT."""

@@ -192,16 +192,14 @@ def _void(full: Array, more: Array, first: Array) -> Array:
 @_void.defjvp
 def _(primals: Any, tangents: Any) -> tuple[Array, Array]:
     void: Array = _void(*primals)
-    return void, _changed(jnp.asarray(void > 0.0, void.dtype), *tangents[1:])
+    return void, void_change(jnp.asarray(void > 0.0, void.dtype), *tangents[1:])
 
 
-def void_change(held: Array, r: Array, first: Array, entrainment: Number, spacing: Number) -> Array:
-    """The change of `void_downstream` by changes of r and of the void at the inlet; held: 1 where P = 0, else 0."""
-    return _changed(held, r * spacing / entrainment, first)
+def void_change(held: Array, more: Array, first: Array) -> Array:
+    """The change of `void_downstream` by changes of more = h r/U and of the void at the inlet.
 
-
-def _changed(held: Array, more: Array, first: Array) -> Array:
-    """The change of the void by changes of `more` and of `first`; held: 0 where there is no void that changes."""
+    held: 1 where P = 0; 0 where there is no void that changes.
+    """
     change = (held * more).at[:, 0].set(held[:, 0] * first)
 
     def then(one: _Map, other: _Map) -> _Map:

@@ -207,7 +207,7 @@ def multigrid_levels(
         if problem.rate.layer is None:
             return r
         first = downstream(film.change(e, Ke).mass[:, :2])[:, 0]
-        void = void_change(1.0 - free, r, first, wedge, film.spacing)
+        void = void_change(1.0 - free, r * film.spacing / wedge, first)
         return stencils.inside(r + wedge * upstream_of(void) / film.spacing, c.even)
 
     _, jacobian = jax.linearize(change, zero, zero)

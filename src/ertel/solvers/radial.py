@@ -256,7 +256,7 @@ class RadialImpact(Method):
         self.mesh = mesh(radii(case.solver.nodes, case.solver.half_width), case.lubricant, lambda_bar)
         self.layer = case.layer
         self.outside = outside.around_circle(np.asarray(self.mesh.r), 0.0 if case.layer else lambda_bar)
-        self.closure = NewtonsLaw.of(case.motion)
+        self.closure = NewtonsLaw(case.motion.inertia, case.motion.load)
         self.tolerance = case.solver.tolerance * case.parameters.trapped_film
         self.start_approach = case.schedule.start_approach
         self.coordinates = {"r": np.asarray(self.mesh.r)}

@@ -121,7 +121,7 @@ class Transient2D(Method):
         self.contact = jax.device_put(discretise.smooth_contact(case, self.grid))
         self.outside = discretise.outside_of(case, self.grid)
         self.layer = discretise.layer_of(case, self.grid)
-        self.closure = NewtonsLaw.of(case.motion, self.geometry.hertz_load)
+        self.closure = NewtonsLaw(case.motion.inertia, case.motion.load, self.geometry.hertz_load)
         elastic = multigrid.deformation_operators(self.grid, self.geometry.compliance, PRECISION)
         self.coordinates = {"Y": self.grid.y, "X": self.grid.x}
         tolerance = case.solver.tolerance
