@@ -1,6 +1,7 @@
 """Pictures of runs in time: the axes carry the numbers of the run at the chosen moment, in the units that they say."""
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -175,9 +176,9 @@ def test_rebound_is_dashed(moes, at):
     assert "rebound" not in words(panels(plots.profiles(moes.isel(frame=kept)))[0])
 
 
-@pytest.mark.parametrize("flow", [1.0, -1.0, 0.0])
-def test_arrow_shows_the_flow(flow):
-    assert [flow_arrows(axes) for axes in panels(plots.maps(in_time(MOES_ROLLS, flow)))] == 2 * [[flow] if flow else []]
+@pytest.mark.parametrize(("contact", "flow"), [*product((in_time, steady), (1.0, -1.0)), (in_time, 0.0)])
+def test_arrow_shows_the_flow(contact, flow):
+    assert [flow_arrows(axes) for axes in panels(plots.maps(contact(MOES_ROLLS, flow)))] == 2 * [[flow] if flow else []]
 
 
 # -- histories --------------------------------------------------------------------------------------------------------
@@ -304,6 +305,8 @@ def test_a_smooth_contact_shows_no_roughness_and_a_resting_one_no_flow(moes):
 def test_odd_runs_can_be_drawn(moes):
     """One step; a film that vanishes; a moment without pressure."""
     assert plots.names_of(moes) == ("overview", "maps", "profiles", "history", "friction")  # all of a run
+    known = ("overview", "film", "pressure", "midlines", "convergence", "friction")
+    assert plots.names_of(steady(MOES_ROLLS)) == known
     for name in plots.names_of(moes):
         plots.draw(moes.isel(frame=slice(0, 1), time=slice(0, 1)), name).draw_without_rendering()
     data = dry_impact(MOES_FALLS)
@@ -333,3 +336,6 @@ def test_two_runs_have_common_units(ball, moes):
     film, *_ = panels(plots.comparison([ball, moes], ["one", "two"]))
     assert film.get_xlabel() == "$X$ ($a^*$)"
     np.testing.assert_array_equal(line(film, "one").get_xdata(), ball["X"].values)
+    film, pressure = panels(plots.comparison([steady(BALL_ROLLS), steady(MOES_ROLLS)], ["one", "two"]))  # no history
+    assert film.get_ylabel() == "film thickness $H$ ($a^2/R$)" and pressure.get_xlabel() == "$X$ ($a$)"
+    assert len(panels(plots.comparison([steady(BALL_ROLLS), in_time(BALL_ROLLS)], ["one", "two"]))) == 2

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from drawn import edge_of_oil, flow_arrows, line, of_type, panels, right_of
+from drawn import edge_of_oil, line, of_type, panels, right_of
 from made_up import BALL_ROLLS as BALL
-from made_up import C1, H_C, H_MIN, in_time, solutions, steady
+from made_up import C1, H_C, H_MIN, solutions, steady
 from made_up import MOES_ROLLS as MOES
 
 from ertel import plots
@@ -36,12 +36,6 @@ def test_every_panel_says_what_it_shows(name, data, request):
     assert panels(figure)
     for axes in panels(figure):
         assert axes.get_xlabel() and axes.get_ylabel() and axes.get_title()
-
-
-def test_what_a_steady_contact_has_and_its_flow(moes):
-    assert plots.names_of(moes) == ("overview", "film", "pressure", "midlines", "convergence", "friction")
-    for flow in (1.0, -1.0):
-        assert [flow_arrows(axes) for axes in panels(plots.maps(steady(MOES, flow)))] == [[flow], [flow]]
 
 
 def test_heading_gives_films_with_their_errors(ball, moes):
@@ -139,10 +133,3 @@ def test_heading_grids_and_hertz_pressure_of_an_ellipse(ellipse):
     y, P = dry.get_data()
     load = float(ellipse["load"][-1]) / Geometry(0.2).hertz_load
     assert P == pytest.approx(Geometry(0.2, 30.0).dry_pressure(load, 0 * y, y))
-
-
-def test_two_contacts(ball, moes):
-    """There is no history; in the units of rolling contacts where one is dimensionless."""
-    film, pressure = panels(plots.comparison([ball, moes], ["one", "two"]))
-    assert film.get_ylabel() == "film thickness $H$ ($a^2/R$)" and pressure.get_xlabel() == "$X$ ($a$)"
-    assert len(panels(plots.comparison([ball, in_time(BALL)], ["one", "two"]))) == 2

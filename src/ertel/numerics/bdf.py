@@ -17,8 +17,7 @@ REJECTED = 2.0  # a step is repeated only if its error is above this, in units o
 
 def lagrange(t: Any, nodes: Sequence[float]) -> list[Any]:
     """Lagrange's weights of the nodes for the value at t (extrapolated outside them); exactly 1 and 0 at a node."""
-    others = [[m for m in nodes if m != node] for node in nodes]
-    return [prod((t - m) / (node - m) for m in others[k]) for k, node in enumerate(nodes)]
+    return [prod((t - m) / (node - m) for m in nodes if m != node) for node in nodes]
 
 
 def interpolation_weights(t: float, times: Sequence[float]) -> Weights:

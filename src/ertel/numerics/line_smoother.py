@@ -52,8 +52,11 @@ class Rows(NamedTuple):
 
 
 class Factors(NamedTuple):
-    """The scale factors of the rows and the scaled rows; of lines that are halved the even ones, also the odd ones, and
-    the factors of what is left of the even rows when the odd nodes are eliminated."""
+    """The scale factors of the rows, and the scaled rows.
+
+    Of a line that is halved, rows are the even ones, odd the others, and rest the factors of what is left of the even
+    rows when the odd nodes are eliminated.
+    """
 
     scale: Array
     rows: Rows
@@ -77,7 +80,8 @@ def factorise(lower: Array, diagonal: Array, upper: Array) -> Factors:
 
 def solve_lines(factors: Factors, b: Array) -> Array:
     """The solutions for right-hand sides b of shape (lines, n)."""
-    (lower, upper), odd, rest, b = factors.rows, factors.odd, factors.rest, factors.scale * b
+    scale, (lower, upper), odd, rest = factors
+    b = scale * b
     if odd is None or rest is None:
         return jax.lax.linalg.tridiagonal_solve(lower, jnp.ones_like(b), upper, b[..., None])[..., 0]
     left_out = b[:, 1::2]

@@ -16,9 +16,10 @@ import numpy as np
 import xarray as xr
 from matplotlib import colormaps, rc_context, rcParams
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 from numpy.typing import NDArray
 
 from ertel.results.variables import PREFIXES, exponent, unit_of
@@ -102,6 +103,13 @@ def mathtext(symbol: str) -> str:
     """H_min as $H_\\mathrm{min}$, Delta as a Greek letter."""
     base, _, index = re.sub(GREEK, r"\\\g<0>", symbol).partition("_")
     return f"${base}_\\mathrm{{{index}}}$" if index else f"${base}$"
+
+
+def plain_ticks(axis: Axis) -> None:
+    """Name the ticks of a logarithmic axis by plain numbers 1, 2, 5, 10, ..."""
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_formatter(NullFormatter())
 
 
 def levels(top: float, steps: int = 10) -> Values:

@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
+from matplotlib.ticker import LogLocator, MaxNLocator
 from scipy.integrate import cumulative_trapezoid
 
 from ertel.physics import hertz
-from ertel.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, NoFigure, Values
+from ertel.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, NoFigure, Values, plain_ticks
 from ertel.plots.view import LOADED, View, estimate_of
 from ertel.results import fronts
 from ertel.results.profiles import LAST, events_of
@@ -136,9 +136,7 @@ def draw_film_history(axes: Axes, view: View) -> None:
         return
     low = 0.6 * float(minimum[minimum > 0].min(initial=minimum.max()))  # a film may vanish on a coarse grid
     axes.set(yscale="log", ylim=(low, None))
-    axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-    axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
-    axes.yaxis.set_minor_formatter(NullFormatter())
+    plain_ticks(axes.yaxis)
 
 
 def draw_pressure_history(axes: Axes, view: View) -> None:

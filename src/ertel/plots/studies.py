@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, StrMethodFormatter
+from matplotlib.ticker import MaxNLocator, NullFormatter
 
 from ertel.physics.temperature_laws import ZERO_CELSIUS
 from ertel.plots.drawing import (
@@ -28,8 +28,9 @@ from ertel.plots.drawing import (
     SheetOptions,
     compose,
     mathtext,
+    plain_ticks,
 )
-from ertel.plots.view import CONDITIONS, case_of, name_of
+from ertel.plots.view import case_of, conditions_in_si, name_of
 from ertel.results.dataset import largest_of
 from ertel.results.variables import name_in_si, with_prefix
 
@@ -211,11 +212,8 @@ def _draw_curve(axes: Axes, dataset: xr.Dataset, title: str, names: Mapping[str,
 def _heading(dataset: xr.Dataset) -> list[str]:
     """The name of the case, then its conditions apart from what varies."""
     about, varies = dataset.attrs, dataset.attrs["varies"]
-    conditions = []
-    if "R_m" in about:
-        hidden = {"mean_speed": ["u_m_m_per_s"], "load": ["F_N", "p_h_Pa"]}.get(varies, [])
-        named = [("$R$", "R_m", "m"), *CONDITIONS["rolling"]]
-        conditions = [f"{symbol} = {with_prefix(about[key], unit)}" for symbol, key, unit in named if key not in hidden]
+    hidden = {"mean_speed": ["u_m_m_per_s"], "load": ["F_N", "p_h_Pa"]}.get(varies, [])
+    conditions = conditions_in_si(about, hidden)
     if varies == "slide_to_roll":
         conditions += [f"$M$ = {about['M']:.4g}", f"$L$ = {about['L']:.3g}"]
     else:
@@ -260,10 +258,9 @@ def _has_equal_ratios(x: np.ndarray) -> bool:
 
 
 def _name_ticks(axis: Axis, values: np.ndarray) -> None:
-    """Plain numbers 1, 2, 5, 10, ... at a logarithmic axis, over many decades powers of ten."""
+    """Plain numbers at a logarithmic axis, over many decades powers of ten."""
     if np.max(np.abs(values)) < DECADES * np.min(np.abs(values)):
-        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+        plain_ticks(axis)
     axis.set_minor_formatter(NullFormatter())
 
 

@@ -1,7 +1,7 @@
 """A run at the moment that a picture shows: its values, scales and words for the panels."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise
@@ -70,6 +70,12 @@ def name_of(attributes: Mapping[str, Any]) -> str:
 def field(x: Values, y: Values, values: Values) -> xr.DataArray:
     """A variable over the surface, (Y, X)."""
     return xr.DataArray(values, {"Y": y, "X": x}, ("Y", "X"))
+
+
+def conditions_in_si(attributes: Mapping[str, Any], hidden: Sequence[str] = ()) -> list[str]:
+    """Radius, speed, load and pressure of a physical case, but for hidden attributes; none of a dimensionless one."""
+    named = [("$R$", "R_m", "m"), *CONDITIONS[attributes["kind"]]] if "R_m" in attributes else []
+    return [f"{symbol} = {with_prefix(attributes[key], unit)}" for symbol, key, unit in named if key not in hidden]
 
 
 @dataclass(frozen=True)
@@ -193,10 +199,7 @@ class View:
             conditions.append(f"angle {about['entrainment_angle']:.3g}°")
         if about["kind"] == "rolling" and self.slides:
             conditions.append(f"slide-to-roll {self.case.motion.slide_to_roll:.3g}")
-        if self.in_si:
-            driven = [f"{symbol} = {with_prefix(about[key], unit)}" for symbol, key, unit in CONDITIONS[about["kind"]]]
-            conditions = [f"$R$ = {with_prefix(about['R_m'], 'm')}", *driven, *conditions]
-        return [name_of(about), *conditions]
+        return [name_of(about), *conditions_in_si(about), *conditions]
 
     @property
     def outcome(self) -> list[str]:
