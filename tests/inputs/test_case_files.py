@@ -158,7 +158,7 @@ SMALL = b"[contact]\nM = 1000\nL = 10\n"
 
 
 def test_no_file(tmp_path):
-    with pytest.raises(ConfigError, match=r"no\.toml cannot be read in .*, no such file"):
+    with pytest.raises(ConfigError, match=r"no\.toml cannot be read, no such file"):
         load_case(tmp_path / "no.toml")
     with pytest.raises(ConfigError, match="is not a regular file"):
         load_case(tmp_path)

@@ -20,7 +20,6 @@ from ertel.physics.units import Bounds, Meaning, explained, marks
 
 T = TypeVar("T")
 Kind = Literal["impact", "rolling"]
-Number = float | None  # None: not given
 POISSON = Bounds(gt=-1, le=0.5)
 REDUCED = units.LENGTH.between(1e-6, 100.0)
 BODY = units.LENGTH.between(1e-6, 1e5)  # one of two may be nearly flat
@@ -84,69 +83,79 @@ class Conditions:
     """
 
     kind: Annotated[Kind, Meaning("a ball hits an oiled surface, or rolls and slides on it")] = "impact"
-    M: Annotated[Number, MOES_M, Meaning("Moes' load parameter, for a contact without dimensions", 1000)] = None
-    L: Annotated[Number, MOES_L, Meaning("Moes' lubricant parameter; goes with M", 10)] = None
-    lambda_bar: Annotated[Number, units.ABOVE_ZERO, Meaning("dimensionless viscosity, in place of M", 1.1e-3)] = None
+    M: Annotated[float | None, MOES_M, Meaning("Moes' load parameter, for a contact without dimensions", 1000)] = None
+    L: Annotated[float | None, MOES_L, Meaning("Moes' lubricant parameter; goes with M", 10)] = None
+    lambda_bar: Annotated[float | None, units.ABOVE_ZERO, Meaning("dimensionless viscosity, in place of M", 1.1e-3)] = (
+        None
+    )
     alpha_bar: Annotated[
-        Number, units.NOT_NEGATIVE, Meaning("dimensionless pressure-viscosity index; goes with lambda_bar", 36.4)
+        float | None, units.NOT_NEGATIVE, Meaning("dimensionless pressure-viscosity index; goes with lambda_bar", 36.4)
     ] = None
     radius_ratio: Annotated[
-        Number, RATIO, Meaning("R_x/R_y of an elliptical contact without dimensions; left out: a circle", 0.2)
+        float | None, RATIO, Meaning("R_x/R_y of an elliptical contact without dimensions; left out: a circle", 0.2)
     ] = None
-    radius: Annotated[Number, REDUCED, Meaning("radius of a ball on a plane, or reduced radius")] = None
+    radius: Annotated[float | None, REDUCED, Meaning("radius of a ball on a plane, or reduced radius")] = None
     radius_1: Annotated[
-        Number, BODY, Meaning("radius of the first of two balls, the one that moves in an impact; goes with radius_2")
+        float | None,
+        BODY,
+        Meaning("radius of the first of two balls, the one that moves in an impact; goes with radius_2"),
     ] = None
-    radius_2: Annotated[Number, BODY, Meaning("radius of the second ball", "15 mm")] = None
+    radius_2: Annotated[float | None, BODY, Meaning("radius of the second ball", "15 mm")] = None
     radius_x: Annotated[
-        Number, REDUCED, Meaning("reduced radius of an elliptical contact along its axis x; goes with radius_y")
+        float | None, REDUCED, Meaning("reduced radius of an elliptical contact along its axis x; goes with radius_y")
     ] = None
-    radius_y: Annotated[Number, REDUCED, Meaning("reduced radius along its axis y", "40 mm")] = None
+    radius_y: Annotated[float | None, REDUCED, Meaning("reduced radius along its axis y", "40 mm")] = None
     radius_x_1: Annotated[
-        Number, units.RADIUS, Meaning("radius of body 1 along x; negative: concave, left out: plane", "6 mm")
+        float | None, units.RADIUS, Meaning("radius of body 1 along x; negative: concave, left out: plane", "6 mm")
     ] = None
-    radius_y_1: Annotated[Number, units.RADIUS, Meaning("radius of body 1 along y, as radius_x_1", "6 mm")] = None
-    radius_x_2: Annotated[Number, units.RADIUS, Meaning("radius of body 2 along x, as radius_x_1", "20 mm")] = None
-    radius_y_2: Annotated[Number, units.RADIUS, Meaning("radius of body 2 along y, as radius_x_1", "-6.24 mm")] = None
+    radius_y_1: Annotated[float | None, units.RADIUS, Meaning("radius of body 1 along y, as radius_x_1", "6 mm")] = None
+    radius_x_2: Annotated[float | None, units.RADIUS, Meaning("radius of body 2 along x, as radius_x_1", "20 mm")] = (
+        None
+    )
+    radius_y_2: Annotated[
+        float | None, units.RADIUS, Meaning("radius of body 2 along y, as radius_x_1", "-6.24 mm")
+    ] = None
     entrainment_angle: Annotated[
-        Number,
+        float | None,
         units.ANGLE.between(0.0, 180.0),
         Meaning("from the axis x of the ellipse to the direction of entrainment, -180 to 180 deg; left out: 0"),
     ] = None
     mass: Annotated[
-        Number, units.MASS, Meaning("mass of the moving ball; rolling: for its inertia in time, left out: none")
+        float | None, units.MASS, Meaning("mass of the moving ball; rolling: for its inertia in time, left out: none")
     ] = None
-    ball_density: Annotated[Number, units.DENSITY, Meaning("density of the moving ball, in place of its mass")] = None
-    speed: Annotated[Number, units.SPEED, Meaning("impact: speed of the ball at first touch")] = None
+    ball_density: Annotated[
+        float | None, units.DENSITY, Meaning("density of the moving ball, in place of its mass")
+    ] = None
+    speed: Annotated[float | None, units.SPEED, Meaning("impact: speed of the ball at first touch")] = None
     drop_height: Annotated[
-        Number, FALL, Meaning("impact: height from which the ball falls, in place of speed", "0.5 mm")
+        float | None, FALL, Meaning("impact: height from which the ball falls, in place of speed", "0.5 mm")
     ] = None
-    load: Annotated[Number, units.LOAD, Meaning("rolling: the static load")] = None
+    load: Annotated[float | None, units.LOAD, Meaning("rolling: the static load")] = None
     speed_1: Annotated[
-        Number,
+        float | None,
         units.VELOCITY,
         Meaning("rolling: speed of surface 1 along x; goes with speed_2, in place of mean_speed"),
     ] = None
-    speed_2: Annotated[Number, units.VELOCITY, Meaning("rolling: speed of surface 2 along x")] = None
+    speed_2: Annotated[float | None, units.VELOCITY, Meaning("rolling: speed of surface 2 along x")] = None
     mean_speed: Annotated[
-        Number,
+        float | None,
         units.VELOCITY,
         Meaning("mean of the speeds of both surfaces along x; impact: of a track that moves, left out: at rest"),
     ] = None
     slide_to_roll: Annotated[
-        Number,
+        float | None,
         units.FINITE,
         Meaning("difference of the speeds over their mean, (u1 - u2)/u_m; goes with mean_speed, left out: 0", 0.1),
     ] = None
     E_prime: Annotated[
-        Number, units.MODULUS, Meaning("reduced modulus, 2/E' = (1 - nu1^2)/E1 + (1 - nu2^2)/E2", "226 GPa")
+        float | None, units.MODULUS, Meaning("reduced modulus, 2/E' = (1 - nu1^2)/E1 + (1 - nu2^2)/E2", "226 GPa")
     ] = None
     E1: Annotated[
-        Number, units.MODULUS, Meaning("Young's modulus of body 1; with nu1, E2, nu2 in place of E_prime")
+        float | None, units.MODULUS, Meaning("Young's modulus of body 1; with nu1, E2, nu2 in place of E_prime")
     ] = None
-    nu1: Annotated[Number, POISSON, Meaning("Poisson's ratio of body 1", 0.3)] = None
-    E2: Annotated[Number, units.MODULUS, Meaning("Young's modulus of body 2")] = None
-    nu2: Annotated[Number, POISSON, Meaning("Poisson's ratio of body 2", 0.3)] = None
+    nu1: Annotated[float | None, POISSON, Meaning("Poisson's ratio of body 1", 0.3)] = None
+    E2: Annotated[float | None, units.MODULUS, Meaning("Young's modulus of body 2")] = None
+    nu2: Annotated[float | None, POISSON, Meaning("Poisson's ratio of body 2", 0.3)] = None
 
     def __post_init__(self) -> None:
         checked(self, "contact")

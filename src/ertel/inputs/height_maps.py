@@ -120,7 +120,8 @@ def regular_content(path: Path, most: int) -> bytes:
             content = file.read(size) if size <= most else b""
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
         reason = (getattr(error, "strerror", None) or str(error)).lower()
-        raise ValueError(f"cannot be read in {shortened(str(path.parent.absolute()))}, {reason}") from error
+        where = "" if path.is_absolute() else f" in {shortened(str(path.parent.absolute()))}"
+        raise ValueError(f"cannot be read{where}, {reason}") from error
     if size > most:
         raise ValueError(f"is too large; must have at most {most / 1e6:g} MB")
     return content

@@ -71,7 +71,9 @@ class ReeEyring:
     """
 
     tau0: Annotated[float, STRESS, Meaning("Eyring's stress", "5 MPa")]
-    reference: ClassVar[str] = "Johnson KL, Tevaarwerk JL. Proc R Soc Lond A 1977;356:215-236"
+    reference: ClassVar[str] = (
+        "Johnson KL, Tevaarwerk JL. Shear behaviour of elastohydrodynamic oil films. Proc R Soc Lond A 1977;356:215-236"
+    )
 
     def fluidity(self, stress: Array, pressure: Array) -> Array:
         xp = arrays_of(stress)
@@ -95,7 +97,9 @@ class Carreau:
     title: ClassVar[str] = "Carreau's law"
     G: Annotated[float, STRESS, Meaning("stress at which the oil begins to thin", "5 MPa")]
     n: Annotated[float, EXPONENT, Meaning("exponent; 1: Newtonian", 0.5)]
-    reference: ClassVar[str] = "Bair S. Tribol Trans 2004;47:361-365"
+    reference: ClassVar[str] = (
+        "Bair S. A rough shear-thinning correction for EHD film thickness. Tribol Trans 2004;47:361-365"
+    )
 
     def fluidity(self, stress: Array, pressure: Array) -> Array:
         xp = arrays_of(stress)  # the derivative of this form needs no second power
@@ -115,7 +119,10 @@ class CarreauYasuda:
     G: Annotated[float, STRESS, Meaning("stress at which the oil begins to thin", "5 MPa")]
     n: Annotated[float, EXPONENT, Meaning("exponent; 1: Newtonian", 0.5)]
     a: Annotated[float, ABOVE_ZERO, Meaning("how sharply the law bends; 2: Carreau's", 2)]
-    reference: ClassVar[str] = "Yasuda K, Armstrong RC, Cohen RE. Rheol Acta 1981;20:163-178; here in the stress"
+    reference: ClassVar[str] = (
+        "Yasuda K, Armstrong RC, Cohen RE. Shear flow properties of concentrated solutions of linear and star branched "
+        "polystyrenes. Rheol Acta 1981;20:163-178; here in the stress"
+    )
 
     def fluidity(self, stress: Array, pressure: Array) -> Array:
         xp = arrays_of(stress)
@@ -157,7 +164,9 @@ class Limited:
     ambient: Annotated[float, STRESS, Meaning("limiting stress at ambient pressure", "4 MPa")] = 4e6
     sharpness: Annotated[float, SHARE, Meaning("share of the limit over which the oil comes to slip")] = 0.05
     reference: ClassVar[str] = (
-        "Gecim B, Winer WO. J Lubr Technol 1980;102:213-220; Bair S, Winer WO. J Lubr Technol 1979;101:258-264"
+        "Gecim B, Winer WO. Lubricant limiting shear stress effect on EHD film thickness. J Lubr Technol "
+        "1980;102:213-220; Bair S, Winer WO. A rheological model for elastohydrodynamic contacts based on primary "
+        "laboratory data. J Lubr Technol 1979;101:258-264"
     )
 
     def limit(self, pressure: Array) -> Array:

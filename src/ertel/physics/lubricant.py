@@ -15,6 +15,7 @@ differentiates it.  It needs a registered name (`ertel.viscosity_laws.register`)
 """
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import log
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol
@@ -65,7 +66,9 @@ class Barus:
     """eta/eta0 = exp(alpha p)."""
 
     alpha: Annotated[float, units.COMPLIANCE, Meaning("pressure-viscosity coefficient")]
-    reference: ClassVar[str] = "Barus C. Am J Sci 1893;45:87-96"
+    reference: ClassVar[str] = (
+        "Barus C. Isothermals, isopiestics and isometrics relative to viscosity. Am J Sci 1893;45:87-96"
+    )
 
     def viscosity(self, p: Array) -> Array:
         return arrays_of(p).exp(self.alpha * p)
@@ -83,7 +86,10 @@ class Roelands:
     alpha: Annotated[float, units.COMPLIANCE, Meaning("pressure-viscosity coefficient at ambient pressure")]
     z: Annotated[float, units.ABOVE_ZERO, Meaning("Roelands' exponent", 0.6)]
     p0: Annotated[float, units.STRESS, Meaning("Roelands' pressure", "0.196 GPa")] = P0_ROELANDS
-    reference: ClassVar[str] = "Roelands CWA. PhD thesis, TH Delft; 1966"
+    reference: ClassVar[str] = (
+        "Roelands CWA. Correlational aspects of the viscosity-temperature-pressure relationship of lubricating oils. "
+        "PhD thesis, TH Delft; 1966"
+    )
 
     def viscosity(self, p: Array) -> Array:
         xp = arrays_of(p)
@@ -135,7 +141,9 @@ class Modulus:
 
     a: Annotated[float, units.STRESS, Meaning("1/alpha", "50 MPa")]
     b: Annotated[float, units.FINITE, Meaning("1/ln(eta/eta0) at high pressure", 0.05)]
-    highest: Annotated[float | None, units.STRESS, Meaning("pressure up to which a, b have a source", "1 GPa")] = None
+    highest: Annotated[float | None, units.STRESS, Meaning("pressure up to which a and b have a source", "1 GPa")] = (
+        None
+    )
     reference: ClassVar[str] = "Arana A et al. Proc Inst Mech Eng J 2019;233:303, at one temperature"
 
     def viscosity(self, p: Array) -> Array:
@@ -150,7 +158,7 @@ class Tait:
 
     K0: Annotated[float, units.STRESS, Meaning("bulk modulus at ambient pressure", "1.2 GPa")]
     K0_prime: Annotated[float, units.ABOVE_ZERO, Meaning("its derivative with pressure", 11)]
-    reference: ClassVar[str] = "Dymond JH, Malhotra R. Int J Thermophys 1988;9:941-951"
+    reference: ClassVar[str] = "Dymond JH, Malhotra R. The Tait equation: 100 years on. Int J Thermophys 1988;9:941-951"
 
     def volume(self, p: Array) -> Array:
         """V/V0 at p (Pa); same shape as p."""
@@ -175,8 +183,13 @@ class Doolittle:
     R: Annotated[float, units.SHARE, Meaning("volume of the molecules over that of the oil at ambient pressure", 0.67)]
     K0: Annotated[float, units.STRESS, Meaning("bulk modulus at ambient pressure", "1.2 GPa")]
     K0_prime: Annotated[float, units.ABOVE_ZERO, Meaning("its derivative with pressure", 11)]
-    highest: Annotated[float | None, units.STRESS, Meaning("pressure up to which they have a source", "0.2 GPa")] = None
-    reference: ClassVar[str] = "Doolittle AK. J Appl Phys 1951;22:1471-1475"
+    highest: Annotated[float | None, units.STRESS, Meaning("pressure up to which these have a source", "0.2 GPa")] = (
+        None
+    )
+    reference: ClassVar[str] = (
+        "Doolittle AK. Studies in Newtonian flow II. The dependence of the viscosity of liquids on free-space. "
+        "J Appl Phys 1951;22:1471-1475"
+    )
 
     @property
     def alpha(self) -> float:
@@ -251,6 +264,9 @@ class Oil:
             z: float | None = None,
             reference: str = "",
             rheology: str | Fluidity = "newtonian",
+            layer: float | str | Sequence[tuple[float, float]] | Track | None = None,
+            layer_1: float | str | None = None,
+            layer_2: float | str | None = None,
         ) -> None: ...
 
     eta0: Annotated[
@@ -266,7 +282,9 @@ class Oil:
     viscosity: Annotated[str | Viscosity, Meaning("how the viscosity follows from the pressure: a law")] = "roelands"
     density: Annotated[str | Density, Meaning("how the density follows from the pressure: a law")] = "dowson-higginson"
     p0: Annotated[float, units.STRESS, Meaning("Roelands' pressure", "0.196 GPa")] = P0_ROELANDS
-    z: Annotated[float | None, units.ABOVE_ZERO, Meaning("Roelands' exponent; left out: by eta0 and alpha", 0.6)] = None
+    z: Annotated[float | None, units.ABOVE_ZERO, Meaning("Roelands' exponent; left out: from eta0 and alpha", 0.6)] = (
+        None
+    )
     reference: Annotated[str, Meaning("source of the data, one line of text", "data sheet of the oil")] = field(
         default="", compare=False
     )

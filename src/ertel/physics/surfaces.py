@@ -263,7 +263,9 @@ class SelfAffine:
     ] = None
     seed: Annotated[int, SEED, Meaning("number from which the surface is made; another one gives another surface")] = 0
     period: Annotated[
-        Amount | None, units.WIDTH, Meaning("length after which it repeats; left out: 8 times the longest", "2 mm")
+        Amount | None,
+        units.WIDTH,
+        Meaning("length after which it repeats itself; left out: 8 times the longest", "2 mm"),
     ] = None
     front: Front = inf
     ramp: Annotated[
