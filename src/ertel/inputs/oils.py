@@ -75,14 +75,12 @@ def material_names() -> tuple[str, ...]:
 
 def get(name: str) -> NamedOil:
     """An oil of the library.  Raises ConfigError for a name that is not there."""
-    oil: NamedOil = _entry("oil", name)
-    return oil
+    return _entry("oil", name)
 
 
 def material(name: str) -> Material:
     """A material of the library.  Raises ConfigError for a name that is not there."""
-    body: Material = _entry("material", name)
-    return body
+    return _entry("material", name)
 
 
 def at(name: str, temperature: Number, rheology: str | Fluidity | None = None) -> Oil:
