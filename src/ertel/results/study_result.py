@@ -161,7 +161,10 @@ class StudyResult:
         self._frame().to_csv(path, index=False)
 
     def plot(self, **sheet: "Unpack[SheetOptions]") -> "Figure":
-        """The key numbers over what varies.  sheet: ax, figsize, columns, title, see `ertel.plots.Sheet`."""
+        """The key numbers over what varies; of a traction curve friction, films, power loss and shear stress.
+
+        sheet: ax, figsize, columns, title, see `ertel.plots.Sheet`.
+        """
         from ertel.plots import studies
 
         return studies.figure(self.dataset, **sheet)
@@ -285,15 +288,6 @@ class TractionCurve(StudyResult):
     def failed(self) -> list[float]:
         """The values at which the film did not converge."""
         return self._of_failed(self.axis)
-
-    def plot(self, **sheet: "Unpack[SheetOptions]") -> "Figure":
-        """The curve: traction coefficient and rolling resistance, films, power loss and shear stress.
-
-        sheet: ax, figsize, columns, title, see `ertel.plots.Sheet`.
-        """
-        from ertel.plots import studies
-
-        return studies.traction_figure(self.dataset, **sheet)
 
     def as_data(self) -> dict[str, Any]:
         """The curve as plain data for JSON; names in SI end with the unit, and what is missing is None."""
