@@ -15,6 +15,7 @@ from ertel.inputs.python import rolling
 from ertel.physics import hertz
 from ertel.physics.geometry import Geometry
 from ertel.plots.view import on_grids
+from ertel.results.variables import FIGURES_STEADY
 from ertel.solvers.steady import Rolling
 
 
@@ -28,7 +29,7 @@ def moes():
     return steady(MOES)
 
 
-@pytest.mark.parametrize("name", plots.STEADY)
+@pytest.mark.parametrize("name", FIGURES_STEADY)
 @pytest.mark.parametrize("data", ["ball", "moes"])
 def test_every_panel_says_what_it_shows(name, data, request):
     figure = plots.draw(request.getfixturevalue(data), name)

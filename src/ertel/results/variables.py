@@ -171,6 +171,8 @@ VARIABLES: Mapping[str, Variable] = {
 }
 FILMS = ("H_c", "H_min")  # that have an error estimate
 MEASURED = ("H_c", "H_min", "X_min", "Y_min", "Delta", "P_c", "P_max", "load")  # of a rolling contact's summary
+FIGURES_IN_TIME = ("overview", "film", "pressure", "oil", "maps", "profiles", "history", "friction", "front")
+FIGURES_STEADY = ("overview", "film", "pressure", "oil", "maps", "midlines", "convergence", "friction")
 AT_MAXIMUM = ("T", "Delta", "F", "P_c", "P_max", "H_c", "H_min", "X_min", "Y_min")  # of a summary
 
 
@@ -187,6 +189,11 @@ def name_in_si(name: str) -> str:
 def is_steady(dataset: "xr.Dataset") -> bool:
     """Return whether a Dataset holds a steady contact, on its grids, and not a run in time."""
     return "grid" in dataset.dims
+
+
+def figures_of(dataset: "xr.Dataset") -> tuple[str, ...]:
+    """The names of the figures that a run has, see `ertel.plots`."""
+    return FIGURES_STEADY if is_steady(dataset) else FIGURES_IN_TIME
 
 
 def with_coefficients(values: Mapping[str, Any], scales: Scales | None) -> dict[str, Any]:
