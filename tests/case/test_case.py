@@ -278,6 +278,8 @@ REFUSED: list[Refusal] = [
     (impact(), {"solver": Solver(nodes=39)}, "solver.nodes = 39: "),
     (impact(), {"solver": Solver(nodes=8193)}, "solver.nodes = 8193: must be less than or equal to 4097"),
     (impact(), {"solver": Solver(half_width=1.0)}, "solver.half_width = 1.0: must be greater than 1"),
+    (impact(), {"solver": Solver(half_width=nan)}, "solver.half_width = NaN: must be a finite number"),
+    (impact(), {"solver": Solver(half_width=inf)}, "solver.half_width = Infinity: must be a finite number"),
     (impact(), {"solver": Solver(half_width=1e9)}, "solver.half_width = 1000000000.0: must be less than or equal to"),
     (impact(), {"solver": Solver(half_width_y=1.0)}, "solver.half_width_y = 1.0: must be greater than 1"),
     # is lengthened for multigrid, and could not be read again
