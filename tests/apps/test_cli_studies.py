@@ -240,7 +240,10 @@ def test_a_fit_that_cannot_be_done_is_refused_in_a_sentence(here, file, before, 
 
 @pytest.mark.parametrize(
     ("command", "file"),
-    [(SWEEP, "sweep.csv"), *((TRACTION, name) for name in ("case.toml", "traction.csv", "traction.json"))],
+    [
+        (SWEEP, "sweep.csv"),
+        *((TRACTION, name) for name in ("case.toml", "traction.csv", "traction.png", "traction.json")),
+    ],
 )
 def test_files_of_the_user_are_left_alone(here, command, file):
     """Also a curve of an earlier version, which is traction.json."""

@@ -155,6 +155,14 @@ def test_temperature_of_a_body_at_rest_under_hertzian_heat() -> None:
     assert _rise(thermal.bodies[1], 0.0, 0.0, s.a, grid)(heat).max() == pytest.approx(exact, rel=0.01)
 
 
+def test_the_start_does_not_matter() -> None:
+    case, warm = usual()
+    again = heated(case, *film_of(case), heat=30.0 * warm.heat)
+    assert again.converged
+    assert_allclose(again.T_film, warm.T_film, atol=1e-3)
+    assert_allclose(again.sliding, warm.sliding, rtol=1e-6)
+
+
 def test_a_case_without_thermal_data_has_no_temperatures() -> None:
     case = replace(case_of(), thermal=None)
     P, H = film_of(case)
