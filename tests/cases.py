@@ -21,12 +21,14 @@ from ertel.case.conditions import Conditions
 from ertel.case.sections import SOLVERS, Drive, Solver, Time
 from ertel.equations.state import Method, State
 from ertel.inputs.case_files import parse_case
+from ertel.numerics.grid import Extrapolation, extrapolate
 from ertel.physics.lubricant import Oil
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature
 from ertel.runs import files
 from ertel.runs.drive import drive
 from ertel.runs.stepping import Step, TransientRun
+from ertel.solvers.steady import Rolling
 
 OIL = Oil()  # where the laws do not matter: others on the same grid are programs of their own, five seconds each
 ISOVISCOUS = Oil(viscosity="isoviscous", density="incompressible")
@@ -138,3 +140,8 @@ def stop_after(items: int) -> Callable[[object], bool]:
     """An observer that asks for a stop after so many items."""
     seen = itertools.count(1)
     return lambda item: next(seen) >= items
+
+
+def extrapolated(rolling: Rolling, name: str) -> Extrapolation:
+    """A quantity of `measure` by Richardson's extrapolation: the error falls with the square of the spacing."""
+    return extrapolate(*(s.measure()[name] for s in rolling.solutions[-2:]))

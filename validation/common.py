@@ -7,6 +7,9 @@ from pathlib import Path
 
 import jax
 
+from ertel.numerics.grid import Extrapolation, extrapolate
+from ertel.solvers.steady import Rolling
+
 jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone
 
 BARUS = {"viscosity": "barus", "density": "incompressible"}
@@ -28,6 +31,11 @@ def nodes(usual: int) -> int:
     parser.add_argument("--nodes", type=int, default=usual)
     chosen: int = parser.parse_args().nodes
     return chosen
+
+
+def extrapolated(rolling: Rolling, name: str) -> Extrapolation:
+    """A quantity of `measure` by Richardson's extrapolation: the error falls with the square of the spacing."""
+    return extrapolate(*(s.measure()[name] for s in rolling.solutions[-2:]))
 
 
 Tables = Mapping[str, tuple[str, Callable[..., str], int | None]]  # NAME: title, its text by nodes, the usual nodes

@@ -105,7 +105,7 @@ def test_a_run_that_fails_says_why(tmp_path):
     assert processes.status(run).message == "contact: missing"
 
 
-@pytest.mark.parametrize("number", [os.getpid(), 0, -1])
+@pytest.mark.parametrize("number", [os.getpid(), 0, -1], ids=["ours", "none", "negative"])
 def test_runs_of_other_programs_are_told_by_their_lock(tmp_path, monkeypatch, number):
     """A killed run leaves "running" behind; only the lock tells whether a process computes it.
 

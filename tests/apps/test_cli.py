@@ -27,7 +27,8 @@ from ertel.runs.store import RunStore
     ["run", "resume", "show", "plot", "params", "film", "about", "paper", "sweep", "ls", "compare", "export"],
 )
 def test_help(command):
-    assert command in ertel_("--help").stdout
+    text = ertel_("--help").stdout
+    assert command in text and "--install-completion" in text
     assert "--help" in ertel_(command, "--help").stdout
 
 

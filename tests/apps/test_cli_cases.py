@@ -138,6 +138,10 @@ def test_warnings_without_a_run(name, change, said):
     assert any(said in warning for warning in checked(name, change)["warnings"])
 
 
+def test_check_of_a_grid_of_4097_nodes():
+    assert checked("rolling", "solver.nodes=4097")["grid"]["nodes"] == 4097
+
+
 def test_a_grid_beyond_the_memory_is_said(monkeypatch):
     monkeypatch.setattr("ertel.runs.outlook.memory_available", lambda: 1e9)
     first, *_ = checked("rolling", "solver.nodes=2049")["warnings"]

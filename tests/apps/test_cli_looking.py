@@ -233,6 +233,7 @@ def test_mp4(seen):
 def test_mp4_needs_its_extra(seen, monkeypatch):
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     assert "ertel[movie]" in refused("plot", "ball", "--interferogram", "mono", "--format", "mp4")
+    assert names(seen) == set()
 
 
 @pytest.mark.parametrize(

@@ -79,6 +79,8 @@ def test_a_transient_run_whole_and_resumed(here, empty_figures):
     data = RunStore.open(here / "runs" / "transient").dataset()
     w = 1 + 0.1 * np.sin(2 * np.pi * data["time"].values)
     np.testing.assert_allclose(data["w"].values, w, rtol=1e-12)
+    np.testing.assert_allclose(data["F"].values, w, rtol=1e-3)
+    assert np.all(data["U"].values == 1.0)
     assert summary["load"] == pytest.approx(2 * np.pi / 3 * w[-1], rel=1e-3)
     assert "overview.png" in {Path(path).name for path in ertel_("plot", "runs/transient").stdout.split()}
     compute(RunStore.create(here / "cut", load_case("transient.toml")), [stop_after(3)])

@@ -13,7 +13,7 @@ from ertel.case.case import Case
 from ertel.case.conditions import Conditions
 from ertel.case.definition import SECTIONS
 from ertel.case.sections import SOLVERS, Drive, Output, Solver, Time
-from ertel.physics.fluidity import ReeEyring
+from ertel.physics.fluidity import Carreau, Limited, ReeEyring
 from ertel.physics.lubricant import Barus, Oil
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Oscillation, Polyline, constant
 from ertel.physics.registry import DENSITY_LAWS, SHAPES, VISCOSITY_LAWS
@@ -278,6 +278,8 @@ REFUSED: list[Refusal] = [
     (impact(), {"solver": Solver(nodes=39)}, "solver.nodes = 39: "),
     (impact(), {"solver": Solver(nodes=8193)}, "solver.nodes = 8193: must be less than or equal to 4097"),
     (impact(), {"solver": Solver(half_width=1.0)}, "solver.half_width = 1.0: must be greater than 1"),
+    (impact(), {"solver": Solver(half_width=nan)}, "solver.half_width = NaN: must be a finite number"),
+    (impact(), {"solver": Solver(half_width=inf)}, "solver.half_width = Infinity: must be a finite number"),
     (impact(), {"solver": Solver(half_width=1e9)}, "solver.half_width = 1000000000.0: must be less than or equal to"),
     (impact(), {"solver": Solver(half_width_y=1.0)}, "solver.half_width_y = 1.0: must be greater than 1"),
     # is lengthened for multigrid, and could not be read again
@@ -288,6 +290,11 @@ REFUSED: list[Refusal] = [
     (PHYSICAL, {"oil": Oil(alpha=2e-8)}, "lubricant.eta0: missing"),
     (PHYSICAL, {"oil": Oil(eta0=0.04)}, "lubricant.alpha: missing"),
     (PHYSICAL, {"oil": replace(OIL, rheology=ReeEyring(-1.0))}, 'lubricant.rheology.tau0 = "-1.0 Pa": must be finite'),
+    (
+        PHYSICAL,
+        {"oil": replace(OIL, rheology=Limited(Carreau(6e6, 2.0), 0.05))},
+        "lubricant.rheology.base.n = 2.0: must be less than or equal to 1",
+    ),
     (PHYSICAL, {"oil": replace(OIL, viscosity=Barus(-1.0))}, 'lubricant.viscosity.alpha = "-1.0 1/Pa": must be finite'),
     (PHYSICAL, {"oil": replace(OIL, layer=-1.0)}, "lubricant.layer = -1.0: must be a finite number above zero"),
     (PHYSICAL, {"oil": replace(OIL, eta0=6e-5)}, "lubricant.eta0 = 6e-05 Pa s: Roelands' law needs"),

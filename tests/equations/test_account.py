@@ -65,6 +65,11 @@ def test_steady_rolling_dissipates_what_its_resistance_takes(speed: float, L: fl
     assert abs(energy) < 6e-3
 
 
+def test_both_directions_have_the_same_budgets() -> None:
+    there, back = (film(speed).finest.account[0] for speed in (1.0, -1.0))
+    assert back == pytest.approx({**there, "mu_rolling": -there["mu_rolling"]}, rel=1e-6)
+
+
 def test_the_steady_energy_closes_with_the_order_of_the_grid() -> None:
     solutions = film().solutions
     found = np.abs([imbalances(s)[1] for s in solutions])

@@ -75,6 +75,14 @@ def test_a_steady_start_keeps_its_steady_rate_whatever_the_steps(a: float, b: fl
     assert_allclose(found, np.asarray(steady(U, row(MASS)))[0], rtol=1e-9, atol=1e-9)
 
 
+@settings(max_examples=15)
+@given(st.floats(-3.0, 3.0))
+def test_oil_that_rides_along_does_not_change(U: float) -> None:
+    """In whole nodes to round-off, else as far as the interpolation goes."""
+    times = [0.0, -0.1, -0.25]
+    assert np.abs(rate_of(lambda X, T: np.sin(X - U * T), times, U)[INSIDE]).max() < 1e-8 / 0.1
+
+
 @pytest.mark.parametrize("U", [0.0, 1.0, -1.6])
 def test_second_order_in_time(U: float) -> None:
     """dm/dT + U dm/dX of a film that changes and moves."""

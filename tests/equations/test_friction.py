@@ -124,6 +124,15 @@ def test_the_mean_stress_of_an_eyring_oil_under_hertz_pressure(alpha_bar: float)
         assert eyring_mean(alpha_bar, ln_S_c) == pytest.approx(hertz_mean_stress(exp(ln_S_c), alpha_bar), rel=1e-3)
 
 
+def test_an_eyring_oil_of_high_stress_is_newtonian():
+    grid, P = hertz(129)
+    H = jnp.full(grid.shape, 0.1) + 0.02 * jnp.asarray(grid.x[None, :])
+    thin, plain = (of(grid, contact(grid, 0.1, 4.0, tau0), P, H, 0.7) for tau0 in (1e8, None))
+    for name in Friction._fields:
+        expected = np.asarray(getattr(plain, name))
+        assert_allclose(getattr(thin, name), expected, rtol=1e-9, atol=1e-11 * np.abs(expected).max(), err_msg=name)
+
+
 def test_the_coefficients_do_not_depend_on_the_units():
     """A contact in SI is the dimensionless one with its lambda_bar and alpha_bar; a/R turns units into coefficients."""
     ball = {"kind": "rolling", "radius": "12 mm", "load": "30 N", "mean_speed": "0.7 m/s", "E_prime": "220 GPa"}
@@ -173,6 +182,7 @@ def test_the_surfaces_spend_what_heats_the_oil(motion: tuple[float, float]):
         terms, result = s.account
         of_sliding, of_rolling = float(result.sliding[0]) * ratio * speed, 2 * float(result.rolling[0]) * speed
         assert of_sliding > 0 and of_rolling > 0
+        assert float(result.power) == pytest.approx(of_sliding + terms["dissipation"], rel=1e-12)
         assert of_rolling == pytest.approx(terms["power_from_surfaces"] - terms["power_to_surfaces"], rel=1e-9)
         errors.append(float(result.power) / (of_sliding + of_rolling - terms["outside_power"]) - 1)
         assert result.sliding[1] == result.rolling[1] == 0.0

@@ -178,6 +178,19 @@ def test_derivatives_are_those_of_differences(law: Fluidity) -> None:
         assert_allclose(slope, expected, rtol=2e-6, atol=2e-6 * np.abs(slope).max())
 
 
+@pytest.mark.parametrize(
+    "law", [EYRING, CARREAU, SQUALANE, LIMITED, pytest.param(YASUDA, marks=pytest.mark.slow)], ids=str
+)
+def test_derivatives_are_those_of_the_slow_twin(law: Fluidity) -> None:
+    s, g = (np.array(v) for v in ([3.0, 0.4], [0.6, 0.3]))
+    ds, dg, step = np.array([0.7, -0.2]), np.array([0.3, 0.5]), 1e-4
+    more, less = (twin(law, s + sign * step * ds, g + sign * step * dg) for sign in (1, -1))
+    nothing, (s, g, ds, dg) = np.zeros(WIDTH), (filled([v]) for v in (s, g, ds, dg))
+    _, changes = WITH_CHANGES((law, nothing, s, g), (numbers(law, 0.0), nothing, ds, dg))
+    for change, up, down in zip(changes, more, less, strict=True):
+        assert_allclose(change[:, 0], (up - down) / (2 * step), rtol=1e-5)
+
+
 S, G = filled([[5.0, 1.0]]), filled([[0.6, -0.3]])
 
 

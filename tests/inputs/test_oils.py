@@ -1,10 +1,13 @@
 """The library of oils and materials: every data file is complete, and its oils behave like the real ones."""
 
+import tomllib
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import ertel
 from ertel.case.records import ConfigError
 from ertel.inputs import materials, oils
 from ertel.physics.materials import NamedOil, Sourced
@@ -49,6 +52,16 @@ def test_every_oil_is_an_oil(oil: NamedOil):
         assert np.all(np.diff(one.density_law.density(p)) > 0)
         slope = np.log(one.viscosity_law.viscosity(1e4)) / 1e4
         assert slope == pytest.approx(one.alpha, rel=1e-3)
+
+
+@pytest.mark.parametrize("oil", OILS, **named)
+def test_every_oil_can_be_stored(oil: NamedOil):
+    """A contact with this oil reads back from its case file as the same case with the same digest and source."""
+    T = sum(oil.temperatures) / 2
+    case = ertel.rolling(radius=0.01, load=10, mean_speed=1, E_prime=231e9, oil=oil.at(T), nodes=65)
+    again = ertel.parse_case(tomllib.loads(ertel.to_toml(case)))
+    assert again == case and again.digest == case.digest
+    assert oil.name in again.oil.reference == case.oil.reference
 
 
 @pytest.mark.parametrize("oil", OILS, **named)

@@ -204,6 +204,12 @@ def test_reduced_radii(radii, R, ratio):
     assert (found.scales.R, found.parameters.radius_ratio) == pytest.approx((R, ratio))
 
 
+def test_the_radii_of_an_impact_in_python():
+    ball = {"mass": "33 g", "speed": "0.1 m/s", "E_prime": "226.37 GPa"}
+    slender = ertel.impact(radius_x=0.01, radius_y=0.05, **ball, oil=ertel.Oil(**OIL))
+    assert slender.parameters.radius_ratio == pytest.approx(0.2)
+
+
 def test_equal_radii_are_the_circle():
     one, ball = case(LOADED | {"radius_x": "10 mm", "radius_y": "10 mm"}), case(LOADED | {"radius": "10 mm"})
     assert one.geometry is CIRCLE
@@ -243,12 +249,23 @@ def test_a_half_grid_covers_the_same_domain():
     assert (half.x[0], half.y[0]) == pytest.approx((fine.x[0], fine.y[0]))
 
 
-def test_params_and_films_of_the_worked_example():
-    """The numbers are those of the formulas' own test; here are their names, from the command line."""
-    sections = {"contact": LOADED | REDUCED, "lubricant": OIL}
+def answer(command, **contact):
+    sections = {"contact": LOADED | REDUCED | contact, "lubricant": OIL}
     given = [f"{name}.{key}={value}" for name, keys in sections.items() for key, value in keys.items()]
     words = [word for item in given for word in ("--set", item)]
-    content, films = (json.loads(ertel_(command, *words, "--json").stdout) for command in ("params", "film"))
+    return json.loads(ertel_(command, *words, "--json").stdout)
+
+
+def test_films_at_an_angle():
+    """R_e at 90 degrees is R_y: the film of a slender contact is thinner, though its radius is larger."""
+    answers = [answer("film", entrainment_angle=angle)["films"] for angle in ("0 deg", "60 deg", "90 deg")]
+    films = [{row["name"]: row["si"]["h_c_m"] for row in rows}["Chittenden et al."] for rows in answers]
+    assert films[0] > films[1] > films[2]
+
+
+def test_params_and_films_of_the_worked_example():
+    """The numbers are those of the formulas' own test; here are their names, from the command line."""
+    content, films = (answer(command) for command in ("params", "film"))
     expected = {"M": 512.567, "M_BH": 185.188, "L_BH": 8.96790, "radius_ratio": 0.2, "kappa": 0.345999}
     assert {name: content[name] for name in expected} == pytest.approx(expected, rel=4e-6)
     si = {"a_m": 139.690e-6, "a_y_m": 403.729e-6, "p_h_Pa": 846.615e6, "delta_m": 2.60564e-6}

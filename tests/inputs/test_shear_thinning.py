@@ -27,7 +27,9 @@ def test_a_law_is_written_and_read_back(written: Any, law: Fluidity) -> None:
     case = rolling(**LOADED, rheology=written)
     assert case.oil.fluidity_law == law
     assert case == rolling(**LOADED, rheology=law) == Case.from_data(case.to_data())
-    assert case.digest != rolling(**LOADED).digest == rolling(**LOADED, rheology="newtonian").digest
+    plain = rolling(**LOADED)
+    assert case.digest != plain.digest and plain == rolling(**LOADED, rheology="newtonian")
+    assert plain.oil.is_newtonian and plain == Case.from_data(plain.to_data())
 
 
 def test_where_an_oil_that_thins_does_not_work() -> None:

@@ -132,6 +132,11 @@ def test_next_step_stays_in_its_bounds(step, error):
     assert bdf.LARGEST_CUT * (1 - 1e-12) <= bdf.adapted(step, error) / step <= bdf.LARGEST_GROWTH * (1 + 1e-12)
 
 
+@given(st.floats(0.0, 1e6), st.floats(0.0, 1e6))
+def test_a_larger_error_never_gives_a_larger_step(one, other):
+    assert bdf.adapted(1.0, max(one, other)) <= bdf.adapted(1.0, min(one, other))
+
+
 @given(st.floats(0.05, 20.0), st.floats(0.1, 10.0))
 def test_steps_settle_where_a_third_order_error_is_below_the_tolerance(step, unit):
     for _ in range(40):

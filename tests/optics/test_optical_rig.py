@@ -116,6 +116,22 @@ def test_the_series_of_beams_is_the_recursion(layers, index, wavelength, film):
     assert float(fringes.reflectance(index * film * NM, np.ones_like)) == pytest.approx(R, abs=1e-5)
 
 
+def test_nothing_comes_back_from_glass_in_oil_of_its_own_index():
+    rig = Rig(coatings=(), surface=BK7, oil_index=float(BK7.index(GREEN).real))
+    assert rig.fringes(GREEN, rig.oil_index).reflectance(np.linspace(0, 1e-6, 50)) == pytest.approx(0.0, abs=1e-15)
+
+
+@pytest.mark.parametrize("density", [1.0, 1.2])
+@pytest.mark.parametrize("kind", [Rig, TwoBeams])
+def test_period(kind, density):
+    """Fringes repeat after wavelength/(2 n), and not sooner."""
+    rig = chromium(10, kind)
+    n = float(rig.index(density))
+    film, fringes = np.linspace(0.0, GREEN / (2 * n), 201), rig.fringes(GREEN, n)
+    np.testing.assert_allclose(fringes.reflectance(n * film + GREEN / 2), fringes.reflectance(n * film), atol=1e-12)
+    assert np.count_nonzero(np.diff(np.sign(np.gradient(fringes.reflectance(n * film))))) <= 2
+
+
 def test_two_beams_are_a_cosine():
     film = np.linspace(0.0, GREEN / 3, 61)[:-1]
     R = chromium(10, TwoBeams).fringes(GREEN, 1.5).reflectance(1.5 * film)

@@ -59,6 +59,9 @@ def test_elliptic_nijenbanning_by_hand() -> None:
     }
     for film, moes in by_hand.items():
         assert film / film_formulas.moes_unit(100) == pytest.approx(moes, rel=1e-5)
+    # joined with s = 1.5 (1 + exp(-1.2 * 1.646015/3.279014)) = 2.321259
+    joined = film_formulas.nijenbanning_venner_moes(100, 5, 0.25) / film_formulas.moes_unit(100)
+    assert joined == pytest.approx(3.35007, rel=1e-5)
 
 
 # -- against each other, and against computed films --------------------------------------------------------------------
@@ -122,6 +125,18 @@ def test_elastic_limits(M: float, L: float) -> None:
         assert film_formulas.nijenbanning_venner_moes(M, 1e-6) == pytest.approx(law, rel=0.1)
     if M >= 10:
         assert film_formulas.piezoviscous_elastic(M, L) == pytest.approx(0.952 * (L / M) ** 0.75, rel=1e-3)
+
+
+def test_the_formula_lies_near_its_ruling_asymptote() -> None:
+    film = film_formulas.nijenbanning_venner_moes
+    assert film(1e4, 25) == pytest.approx(film_formulas.piezoviscous_elastic(1e4, 25), rel=0.05)
+    assert film(1e-3, 1e-3) == pytest.approx(film_formulas.isoviscous_rigid(1e-3), rel=0.01)
+
+
+@given(st.floats(5, 1000), st.floats(1, 20))
+def test_film_falls_with_load_and_rises_with_the_oils_stiffness(M: float, L: float) -> None:
+    film = film_formulas.nijenbanning_venner_moes
+    assert film(1.1 * M, L) < film(M, L) < film(M, 1.1 * L)
 
 
 @pytest.mark.parametrize(

@@ -61,6 +61,8 @@ def test_formulas() -> None:
     assert Carreau(6e6, 0.5).fluidity(12e6, 0.0) == pytest.approx(5.0**0.5, rel=1e-14)
     assert CarreauYasuda(6e6, 0.5, 2.0).fluidity(TAU, 0.0) == pytest.approx(Carreau(6e6, 0.5).fluidity(TAU, 0.0))
     assert_allclose(Carreau(6e6, 1.0).fluidity(TAU, 0.0), 1.0)
+    soft, sharp = (CarreauYasuda(6e6, 0.42, a).fluidity(TAU[:3], 0.0) for a in (1.0, 4.0))
+    assert np.all(sharp < soft)  # it bends later
     far = Limited(ReeEyring(5e6), 0.05, 1e13)  # changes nothing
     assert_allclose(far.fluidity(TAU, 0.0), ReeEyring(5e6).fluidity(TAU, 0.0), rtol=1e-9)
 

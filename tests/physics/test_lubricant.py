@@ -127,6 +127,12 @@ def test_the_laws_are_the_formulas_of_the_books_in_any_unit_of_pressure(alpha, e
     assert seen.density(p / p_h) == pytest.approx(oil.density_law.density(p), rel=1e-12)
 
 
+@given(st.floats(0.0, 2e9))
+def test_the_density_of_a_mineral_oil(p):
+    """Dowson and Higginson's rho/rho0 = 1 + 0.6 p/(1 + 1.7 p), p in GPa, of which (p1 + 1.34 p)/(p1 + p) is a form."""
+    assert DowsonHigginson().density(p) == pytest.approx(1 + 0.6e-9 * p / (1 + 1.7e-9 * p), abs=0.011)
+
+
 def test_constants_of_a_typical_mineral_oil():
     """Its z is the one of equations.md and of reference/impact.json."""
     assert Oil().completed() == Oil(eta0=0.04, alpha=2.2e-8)

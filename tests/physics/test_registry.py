@@ -87,6 +87,7 @@ def test_what_other_packages_announce_is_known_before_it_is_imported(monkeypatch
     assert loaded == []
     assert plates["announced"] is plates["announced"] is Plate
     assert loaded == ["announced"]
+    assert Registry("plate", "ertel.plates").name_of(Plate()) == "announced"
     assert len(Registry("plate", "ertel.others")) == 0
 
 

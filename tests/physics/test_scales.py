@@ -43,7 +43,8 @@ def test_steel_ball_of_the_reference():
 
 @given(IMPACTS, ETA0, ALPHA)
 def test_an_impact(s, eta0, alpha):
-    """Hertz' relations, equation 2, and the film where a rigid ball stops, independent of E' and m."""
+    """Its energy, Hertz' relations, equation 2, and the film where a rigid ball stops, independent of E' and m."""
+    assert 0.5 * s.ball_mass * s.speed**2 == close(4 / 15 * s.E_prime * sqrt(s.R) * s.film**2.5)
     assert s.load == close(2 / 3 * s.E_prime * sqrt(s.R) * s.film**1.5)
     assert s.p_h == close(1.5 * s.load / (pi * s.a**2))
     assert s.p_h == close(s.E_prime * s.a / (pi * s.R))
@@ -70,6 +71,8 @@ def test_lambda_alpha_round_trip(lambda_bar, alpha_bar):
     p = Parameters(lambda_bar, alpha_bar)
     q = Parameters.from_moes(p.M, p.L)
     assert (q.lambda_bar, q.alpha_bar) == (close(lambda_bar), close(alpha_bar))
+    assert p.M == close((128 * pi**3 / (3 * lambda_bar**3)) ** 0.25)
+    assert p.M / p.L == close(4 / (alpha_bar * lambda_bar))
 
 
 @given(IMPACTS, ETA0, ALPHA, decades(-3, 3), decades(-3, 3), decades(-3, 3))
@@ -85,6 +88,7 @@ def test_dimensionless_numbers_know_no_units(s, eta0, alpha, metre, second, kilo
 def test_nabla2_both_forms_of_equation_16(lambda_bar, alpha_bar, wavelength):
     p = Parameters(lambda_bar, alpha_bar)
     assert p.nabla2(wavelength) == close(wavelength * sqrt(p.M / p.L))
+    assert p.nabla2(wavelength) == close(wavelength * 2 / sqrt(alpha_bar * lambda_bar))
     if alpha_bar >= 1:
         assert p.trapped_film == close(sqrt(p.L / p.M))
 

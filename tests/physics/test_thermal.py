@@ -38,6 +38,10 @@ def test_inlet_factors_by_name() -> None:
         "none": 1.0,
     }
     assert {factor.formula(0.0, 0.5, 0.002) for factor in thermal.INLET_FACTORS.values()} == {1.0}
+    for name in ("gupta", "wilson-sheu"):
+        factor = thermal.INLET_FACTORS[name]
+        falling = [factor.formula(L_t, 0.5, 0.002) for L_t in (0.01, 0.1, 1.0, factor.largest_L_t)]
+        assert falling == sorted(falling, reverse=True) and falling[-1] > 0
 
 
 # -- the viscosity of the warm oil ------------------------------------------------------------------------------------

@@ -307,6 +307,7 @@ def test_odd_runs_can_be_drawn(moes):
     assert plots.names_of(moes) == ("overview", "maps", "profiles", "history", "friction")  # all of a run
     known = ("overview", "film", "pressure", "midlines", "convergence", "friction")
     assert plots.names_of(steady(MOES_ROLLS)) == known
+    assert all(callable(getattr(plots, name)) for name in plots.NAMES)
     for name in plots.names_of(moes):
         plots.draw(moes.isel(frame=slice(0, 1), time=slice(0, 1)), name).draw_without_rendering()
     data = dry_impact(MOES_FALLS)

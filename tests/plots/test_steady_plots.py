@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from cases import extrapolated
 from drawn import edge_of_oil, line, of_type, panels, right_of
 from made_up import BALL_ROLLS as BALL
 from made_up import C1, H_C, H_MIN, solutions, steady
@@ -56,7 +57,7 @@ def test_error_bars_are_those_of_the_run(moes):
     """The same rule as in the summary."""
     for name in ("H_c", "H_min"):
         estimate = estimate_of(moes, name)
-        expected = [Rolling(solutions(MOES)[:count]).extrapolate(name) for count in (2, 3)]  # type: ignore[arg-type]
+        expected = [extrapolated(Rolling(solutions(MOES)[:count]), name) for count in (2, 3)]  # type: ignore[arg-type]
         np.testing.assert_allclose(estimate.errors, [np.nan, *(one.error for one in expected)])
         assert estimate.extrapolated == pytest.approx(expected[-1].extrapolated)
 

@@ -58,6 +58,13 @@ def test_repr_of_a_physical_impact():
     assert len(text.splitlines()) < 15
 
 
+def test_repr_carries_the_warnings():
+    result = impact({**MOES_FALLS, "solver": {"nodes": 81}})
+    (warning,) = [warning for warning in result.warnings if "not resolved at the front" in warning]
+    assert f"warning: {warning}" in repr(result)
+    assert warning in result._repr_html_().replace("&#x27;", "'").replace("&gt;", ">")
+
+
 def test_a_steady_contact_as_text_as_plain_data_in_si_and_for_a_notebook(tmp_path: Path):
     result = rolling(BALL_ROLLS)
     text = repr(replace(result, directory=tmp_path))

@@ -105,6 +105,14 @@ def test_a_peak_as_narrow_as_the_grid_is_said_to_be_the_grids() -> None:
     assert any("the film is not resolved in the inlet" in warning for warning in summary["warnings"])
 
 
+@pytest.mark.parametrize("mu", [0.0, 0.02])
+def test_traction_without_meaning_is_warned_of(mu: float) -> None:
+    data = in_time(BALL_ROLLS)
+    data["mu_sliding"][:] = mu
+    warnings = rolling_summary(as_in_time(BALL_ROLLS), data, WORK, Status.CONVERGED)["warnings"]
+    assert any(said.startswith('lubricant.viscosity = "barus": greatly overestimates') for said in warnings) == (mu > 0)
+
+
 # -- a coefficient of friction is one number ---------------------------------------------------------------------------
 
 

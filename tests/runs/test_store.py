@@ -99,6 +99,7 @@ def test_resumed_as_often_as_need_be_equals_uninterrupted(tmp_path, kinds, name,
         assert summary["status"] == "interrupted"
         assert xr.open_zarr(tmp_path / "run" / "run.zarr").sizes[rows] == number * steps
         seconds = float(np.load(tmp_path / "run" / "checkpoint.npz")["store_seconds"])
+        assert seconds > 0
     assert kind.is_whole(run) and number > 1
 
 

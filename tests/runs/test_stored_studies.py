@@ -22,7 +22,7 @@ from ertel.runs.batch import STEPS, program_of
 from ertel.runs.store import RunStore
 from ertel.runs.studies import gather as gathered
 from ertel.runs.studies import has_compiled, left_of, run_directory, run_study, write_study
-from ertel.runs.workers import LocalWorker
+from ertel.runs.workers import LocalWorker, StopSignal
 
 
 def study_of(until: float = 0.02, mode: str = "product", **varying: Any) -> dict[str, Any]:
@@ -120,6 +120,15 @@ def test_a_stopped_study_goes_on_to_the_same_numbers(tmp_path):
     assert again == whole and set(whole.values()) == {"converged"}
     found, wanted = (gathered(study, tmp_path / name).dataset["h_min_extreme"].values for name in "ab")
     assert np.array_equal(found, wanted)
+
+
+def test_a_wish_to_stop_reaches_other_processes_by_a_file(tmp_path):
+    asked: list[bool] = []
+    stop = StopSignal(tmp_path / "stop", lambda: bool(asked))
+    elsewhere = pickle.loads(pickle.dumps(stop))
+    assert not stop() and not elsewhere()
+    asked.append(True)
+    assert not elsewhere() and stop() and elsewhere()
 
 
 def test_a_run_that_cannot_be_done_is_a_value(tmp_path):

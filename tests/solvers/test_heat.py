@@ -50,8 +50,8 @@ def film_of(case: Case) -> tuple[np.ndarray, np.ndarray]:
 
 
 def heated_at(slide_to_roll: float, contact: dict[str, Any] | None = None, **thermal: Any) -> Heated:
-    case = case_of(contact, **thermal)
-    return heated(case, *film_of(case), slide_to_roll)
+    case = case_of({"slide_to_roll": slide_to_roll, **(contact or {})}, **thermal)
+    return heated(case, *film_of(case))
 
 
 @cache
@@ -99,10 +99,8 @@ def test_without_heat_the_friction_is_the_isothermal_one(rheology: Any) -> None:
 
 def test_heat_reduces_the_traction_and_more_so_with_sliding() -> None:
     slow, fast = heated_at(0.2), heated_at(1.0)
-    cold = case_of(beta="1e-8 / K", viscosity="exponential", inlet_factor="none")
-    share = [
-        float(hot.sliding[0] / heated(cold, *film_of(cold), S).sliding[0]) for hot, S in ((slow, 0.2), (fast, 1.0))
-    ]
+    cold = {"beta": "1e-8 / K", "viscosity": "exponential", "inlet_factor": "none"}
+    share = [float(hot.sliding[0] / heated_at(S, **cold).sliding[0]) for hot, S in ((slow, 0.2), (fast, 1.0))]
     assert 0.2 < share[1] < share[0] < 1.0
     assert fast.T_film.max() > slow.T_film.max() > BATH
 
@@ -119,8 +117,8 @@ def test_exchange_of_the_bodies() -> None:
 @pytest.mark.parametrize("law", [OIL["rheology"], {"law": "limited", "base": OIL["rheology"], "Lambda": 0.05}], ids=str)
 def test_pure_rolling_has_no_heat_of_sliding(law: Any) -> None:
     """The stress is zero everywhere, where the length of a vector, which a limit asks for, has no derivative."""
-    case = parse_case({**case_of().to_data(), "lubricant": {**OIL, "rheology": law}})
-    warm = heated(case, *film_of(case), slide_to_roll=0.0)
+    case = parse_case({**case_of({"slide_to_roll": 0.0}).to_data(), "lubricant": {**OIL, "rheology": law}})
+    warm = heated(case, *film_of(case))
     assert warm.converged
     assert_allclose([warm.T_1, warm.T_2, warm.T_film], BATH, rtol=1e-12)
     assert_allclose(warm.sliding, 0.0, atol=1e-12)
@@ -155,6 +153,14 @@ def test_temperature_of_a_body_at_rest_under_hertzian_heat() -> None:
     heat = 1e8 * film_of(case)[0]
     exact = pi * 1e8 * s.a / (4 * thermal.bodies[1].conductivity)
     assert _rise(thermal.bodies[1], 0.0, 0.0, s.a, grid)(heat).max() == pytest.approx(exact, rel=0.01)
+
+
+def test_the_start_does_not_matter() -> None:
+    case, warm = usual()
+    again = heated(case, *film_of(case), heat=30.0 * warm.heat)
+    assert again.converged
+    assert_allclose(again.T_film, warm.T_film, atol=1e-3)
+    assert_allclose(again.sliding, warm.sliding, rtol=1e-6)
 
 
 def test_a_case_without_thermal_data_has_no_temperatures() -> None:

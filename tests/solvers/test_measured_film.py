@@ -44,6 +44,15 @@ def test_the_undisturbed_film_lies_where_it_was_measured(nodes: int) -> None:
     assert 206e-9 < summary["H_c_extrapolated"] * unit < 217e-9
 
 
+@NODES
+def test_the_undisturbed_film_is_the_measured_curve(nodes: int) -> None:
+    """In the flat middle, in the median of the measured points."""
+    summary, measured = undisturbed(nodes), curve("exp_1")
+    flat = np.median(measured[np.abs(measured[:, 0]) < 90, 1])
+    film = summary["H_c_extrapolated"] * summary["si"]["h_c_m"] / summary["H_c"] * 1e9
+    assert film == pytest.approx(flat, rel=0.02)
+
+
 @pytest.mark.slow
 def test_a_cavity_passes_as_published() -> None:
     """The film along the middle within 15 nm (root mean square) of the published computation, at four places."""

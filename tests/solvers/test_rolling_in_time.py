@@ -26,7 +26,6 @@ from ertel.solvers.transient import Transient2D
 
 P20 = Parameters.from_moes(20, 5)  # a thick film: resolved by few nodes
 TIGHT = 1e-8
-CENTRED = {"half_width": 3.0, "inlet": None}
 
 
 def rolling(

@@ -12,7 +12,7 @@ from numpy.testing import assert_allclose
 from scipy.special import lambertw
 
 from ertel.physics.thermal import Solid, response
-from ertel.solvers.heat import Moving, Real, Warmed, warmed
+from ertel.solvers.heat import Floats, Moving, Warmed, warmed
 
 STEEL, GLASS = Solid(7850.0, 460.0, 47.0), Solid(2510.0, 858.0, 1.114)
 NODES, SPACING = 41, 7.5e-6
@@ -28,7 +28,7 @@ def moving(solid: Solid, speed: float) -> Moving:
 class Exponential:
     """A Newtonian oil: q falls as the viscosity does."""
 
-    heat: Real
+    heat: Floats
     beta: float = 0.0
 
     def __call__(self, film: Array) -> tuple[Array, Array]:
@@ -36,7 +36,7 @@ class Exponential:
         return heat, -self.beta * heat
 
 
-def hertzian() -> Real:
+def hertzian() -> Floats:
     """Heat that rises by four decades from the edge of a contact to its middle, as the viscosity does."""
     x, y = np.linspace(-1.2, 1.2, NODES), np.linspace(0.0, 1.0, 3)[:, None]
     return 1e7 * np.exp(9.0 * np.sqrt(np.maximum(1.0 - x**2 - y**2, 0.0)))
@@ -100,7 +100,7 @@ def test_one_temperature_for_the_film_against_nahme(Na: float, excess: float) ->
 # -- one solution -----------------------------------------------------------------------------------------------------
 
 
-def strongly_heated(start: Real | None = None) -> Warmed:
+def strongly_heated(start: Floats | None = None) -> Warmed:
     heat = hertzian()
     into = moving(STEEL, 1.5), moving(GLASS, 0.5)
     return warmed(Exponential(heat, 0.08), into, np.full_like(heat, 1e-7 / CONDUCTIVITY), heat=start)

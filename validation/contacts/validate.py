@@ -21,7 +21,7 @@ from ertel.solvers import steady
 from ertel.solvers.steady import GridSolution
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from common import BARUS, ISOVISCOUS, table, write
+from common import BARUS, ISOVISCOUS, extrapolated, table, write
 
 HERE = Path(__file__).parent
 FLUIDS = {"barus, incompressible": BARUS, "roelands, dowson-higginson": {}}
@@ -65,7 +65,7 @@ def _formulas(nodes: int) -> Iterator[list[str]]:
 
 def _formula(c: Case, fluid: str, M: float, L: float, D: float) -> list[str]:
     rolling = steady.steady_film(c)
-    s, x, unit = rolling.finest, rolling.extrapolate("H_c"), moes(c)
+    s, x, unit = rolling.finest, extrapolated(rolling, "H_c"), moes(c)
     joined = expected_film(c.parameters) * unit
     ambient = float(c.lubricant.density(s.measure()["P_c"])) * x.extrapolated * unit  # the oil of the film, expanded
     warnings = diagnostics.steady_warnings(c, rolling.solutions)
@@ -133,7 +133,7 @@ def _angle(nodes: int, degrees: float) -> list[str]:
     chittenden = next(film for film in formula_films(c) if film.name.startswith("Chittenden"))
     cells = []
     for name, by in (("H_c", chittenden.central), ("H_min", chittenden.minimum)):
-        x = rolling.extrapolate(name)
+        x = extrapolated(rolling, name)
         cells += [f"{value * nm:.0f}" for value in (x.value, x.extrapolated, by or 0.0)]
     grid = rolling.finest.grid
     return [f"{degrees:g}", f"{grid.nodes_x} x {grid.nodes_y}", *cells]

@@ -6,7 +6,7 @@ The traction curves take the film of one slide-to-roll ratio, so that they show 
 """
 
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -98,6 +98,11 @@ def worked_example() -> None:
     print(f"mean rise in the film {mean_rise(40e6, 1.0, 1e-7, 0.14):.2f} K, surface {surface:.1f} K")
 
 
+def at(chosen: Case, slide_to_roll: float) -> Case:
+    """The same contact with another slide-to-roll ratio."""
+    return replace(chosen, contact=replace(chosen.contact, slide_to_roll=slide_to_roll))
+
+
 def film(chosen: Case) -> GridSolution:
     """The isothermal film."""
     found = steady.steady_film(chosen).finest
@@ -139,8 +144,9 @@ def curve(second: str) -> None:
 
     def row(S: float) -> list[str]:
         cool = float(isothermal(Plane.of(s.grid), c, s.P, s.H, S, 1.0, load).sliding[0]) * scales.a_over_R
-        found = heat.heated(chosen, s.P, s.H, S)
-        hot = heat.heated(chosen, s.P, s.H, S, heat=3.0 * found.heat)
+        sliding = at(chosen, S)
+        found = heat.heated(sliding, s.P, s.H)
+        hot = heat.heated(sliding, s.P, s.H, heat=3.0 * found.heat)
         assert found.converged and hot.converged
         return [
             *(f"{S:g}", f"{found.inlet.factor:.4f}", f"{cool:.4f}", f"{traction(chosen, found):.4f}"),
@@ -168,7 +174,7 @@ def grids() -> None:
         grid = grid_of(chosen)
         r2 = grid.kept_x[None, :] ** 2 + grid.kept_y[:, None] ** 2
         P, H = np.sqrt(np.maximum(1.0 - r2, 0.0)), 1e-7 / chosen.scales.film + np.maximum(r2 - 1.0, 0.0)
-        found = heat.heated(chosen, P, H, 0.2)
+        found = heat.heated(at(chosen, 0.2), P, H)
         rise = found.T_film.max() - chosen.thermal.temperature
         about = f"{traction(chosen, found):.6f}", f"{rise:.4f}"
         return [f"{nodes}", *about, f"{found.iterations}", f"{found.applications}"]

@@ -28,7 +28,7 @@ from ertel.physics import film_formulas
 from ertel.solvers import steady
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from common import BARUS, ISOVISCOUS, table, write
+from common import BARUS, ISOVISCOUS, extrapolated, table, write
 
 HERE = Path(__file__).parent
 REFERENCE = Path(os.environ.get("ERTEL_REFERENCE", HERE.parents[2] / "shared" / "reference"))
@@ -70,9 +70,9 @@ def _compare(entry: dict[str, Any], nodes: int) -> list[str]:
     converged = entry["converged"]
     ratios = []
     for name in ("H_c", "H_min"):
-        e = rolling.extrapolate(name)
+        e = extrapolated(rolling, name)
         ratios.append(f"{abs(e.value - converged[name]) / e.error:.2f}")
-    numbers = [f"{rolling.extrapolate('H_c').value:.6f}", f"{rolling.extrapolate('H_c').extrapolated:.6f}"]
+    numbers = [f"{extrapolated(rolling, 'H_c').value:.6f}", f"{extrapolated(rolling, 'H_c').extrapolated:.6f}"]
     exact = f"{converged['H_c']:.6f} ± {entry['plus_minus']['H_c']:.0e}"
     status = "" if rolling.finest.status.ok else f" ({rolling.finest.status.value})"
     first = [entry["fluid"] + status, f"{entry['M']:g}", f"{entry['L']:g}", f"{max(deviations):.0e}"]
@@ -90,7 +90,7 @@ def limits(nodes: int) -> str:
 
 
 def _limit(M: float, L: float, nodes: int, oil: dict[str, Any]) -> list[str]:
-    e = steady.steady_film(case(M, L, nodes, oil)).extrapolate("H_c")
+    e = extrapolated(steady.steady_film(case(M, L, nodes, oil)), "H_c")
     limit = film_formulas.piezoviscous_elastic(M, L) if L else film_formulas.isoviscous_elastic(M)
     curve = film_formulas.nijenbanning_venner_moes(M, L)
     film = [f"{e.value:.5f}", f"{e.error / e.value:.1%}", f"{e.extrapolated:.5f}"]

@@ -79,10 +79,10 @@ def values_option(quantity: str, example: str) -> Any:
     return option(f"Values of the {quantity}, for example {example}.", "VALUES")
 
 
-Text = str | None
-AnyPath = Path | None
 CaseFile = Annotated[Path, path_argument("CASE.toml", "Case file; see examples/.", case_files)]
-OptionalCase = Annotated[AnyPath, path_argument("CASE.toml", "Case file; or give the contact by --set.", case_files)]
+OptionalCase = Annotated[
+    Path | None, path_argument("CASE.toml", "Case file; without one --set gives the contact.", case_files)
+]
 RunDirectory = Annotated[Path, path_argument("DIR", "Directory of a run.", run_directories)]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress bar and no summary.")]
@@ -93,8 +93,10 @@ Flush = Annotated[float | None, option(FLUSH_HELP, "SECONDS", min=0.0)]
 JOBS_HELP = "Number of processes; default one per core. 1: this process, with all cores."
 Jobs = Annotated[int | None, option(JOBS_HELP, min=1)]
 SCHEDULER_HELP = "Use the workers of a running dask scheduler. Who reaches it can run programs as you."
-Scheduler = Annotated[Text, option(SCHEDULER_HELP, "ADDRESS")]
-SchedulerFile = Annotated[AnyPath, path_option("The same, by the file that the scheduler wrote.", "FILE")]
-Tls = Annotated[AnyPath, path_option("PEM file with certificate, key, authority, for a scheduler at tls://.", "FILE")]
+Scheduler = Annotated[str | None, option(SCHEDULER_HELP, "ADDRESS")]
+SchedulerFile = Annotated[Path | None, path_option("The same, by the file that the scheduler wrote.", "FILE")]
+Tls = Annotated[
+    Path | None, path_option("PEM file with certificate, key and authority, for a scheduler at tls://.", "FILE")
+]
 SET_HELP = "Replace a value of the case, e.g. solver.nodes=129."
 Set = Annotated[list[str] | None, option(SET_HELP, "KEY=VALUE", settings, "--set")]

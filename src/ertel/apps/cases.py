@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from ertel.apps.arguments import AnyPath, CaseFile, Json, OptionalCase, Set, path_argument
+from ertel.apps.arguments import CaseFile, Json, OptionalCase, Set, path_argument
 from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, print_json, print_path, shown
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def on_track_of(directory: Path | None) -> list[str]:
 
 def new(
     kind: Annotated[Literal["impact", "rolling"], typer.Argument(help="Kind of contact.")],
-    file: Annotated[AnyPath, path_argument("FILE", "New case file; default KIND.toml.")] = None,
+    file: Annotated[Path | None, path_argument("FILE", "New case file; default KIND.toml.")] = None,
 ) -> None:
     """Write a new case file that runs, with all keys and their meanings.
 

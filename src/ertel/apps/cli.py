@@ -15,7 +15,6 @@ import typer
 
 from ertel.apps import cases, looking, process
 from ertel.apps.arguments import (
-    AnyPath,
     CaseFile,
     Estimate,
     Flush,
@@ -26,7 +25,6 @@ from ertel.apps.arguments import (
     Scheduler,
     SchedulerFile,
     Set,
-    Text,
     Tls,
     case_files,
     option,
@@ -76,9 +74,11 @@ def _options(
 @app.command()
 def run(
     case_file: CaseFile,
-    out: Annotated[AnyPath, path_option("New directory for the run; default runs/NAME.")] = None,
+    out: Annotated[Path | None, path_option("New directory for the run; default runs/NAME.")] = None,
     set_: Set = None,
-    after: Annotated[AnyPath, path_option("Rolling: the run whose track this one follows, on the oil it left.")] = None,
+    after: Annotated[
+        Path | None, path_option("Rolling: the run whose track this one follows; what it leaves behind is the layer.")
+    ] = None,
     as_json: Json = False,
     error: Estimate = False,
     quiet: Quiet = False,
@@ -120,12 +120,12 @@ def resume(
 @app.command()
 def traction(
     case_file: CaseFile,
-    slide_to_roll: Annotated[Text, values_option("slide-to-roll ratio", "0:0.5:15")] = None,
-    mean_speed: Annotated[Text, values_option("mean speed", "0.1 m/s:10 m/s:12:log")] = None,
-    load: Annotated[Text, values_option("load", "10 N:100 N:5")] = None,
-    film: Annotated[Text, option("Solve the film at each point, or once.", "each|once")] = None,
+    slide_to_roll: Annotated[str | None, values_option("slide-to-roll ratio", "0:0.5:15")] = None,
+    mean_speed: Annotated[str | None, values_option("mean speed", "0.1 m/s:10 m/s:12:log")] = None,
+    load: Annotated[str | None, values_option("load", "10 N:100 N:5")] = None,
+    film: Annotated[str | None, option("Solve the film at each point, or once.", "each|once")] = None,
     set_: Set = None,
-    out: Annotated[AnyPath, path_option("Directory of the curve; default traction/NAME.")] = None,
+    out: Annotated[Path | None, path_option("Directory of the curve; default traction/NAME.")] = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -152,13 +152,13 @@ def traction(
 @app.command()
 def sweep(
     study_file: Annotated[Path, path_argument("SWEEP.toml", "Case file with lists or ranges of values.", case_files)],
-    out: Annotated[AnyPath, path_option("Directory of the study; default sweeps/NAME.")] = None,
+    out: Annotated[Path | None, path_option("Directory of the study; default sweeps/NAME.")] = None,
     set_: Set = None,
     jobs: Jobs = None,
     scheduler: Scheduler = None,
     scheduler_file: SchedulerFile = None,
     tls: Tls = None,
-    part: Annotated[Text, option(PART_HELP, "I/N")] = None,
+    part: Annotated[str | None, option(PART_HELP, "I/N")] = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -182,8 +182,10 @@ def sweep(
 
 @app.command()
 def fit(
-    fit_file: Annotated[Path, path_argument("FIT.toml", "Case, unknowns and data; see examples/fits.", case_files)],
-    out: Annotated[AnyPath, path_option("Directory of the fit; default fits/NAME.")] = None,
+    fit_file: Annotated[
+        Path, path_argument("FIT.toml", "Case, unknowns and measurements; see examples/fits.", case_files)
+    ],
+    out: Annotated[Path | None, path_option("Directory of the fit; default fits/NAME.")] = None,
     set_: Set = None,
     jobs: Jobs = None,
     scheduler: Scheduler = None,
@@ -263,7 +265,7 @@ for command in (
 
 @app.command()
 def about(
-    directory: Annotated[AnyPath, path_argument("DIR", "Directory of a run.", run_directories)] = None,
+    directory: Annotated[Path | None, path_argument("DIR", "Directory of a run.", run_directories)] = None,
     cite: Annotated[bool, typer.Option("--cite", help="Print BibTeX entries of ertel and of the paper.")] = False,
 ) -> None:
     """Print versions, devices and how to cite ertel; or the versions and the machine of a run, and how it ended."""

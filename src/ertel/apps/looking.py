@@ -8,10 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from ertel.apps.arguments import (
-    AnyPath,
     Json,
     RunDirectory,
-    Text,
     figures,
     option,
     path_argument,
@@ -24,7 +22,7 @@ if TYPE_CHECKING:  # these take long to import
     from ertel.optics import Light, Rig
     from ertel.runs.directory import Listed
 
-Moment = Annotated[Text, option('A time, "60 us" or a number in t0, or max-approach or end.', "TIME|EVENT")]
+Moment = Annotated[str | None, option('A time, "60 us" or a number in t0, or max-approach or end.', "TIME|EVENT")]
 Along = Annotated[Literal["x", "y"], option("The direction of a profile.")]
 FOLDER_HELP = "Folder with runs, also in folders below it; default this one."
 Lighting = Literal["mono", "two-beam", "white"]
@@ -34,7 +32,7 @@ MOVIES = {"gif": "pillow", "webp": "pillow", "mp4": "ffmpeg"}  # format: matplot
 
 
 def ls(
-    folder: Annotated[AnyPath, path_argument("DIR", FOLDER_HELP, run_directories)] = None, as_json: Json = False
+    folder: Annotated[Path | None, path_argument("DIR", FOLDER_HELP, run_directories)] = None, as_json: Json = False
 ) -> None:
     """List the runs in a folder: case, status, time and key numbers of each."""
     from ertel.runs.directory import listed
@@ -77,11 +75,15 @@ def _print_runs(runs: "Sequence[Listed]", folder: Path) -> None:
 def compare(
     first: RunDirectory,
     second: Annotated[Path, path_argument("DIR|FILE", "Directory of a run, or a file of columns.", run_directories)],
-    plot: Annotated[AnyPath, path_option("Draw film and pressure of both, such as into both.png.", "FILE")] = None,
+    plot: Annotated[
+        Path | None, path_option("Draw film and pressure of both into a file, such as both.png.", "FILE")
+    ] = None,
     at: Moment = None,
     along: Along = "x",
-    align: Annotated[Text, option("What is not known of a measurement: centre, offset, tilt.", "NAMES")] = None,
-    column: Annotated[list[str] | None, option("Unit where the header has none, such as x=um.", "NAME=UNIT")] = None,
+    align: Annotated[str | None, option("What is not known of a measurement: centre, offset, tilt.", "NAMES")] = None,
+    column: Annotated[
+        list[str] | None, option("Unit of a column, such as x=um; where the header does not have it.", "NAME=UNIT")
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Compare two runs: where their cases differ, and their numbers side by side. Or a run with a measurement.
@@ -169,7 +171,9 @@ def _print_pairs(pairs: Sequence[Mapping[str, Any]], statuses: Sequence[str]) ->
 def show(
     directory: RunDirectory,
     as_json: Json = False,
-    sigma: Annotated[Text, option('Rms roughness of both surfaces, "20 nm, 60 nm", for lambda.', "LENGTHS")] = None,
+    sigma: Annotated[
+        str | None, option('Rms roughness of both surfaces, "20 nm, 60 nm", for the lambda ratio.', "LENGTHS")
+    ] = None,
 ) -> None:
     """Print the summary of a run, also of an unfinished one."""
     from ertel.apps import running
@@ -184,14 +188,18 @@ def show(
 
 def plot(
     directory: RunDirectory,
-    what: Annotated[Text, option("Draw this figure only, such as film.", "NAME", figures)] = None,
+    what: Annotated[str | None, option("Draw this figure only, such as film.", "NAME", figures)] = None,
     at: Moment = None,
     interferogram: Annotated[Lighting | None, option(FRINGES_HELP)] = None,
-    wavelength: Annotated[Text, option("Wavelength of the light; default 532 nm.", "LENGTH")] = None,
-    format_: Annotated[Format, option("Format; gif, webp, mp4: movies of an interferogram.", name="--format")] = "png",
-    columns: Annotated[int | None, option("Draw for print, 1 or 2 columns wide: 85 or 170 mm.", min=1, max=2)] = None,
+    wavelength: Annotated[str | None, option("Wavelength of the light; default 532 nm.", "LENGTH")] = None,
+    format_: Annotated[
+        Format, option("File format; gif, webp and mp4 are movies of an interferogram.", name="--format")
+    ] = "png",
+    columns: Annotated[
+        int | None, option("Draw for print, one or two columns wide: 85 or 170 mm.", min=1, max=2)
+    ] = None,
     title: Annotated[bool, typer.Option("--title/--no-title", help="Draw headings.")] = True,
-    out: Annotated[AnyPath, path_option("Directory for the figures; default DIR/plots.")] = None,
+    out: Annotated[Path | None, path_option("Directory for the figures; default DIR/plots.")] = None,
 ) -> None:
     """Draw the figures of a run, or an interferogram of its film. Those at a time show the map next to it.
 
@@ -264,11 +272,13 @@ def _find_ffmpeg() -> None:
 def export(
     directory: RunDirectory,
     to: Annotated[Literal["csv", "netcdf", "vtk"], option("Tables, NetCDF, or maps for ParaView.")] = "csv",
-    what: Annotated[Literal["profile"] | None, option("Film, pressure, oil along a line through the centre.")] = None,
+    what: Annotated[
+        Literal["profile"] | None, option("Film, pressure and oil along a line through the centre, as CSV.")
+    ] = None,
     at: Moment = None,
     along: Along = "x",
     in_si: Annotated[bool, typer.Option("--si", help="Convert to SI; needs a case in SI.")] = False,
-    out: Annotated[AnyPath, path_option("Directory for the files; default DIR/export.")] = None,
+    out: Annotated[Path | None, path_option("Directory for the files; default DIR/export.")] = None,
 ) -> None:
     """Write a run for other programs.
 

@@ -149,12 +149,15 @@ def _computed(run: RunStore, others: Mapping[str, Run], quiet: bool, stop: Stop)
                 return None
             compared[part] = recorder.result(last).summary
         summary = run.outcome() or store.compute(run, [watch(shown_bars, run.run), stop])
-        failed = [(part, other["status"]) for part, other in compared.items() if other["status"] != "converged"]
-        for part, status in failed[:1]:
-            say(f"ertel: warning: no error is estimated: the run for the error of the {part} failed: {status}")
-        if compared and not failed and summary["status"] == "converged":
-            summary = with_error(run.case, summary, compared)
-            run.finish(summary)
+        if not compared or summary["status"] != "converged":
+            return summary
+        for part, other in compared.items():
+            if other["status"] != "converged":
+                why = f"the run for the error of the {part} failed: {other['status']}"
+                say(f"ertel: warning: no error is estimated: {why}")
+                return summary
+        summary = with_error(run.case, summary, compared)
+        run.finish(summary)
     return summary
 
 

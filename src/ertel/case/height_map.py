@@ -58,8 +58,7 @@ def array_in(content: bytes) -> NDArray[Any]:
     bytes_left = len(content) - stream.tell()
     if kind.kind not in "biuf" or kind.itemsize * shape[0] * shape[1] > bytes_left:
         raise ValueError(f"is not an array of numbers, {shape[0]} x {shape[1]} of {kind} in {bytes_left} bytes")
-    array: NDArray[Any] = np.load(BytesIO(content), allow_pickle=False)
-    return array
+    return np.load(BytesIO(content), allow_pickle=False)
 
 
 class HeightMap:

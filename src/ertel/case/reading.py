@@ -13,7 +13,6 @@ from typing import Any, TypeVar, get_args
 
 from ertel.case.height_map import NO_MAPS, HeightMap
 from ertel.case.records import (
-    OIL_LAWS,
     ConfigError,
     alternatives,
     check_value,
@@ -30,7 +29,7 @@ from ertel.case.records import (
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Density, Viscosity
 from ertel.physics.motion import Oscillation, Polyline, Signal, Track, constant
-from ertel.physics.registry import SHAPES
+from ertel.physics.registry import OIL_LAWS, SHAPES
 from ertel.physics.surfaces import Feature
 from ertel.physics.units import FINITE, Amount, Bounds, Mark, Quantity, Unit, marks
 

@@ -19,13 +19,12 @@ from ertel.case.height_map import HeightMap
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import Oscillation, Polyline
-from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, SHAPES, VISCOSITY_LAWS, Registry
+from ertel.physics.registry import FLUIDITY_LAWS, OIL_LAWS, SHAPES, Registry
 from ertel.physics.scales import Scales
 from ertel.physics.surfaces import Feature
 from ertel.physics.units import LARGEST, Bounds, Mark, Quantity, Unit, marks
 
 T = TypeVar("T")
-OIL_LAWS = {"viscosity": VISCOSITY_LAWS, "density": DENSITY_LAWS, "rheology": FLUIDITY_LAWS}  # by field of an oil
 
 
 @cache

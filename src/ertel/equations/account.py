@@ -75,10 +75,9 @@ from ertel.equations.state import State, Work
 from ertel.numerics.bdf import Weights
 from ertel.numerics.integrals import Plane, Space
 from ertel.numerics.programs import ANY_SIZE, Program, exportable
-from ertel.numerics.stencils import Pair, inside
+from ertel.numerics.stencils import FloatLike, Pair, inside
 from ertel.physics.lubricant import Lubricant
 
-Number = Array | float
 MASSES = ("mass", "inflow", "outflow", "cavity_source")
 ENERGIES = ("elastic_energy", "oil_energy", "dissipation", "power_from_surfaces", "power_to_surfaces", "outside_power")
 FRICTION = ("mu_sliding", "mu_sliding_y", "mu_rolling", "power_loss")
@@ -108,7 +107,7 @@ class Friction(NamedTuple):
 
 
 def friction(
-    plane: Plane, contact: Contact, P: Array, H: Array, sliding: Number, load: Number, hertz_load: Number
+    plane: Plane, contact: Contact, P: Array, H: Array, sliding: FloatLike, load: FloatLike, hertz_load: FloatLike
 ) -> Friction:
     """The friction of a film; traceable by JAX.
 
@@ -120,7 +119,7 @@ def friction(
 
 
 def friction_of_details(
-    plane: Plane, details: Details, P: Array, H: Array, sliding: Number, load: Number, hertz_load: Number
+    plane: Plane, details: Details, P: Array, H: Array, sliding: FloatLike, load: FloatLike, hertz_load: FloatLike
 ) -> Friction:
     """The friction from the details of the flow; the other arguments are those of `friction`."""
     stress = jnp.where(P > 0.0, details.stress, 0.0)
@@ -181,8 +180,8 @@ class Film(NamedTuple):
     heat: Array
     deformation: Array
     growth: Array
-    U: Number
-    gap_change: Number
+    U: FloatLike
+    gap_change: FloatLike
 
 
 class Moment(NamedTuple):
@@ -192,12 +191,12 @@ class Moment(NamedTuple):
     carries, in F*.  hertz_load: F* in a^2 p_h.
     """
 
-    approach: Number
-    U: Number
-    sliding: Number
+    approach: FloatLike
+    U: FloatLike
+    sliding: FloatLike
     gap_change: Array
-    load: Number
-    hertz_load: Number
+    load: FloatLike
+    hertz_load: FloatLike
 
 
 def account(

@@ -23,9 +23,7 @@ from ertel.equations import contact
 from ertel.equations.contact import Contact
 from ertel.numerics.grid import Symmetry
 from ertel.numerics.multigrid import in_precision
-from ertel.numerics.stencils import Pair, curvature, divergence, face_fluxes, inside
-
-Number = Array | float
+from ertel.numerics.stencils import FloatLike, Pair, curvature, divergence, face_fluxes, inside
 
 
 class Change(NamedTuple):
@@ -50,7 +48,7 @@ class LinearFilm:
     by_P: Change
     by_H: Change
     steepening: Array
-    spacing: Number
+    spacing: FloatLike
     even: Symmetry = field(metadata={"static": True})
 
     def change(self, dP: Array, dH: Array) -> Change:

@@ -8,12 +8,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.tree_util import register_dataclass
 from numpy.typing import NDArray
 
 from ertel.case.status import Status
 from ertel.numerics import bdf
-from ertel.numerics.grid import Grid, Symmetry
+from ertel.numerics.grid import Grid
+from ertel.numerics.integrals import Plane
 from ertel.numerics.programs import ANY_SIZE, Program, exportable
 from ertel.numerics.stencils import extended, total
 
@@ -97,7 +97,7 @@ def measure(grid: Grid, P: Array, H: Array) -> dict[str, float]:
     much lower the mean of the four next nodes is, as a share of it.  load: integral of P.  Of two extremes that mirror
     each other about an axis, the one on its positive side is named.
     """
-    return named_numbers(grid, np.asarray(_numbers(Axes.of(grid), P, H)).tolist())
+    return named_numbers(grid, np.asarray(_numbers(Plane.of(grid), P, H)).tolist())
 
 
 def lowest_point(r: NDArray[np.float64], H: NDArray[np.float64]) -> tuple[float, float]:
@@ -124,34 +124,17 @@ def _place(grid: Grid, index: int) -> tuple[float, float]:
     return float(grid.kept_x[j]), float(grid.kept_y[i])
 
 
-@register_dataclass
-@dataclass(frozen=True)
-class Axes:
-    """The kept nodes of a grid, y of shape (n_y, 1) and x of shape (n_x,), and the number of the node at the centre."""
-
-    y: Array
-    x: Array
-    centre: int
-    even: Symmetry = field(metadata={"static": True})
-
-    @classmethod
-    def of(cls, grid: Grid) -> "Axes":
-        row, column = (int(np.abs(axis).argmin()) for axis in (grid.kept_y, grid.kept_x))
-        y, x = jax.device_put((grid.kept_y[:, None], grid.kept_x))
-        return cls(y, x, row * grid.shape[1] + column, grid.even)
-
-
-def extreme_numbers(axes: Axes, P: Array, H: Array) -> Array:
+def extreme_numbers(plane: Plane, P: Array, H: Array) -> Array:
     """The key values in one array, from which `named_numbers` makes them; traceable by JAX."""
     pressed = jnp.where((P > 0.0) | (P.max() <= 0.0), H, jnp.inf)
     H_min, P_max = pressed.min(), P.max()
-    negative = TIE * ((axes.y < 0).astype(P.dtype) + (axes.x < 0))
+    negative = TIE * ((plane.y < 0).astype(P.dtype) + (plane.x < 0))
     thin, high = jnp.argmin(pressed + jnp.abs(H_min) * negative), jnp.argmax(P - P_max * negative)
-    p = extended(P, axes.even)
+    p = extended(P, plane.even)
     around = (p[:-2, 1:-1] + p[2:, 1:-1] + p[1:-1, :-2] + p[1:-1, 2:]) / 4
     fall = jnp.where(P_max > 0, 1 - around.ravel()[high] / P_max, 0.0)
-    H_c, P_c = H.ravel()[axes.centre], P.ravel()[axes.centre]
-    numbers = H_c, H_min, thin, P_c, P_max, high, fall, total(P, axes.even)
+    H_c, P_c = H.ravel()[plane.centre], P.ravel()[plane.centre]
+    numbers = H_c, H_min, thin, P_c, P_max, high, fall, total(P, plane.even)
     return jnp.stack([number.astype(P.dtype) for number in numbers])
 
 

@@ -26,7 +26,6 @@ from ertel.numerics.integrals import Plane
 from ertel.numerics.stencils import Pair, central_slopes, divergence, extended, node_slopes, to_x_faces, to_y_faces
 from ertel.physics.fluidity import Fluidity, limited_stress
 
-Number = Array | float
 ROUGHLY = 4  # nodes across the film for the preconditioner
 LARGEST_FACTOR = 1e9  # of a mobility by thinning, in the preconditioner, which computes in single precision
 
@@ -41,9 +40,9 @@ class ThinningFlow(PressureFlow):
     """
 
     law: Fluidity
-    p_h: Number
-    unit: Number
-    sliding: Number
+    p_h: Array | float
+    unit: Array | float
+    sliding: Array | float
 
     def gain(self, contact: Contact, P: Array, H: Array) -> Array:
         """- div(Poiseuille flux), shape (n, n)."""
@@ -51,7 +50,7 @@ class ThinningFlow(PressureFlow):
         flow, _ = self._shear(contact, faces.P, faces.film, faces.viscosity, faces.slope)
         return divergence(*faces.fluxes(self._force(flow, faces.film))) / contact.spacing
 
-    def details(self, contact: Contact, P: Array, H: Array, sliding: Number, plane: Plane) -> Details:
+    def details(self, contact: Contact, P: Array, H: Array, sliding: Array | float, plane: Plane) -> Details:
         """The flow at every node when the surfaces slide by U S: all faces and nodes in one line, in one iteration."""
         faces = _faces(contact, P, H)
         n, slope = faces.P.size, node_slopes(P, contact.spacing, contact.even).reshape(2, -1)

@@ -13,13 +13,13 @@ from ertel.case.conditions import Conditions
 from ertel.case.definition import SECTIONS
 from ertel.case.height_map import HeightMap, Measured
 from ertel.case.reading import LAWS, Reader
-from ertel.case.records import OIL_LAWS, choices_of, hints_of, show
+from ertel.case.records import choices_of, hints_of, show
 from ertel.case.sections import ENDS, METHODS, SOLVERS, START_APPROACH, Solver, Thermal, Time
 from ertel.inputs.quantities import parse_quantity
 from ertel.physics import units
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import Oscillation, Signal, Track
-from ertel.physics.registry import SHAPES, Registry
+from ertel.physics.registry import OIL_LAWS, SHAPES, Registry
 from ertel.physics.units import Mark, Meaning, Unit, marks, meanings
 
 # -- keys that name an oil, a material or a file; `names` and `height_maps` replace them by numbers -------------------

@@ -24,7 +24,7 @@ from typing import Any
 from ertel.case.reading import Reader
 from ertel.case.records import ConfigError, refusing, show
 from ertel.inputs.layout import READER, DataSheet
-from ertel.inputs.quantities import number_or_quantity, parse_temperature
+from ertel.inputs.quantities import NumberOrText, number_or_quantity, parse_temperature
 from ertel.physics.fluidity import Carreau, Fluidity
 from ertel.physics.lubricant import Oil
 from ertel.physics.materials import Elasticity, LimitingStress, Material, NamedOil, Sourced, Strength, ThermalData
@@ -41,7 +41,6 @@ from ertel.physics.temperature_laws import (
 
 __all__ = ["at", "data_sheet", "get", "names"]
 
-Number = float | str  # SI, or a text with a unit
 FOLDER = files("ertel.inputs") / "library"
 COLDEST, HOTTEST = ZERO_CELSIUS, ZERO_CELSIUS + 150.0  # of a data sheet: D341 is a straight line here
 LAWS: Mapping[str, Callable[..., Any]] = {
@@ -75,17 +74,15 @@ def material_names() -> tuple[str, ...]:
 
 def get(name: str) -> NamedOil:
     """An oil of the library.  Raises ConfigError for a name that is not there."""
-    oil: NamedOil = _entry("oil", name)
-    return oil
+    return _entry("oil", name)
 
 
 def material(name: str) -> Material:
     """A material of the library.  Raises ConfigError for a name that is not there."""
-    body: Material = _entry("material", name)
-    return body
+    return _entry("material", name)
 
 
-def at(name: str, temperature: Number, rheology: str | Fluidity | None = None) -> Oil:
+def at(name: str, temperature: NumberOrText, rheology: str | Fluidity | None = None) -> Oil:
     """An oil of the library at a temperature, for `ertel.impact` and `ertel.rolling`.
 
     Parameters
@@ -104,12 +101,12 @@ def at(name: str, temperature: Number, rheology: str | Fluidity | None = None) -
 
 
 def data_sheet(
-    nu40: Number,
-    nu100: Number,
-    density: Number,
-    temperature: Number,
-    expansion: Number | None = None,
-    alpha: Number | None = None,
+    nu40: NumberOrText,
+    nu100: NumberOrText,
+    density: NumberOrText,
+    temperature: NumberOrText,
+    expansion: NumberOrText | None = None,
+    alpha: NumberOrText | None = None,
     reference: str = "",
 ) -> Oil:
     """A mineral oil from its data sheet, at a temperature.
@@ -169,7 +166,7 @@ def _whole(data: Any, source: str) -> Sourced[Any]:
     return Sourced(data, source, COLDEST, HOTTEST)
 
 
-def oil_at(oil: NamedOil, temperature: Number, rheology: str | Fluidity | None = None) -> Oil:
+def oil_at(oil: NamedOil, temperature: NumberOrText, rheology: str | Fluidity | None = None) -> Oil:
     """An oil at a temperature; rheology as in `at`.  Raises ConfigError for a temperature outside its data."""
     with refusing("temperature", temperature):
         T = parse_temperature(temperature)

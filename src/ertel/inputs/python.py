@@ -17,14 +17,12 @@ from ertel.case.records import ConfigError, law_data, oil_data, show, with_unit
 from ertel.case.sections import Output, Solver, Thermal, Time
 from ertel.inputs.case_files import parse_case
 from ertel.inputs.layout import Materials, NamedLubricant, field_names
-from ertel.inputs.quantities import parse_quantity, plain_data
+from ertel.inputs.quantities import NumberOrText, parse_quantity, plain_data
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Oil as Oil
 from ertel.physics.registry import FLUIDITY_LAWS
 from ertel.physics.surfaces import Feature, Shape
 from ertel.physics.units import HEIGHT, TEMPERATURE, TIME, Meaning, Quantity, marks, meanings, parameter_lines
-
-Number = float | str | None  # SI, or a text with a unit
 
 
 class _Keywords(TypedDict, total=False):
@@ -35,33 +33,33 @@ class _Keywords(TypedDict, total=False):
     lambda_bar: float | None
     alpha_bar: float | None
     radius_ratio: float | None
-    radius: Number
-    radius_1: Number
-    radius_2: Number
-    radius_x: Number
-    radius_y: Number
-    radius_x_1: Number
-    radius_y_1: Number
-    radius_x_2: Number
-    radius_y_2: Number
-    entrainment_angle: Number
-    mass: Number
-    ball_density: Number
-    mean_speed: Number
+    radius: NumberOrText | None
+    radius_1: NumberOrText | None
+    radius_2: NumberOrText | None
+    radius_x: NumberOrText | None
+    radius_y: NumberOrText | None
+    radius_x_1: NumberOrText | None
+    radius_y_1: NumberOrText | None
+    radius_x_2: NumberOrText | None
+    radius_y_2: NumberOrText | None
+    entrainment_angle: NumberOrText | None
+    mass: NumberOrText | None
+    ball_density: NumberOrText | None
+    mean_speed: NumberOrText | None
     slide_to_roll: float | None
-    E_prime: Number
-    E1: Number
+    E_prime: NumberOrText | None
+    E1: NumberOrText | None
     nu1: float | None
-    E2: Number
+    E2: NumberOrText | None
     nu2: float | None
     material_1: str | None
     material_2: str | None
     oil: Oil | str | None
-    temperature: Number
+    temperature: NumberOrText | None
     rheology: str | Mapping[str, Any] | Fluidity | None
-    layer: Number
-    layer_1: Number
-    layer_2: Number
+    layer: NumberOrText | None
+    layer_1: NumberOrText | None
+    layer_2: NumberOrText | None
     method: str | None
     nodes: int | None
     half_width: float | None
@@ -81,17 +79,17 @@ class _Keywords(TypedDict, total=False):
 class ImpactKeywords(_Keywords, total=False):
     """The keywords of an impact."""
 
-    speed: Number
-    drop_height: Number
+    speed: NumberOrText | None
+    drop_height: NumberOrText | None
     start_approach: float | None
 
 
 class RollingKeywords(_Keywords, total=False):
     """The keywords of a rolling contact."""
 
-    load: Number
-    speed_1: Number
-    speed_2: Number
+    load: NumberOrText | None
+    speed_1: NumberOrText | None
+    speed_2: NumberOrText | None
     thermal: Mapping[str, Any] | None
 
 

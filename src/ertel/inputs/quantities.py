@@ -18,6 +18,7 @@ from ertel.case.records import is_number, refusing, show, with_unit
 from ertel.physics.temperature_laws import ZERO_CELSIUS
 from ertel.physics.units import Bounds, Mark, Unit, reads_quantities
 
+NumberOrText = float | str  # in SI, or a text with a unit
 HOTTER_THAN_ANY = 1e4  # K
 LONGEST = 60  # characters of a quantity
 

@@ -78,11 +78,6 @@ class Study:
     cases: tuple[Case, ...]
     data: Mapping[str, Any]
 
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """The numbers of values along the axes; of a zip the number of runs."""
-        return tuple(len(axis.values) for axis in self.axes) if self.mode == "product" else (len(self.cases),)
-
 
 def load_study(path: str | Path, overrides: Sequence[str] = ()) -> Study:
     """The study in a TOML file, with overrides such as "contact.M=[100, 200]" applied.

@@ -22,8 +22,15 @@ SLOPE = (11 / 6, -3.0, 3 / 2, -1 / 3)  # weights of the nodes from the edge inwa
 @register_dataclass
 @dataclass(frozen=True)
 class Plane:
-    """A rectangle.  wx, wy: the weights of the kept columns and rows; an even axis counts for both of its sides."""
+    """A rectangle.
 
+    x, y: the kept nodes, of shape (n_x,) and (n_y, 1).  centre: the number of the node there.  wx, wy: the weights of
+    the kept columns and rows; an even axis counts for both of its sides.
+    """
+
+    x: Array
+    y: Array
+    centre: int
     wx: Array
     wy: Array
     spacing: float
@@ -33,7 +40,9 @@ class Plane:
     def of(cls, grid: Grid) -> "Plane":
         """The rectangle of a grid."""
         along_y, along_x = (_weights(n, even) * grid.spacing for n, even in zip(grid.shape, grid.even, strict=True))
-        return cls(jax.device_put(along_x), jax.device_put(along_y), grid.spacing, grid.even)
+        row, column = (int(np.abs(axis).argmin()) for axis in (grid.kept_y, grid.kept_x))
+        x, y, wx, wy = jax.device_put((grid.kept_x, grid.kept_y[:, None], along_x, along_y))
+        return cls(x, y, row * grid.shape[1] + column, wx, wy, grid.spacing, grid.even)
 
     def total(self, f: Array) -> Array:
         """The double integral of a field."""

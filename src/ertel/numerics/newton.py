@@ -114,8 +114,7 @@ class NewtonKrylov:
         infinite, forcing = (jnp.asarray(value, P.dtype) for value in (jnp.inf, self.options.first_reduction))
         # no residual is needed yet: the first iteration is always done, and begins with it
         first = Solution(P, H, s, jnp.zeros_like(P), infinite, zero, zero, history, forcing)
-        last: Solution = jax.lax.while_loop(self.is_unsolved, self.improve, first)
-        return last
+        return jax.lax.while_loop(self.is_unsolved, self.improve, first)
 
     def size(self, P: Array, s: Array, r: Array) -> Array:
         """The largest residual in units of the tolerance."""

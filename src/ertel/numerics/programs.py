@@ -119,16 +119,16 @@ def build(program: Program, arguments: Any) -> Compiled:
 def compiled_at(level: int, lowered: Any) -> Compiled:
     """Compile with the options for the CPU, as far as XLA knows them and the user has not set them in XLA_FLAGS."""
     if jax.default_backend() != "cpu":
-        return lowered.compile()  # type: ignore[no-any-return]
+        return lowered.compile()
     chosen = {flag.partition("=")[0].removeprefix("--") for flag in os.environ.get("XLA_FLAGS", "").split()}
     options = {**OPTIONS, "xla_backend_optimization_level": level}
     options = {name: value for name, value in options.items() if name not in chosen}
     try:
-        return lowered.compile(compiler_options=options)  # type: ignore[no-any-return]
+        return lowered.compile(compiler_options=options)
     except jax.errors.JaxRuntimeError as error:
         if "No such compile option" not in str(error):
             raise
-        return lowered.compile()  # type: ignore[no-any-return]
+        return lowered.compile()
 
 
 _build: Callable[[Program, Any], Compiled] = build

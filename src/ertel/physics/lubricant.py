@@ -25,7 +25,7 @@ import numpy as np
 from ertel.physics import units
 from ertel.physics.fluidity import Fluidity, NewtonianOil
 from ertel.physics.motion import Track
-from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, VISCOSITY_LAWS, OfAnyOil, Registry, arrays_of
+from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, OIL_LAWS, VISCOSITY_LAWS, OfAnyOil, Registry, arrays_of
 from ertel.physics.units import Amount, Meaning, explained, in_si, marks, plain
 
 Array = Any  # a NumPy or JAX array of any shape, or a float
@@ -307,7 +307,7 @@ class Oil:
     layer_2: Annotated[Amount | None, units.LAYER, Meaning("of the oil on surface 2, in place of layer", "1 um")] = None
 
     def __post_init__(self) -> None:
-        for name, laws in {"viscosity": VISCOSITY_LAWS, "density": DENSITY_LAWS, "rheology": FLUIDITY_LAWS}.items():
+        for name, laws in OIL_LAWS.items():
             _check_law(name, getattr(self, name), laws)
         for name, mark in marks(Oil).items():
             value = getattr(self, name)

@@ -78,6 +78,7 @@ def _home(record: type) -> tuple[str, str]:
 VISCOSITY_LAWS = Registry("viscosity law", "ertel.viscosity_laws")
 DENSITY_LAWS = Registry("density law", "ertel.density_laws")
 FLUIDITY_LAWS = Registry("fluidity law", "ertel.fluidity_laws")
+OIL_LAWS = {"viscosity": VISCOSITY_LAWS, "density": DENSITY_LAWS, "rheology": FLUIDITY_LAWS}  # by field of an oil
 SHAPES = Registry("shape", "ertel.shapes")
 
 

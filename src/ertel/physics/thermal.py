@@ -98,7 +98,7 @@ INLET_FACTORS: dict[InletName, InletFactor] = {
 #
 # The moving kernel is singular at x' = x.  It is integrated exactly over every cell, with q linear between the nodes.
 
-Real = NDArray[np.float64]
+Floats = NDArray[np.float64]
 SLOWEST = 5.0  # Peclet number below which heat that flows along the surface counts
 AT_REST = 4.0 / pi  # Peclet number of a circle with uniform heat that is as hot in its middle at rest as by the formula
 
@@ -124,7 +124,7 @@ def slow_excess(peclet: float) -> float:
     return sqrt(1.0 + min(ratio, 1.0 / ratio if ratio > 0 else 0.0)) - 1.0
 
 
-def moving_source_weights(nodes: int, spacing: float) -> Real:
+def moving_source_weights(nodes: int, spacing: float) -> Floats:
     """Weights of the kernel x^{-1/2}: the integral at node i is the sum over j <= i of weights[i - j] q[j].
 
     (4/3) spacing^{1/2} [(m + 1)^{3/2} - 2 m^{3/2} + |m - 1|^{3/2}] for m >= 1, and 4/3 spacing^{1/2} for m = 0: exact
@@ -136,7 +136,7 @@ def moving_source_weights(nodes: int, spacing: float) -> Real:
     return np.asarray(4.0 / 3.0 * sqrt(spacing) * weights)
 
 
-def response(solid: Solid, speed: float, nodes: int, spacing: float) -> Real:
+def response(solid: Solid, speed: float, nodes: int, spacing: float) -> Floats:
     """The matrix K with T = q @ K.T along X: temperature rise (K) from the heat flux (W/m^2), shape (nodes, nodes).
 
     speed: of the surface along X, m/s, with its sign.  spacing in m.  Raises ValueError for speed = 0: from a surface

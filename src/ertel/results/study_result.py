@@ -135,8 +135,7 @@ class StudyResult:
 
     def _of_failed(self, name: str) -> list[Any]:
         ended = ~self.dataset["status"].isin([DONE, *TO_DO])
-        values: list[Any] = self.dataset[name].values[ended].tolist()
-        return values
+        return self.dataset[name].values[ended].tolist()
 
     @property
     def complete(self) -> bool:

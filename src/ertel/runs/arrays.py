@@ -137,8 +137,7 @@ def update_attributes(path: Path, attributes: Mapping[str, Any], advice: str) ->
 
 
 def _metadata(root: Root) -> dict[str, dict[str, Any]]:
-    metadata: dict[str, dict[str, Any]] = root["consolidated_metadata"]["metadata"]
-    return metadata
+    return root["consolidated_metadata"]["metadata"]
 
 
 def rows_of(root: Root) -> dict[str, int]:

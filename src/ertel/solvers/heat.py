@@ -42,7 +42,6 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 from jax.tree_util import register_dataclass
-from numpy.typing import NDArray
 
 from ertel.case.case import Case
 from ertel.case.definition import grid_of
@@ -58,9 +57,7 @@ from ertel.numerics.programs import ANY_SIZE, Program, exportable
 from ertel.numerics.stencils import inside, node_slopes
 from ertel.physics.fluidity import Fluidity, limited_stress
 from ertel.physics.lubricant import Lubricant
-from ertel.physics.thermal import AT_REST, Solid, WarmViscosity, peclet_number, response
-
-Real = NDArray[np.float64]
+from ertel.physics.thermal import AT_REST, Floats, Solid, WarmViscosity, peclet_number, response
 
 TOLERANCE = 1e-6  # of the last change of T_f over its largest rise; the error is about its square
 LIMIT = 100  # of Newton iterations; each makes a film that is far too stiff e times less so
@@ -81,10 +78,10 @@ class Heated(NamedTuple):
 
     inlet: Inlet
     film: Array
-    T_1: Real
-    T_2: Real
-    T_film: Real
-    heat: Real
+    T_1: Floats
+    T_2: Floats
+    T_film: Floats
+    heat: Floats
     stress: Array
     sliding: Array
     peclet: tuple[float, ...]
@@ -128,19 +125,16 @@ class _Film:
 _stress_program = Program(jax.jit(_Film.stress), ANY_SIZE)
 
 
-def heated(
-    case: Case, P: Any, H: Any, slide_to_roll: float | None = None, heat: Real | None = None, grid: Grid | None = None
-) -> Heated:
+def heated(case: Case, P: Any, H: Any, heat: Floats | None = None, grid: Grid | None = None) -> Heated:
     """The temperatures of a steady contact in SI; raises ValueError if it has no section [thermal].
 
-    P, H: pressure and isothermal film on the grid, that of the case unless another is given.  slide_to_roll: another
-    one than the case's.  heat: of sliding per area (W/m^2), from which the iteration starts, none if it is left out.
+    P, H: pressure and isothermal film on the grid, that of the case unless another is given.  heat: of sliding per
+    area (W/m^2), from which the iteration starts, none if it is left out.
     """
     thermal, s, eta0 = case.thermal, case.scales, case.oil.eta0
     if thermal is None or s is None or eta0 is None:
         raise ValueError("thermal: the case has no such section, and so no data for temperatures")
-    S = case.motion.slide_to_roll if slide_to_roll is None else slide_to_roll
-    mean, grid = case.motion.entrainment(0.0) * s.front_speed, grid or grid_of(case)
+    S, mean, grid = case.motion.slide_to_roll, case.motion.entrainment(0.0) * s.front_speed, grid or grid_of(case)
     grown = cbrt(case.motion.load(0.0))  # the contact, by a load that [motion] changes
     half_width = s.a * case.geometry.extent[0] * grown
     inlet = thermal.inlet(eta0, s.p_h * grown / s.E_prime, mean, S)
@@ -229,9 +223,9 @@ class Warmed(NamedTuple):
 def warmed(
     release: Callable[[Any], tuple[Any, Any]],
     rises: Sequence[Rise],
-    resistance: Real,
+    resistance: Floats,
     bodies: Sequence[float] = (0.0, 0.0),
-    heat: Real | None = None,
+    heat: Floats | None = None,
 ) -> Warmed:
     """The temperatures of the film and of both surfaces.
 

@@ -40,7 +40,7 @@ from ertel.numerics import bdf, multigrid
 from ertel.numerics.line_smoother import LineSmoother, line_smoother
 from ertel.numerics.newton import gcr
 from ertel.numerics.programs import require_double
-from ertel.numerics.stencils import inside, upstream_slope
+from ertel.numerics.stencils import FloatLike, inside, upstream_slope
 from ertel.physics.motion import constant
 from ertel.solvers import nonlinear
 from ertel.solvers.nonlinear import PRECISION, Problem
@@ -51,7 +51,6 @@ NODES_PER_WAVE = 4  # a coarse grid that has fewer is for long waves alone
 # of the linear solves.  Waves mostly take 13 to 20 iterations; each keeps two fields
 REDUCTION, STEP_LIMIT, WAVE_LIMIT = 1e-6, 40, 60
 
-Number = Array | float
 Fields = Mapping[str, Array]
 
 # -- a time step ------------------------------------------------------------------------------------------------------
@@ -168,7 +167,7 @@ def _solve_wave(
     P: Array,
     H: Array,
     line: ClosureLine,
-    entrainment: Number,
+    entrainment: FloatLike,
     wave: RoughnessWave,
 ) -> tuple[Array, Array, Array, Array]:
     """P', H', Delta' and the number of Krylov iterations."""
@@ -209,10 +208,10 @@ class _Riding(NamedTuple):
     """
 
     phase: Array
-    entrainment: Number
-    frequency: Number
+    entrainment: FloatLike
+    frequency: FloatLike
 
-    def rate(self, mass: Array, spacing: Number) -> Array:
+    def rate(self, mass: Array, spacing: FloatLike) -> Array:
         """The rate of change of the mass following the flow."""
         return self.phase * self.entrainment * upstream_slope(mass * jnp.conj(self.phase), spacing)
 

@@ -27,7 +27,7 @@ from ertel.equations.contact import Contact
 from ertel.equations.flow import OilContent, steady_rate, wedge
 from ertel.equations.state import measure
 from ertel.numerics import multigrid, newton, stencils
-from ertel.numerics.grid import Extrapolation, Grid, check_coarsening, expected_next, extrapolate
+from ertel.numerics.grid import Grid, check_coarsening, expected_next
 from ertel.numerics.integrals import Plane
 from ertel.numerics.programs import ANY_SIZE, Program, double_precision
 from ertel.physics.geometry import ContactMotion, Geometry
@@ -157,10 +157,6 @@ class Rolling:
     def convolutions(self) -> float:
         """The work on all grids, in convolutions on the finest."""
         return sum(s.convolutions * s.grid.size / self.finest.grid.size for s in self.solutions)
-
-    def extrapolate(self, name: str) -> Extrapolation:
-        """A quantity of `measure` by Richardson's extrapolation: the error falls with the square of the spacing."""
-        return extrapolate(*(s.measure()[name] for s in self.solutions[-2:]))
 
 
 def steady_film(case: Case) -> Rolling:

@@ -20,7 +20,7 @@ from ertel.equations.account import Friction, Moment
 from ertel.equations.approach import ClosureLine, NewtonsLaw
 from ertel.equations.contact import Contact
 from ertel.equations.flow import Flow, OilContent, Rate, rate_in_time
-from ertel.equations.state import Axes, Method, State, Stepping, StepSolution, Work, padded
+from ertel.equations.state import Method, State, Stepping, StepSolution, Work, padded
 from ertel.numerics import bdf, multigrid, newton, stencils
 from ertel.numerics.grid import Symmetry, check_coarsening
 from ertel.numerics.integrals import Plane
@@ -48,14 +48,13 @@ ROLLING = Algorithms(nonlinear.approach_as_unknown, nonlinear.point_precondition
 class Setting:
     """The constants of a run.
 
-    elastic: the deformation operators of the preconditioner's grids.  space, axes: the grid, for integrals and
+    elastic: the deformation operators of the preconditioner's grids.  space: the grid, for integrals and
     extremes.  gap_slope: dG/dX of the smooth gap, shape (n, n).  tolerance: of the film that is left over in a step,
     relative.  film_scale: of the case.  hertz_load: F* in a^2 p_h.  coarsenings: see `film_error`.
     """
 
     elastic: tuple[multigrid.DeformationOperator, ...]
     space: Plane
-    axes: Axes
     gap_slope: Array
     tolerance: float
     film_scale: float
@@ -131,7 +130,6 @@ class Transient2D(Method):
         setting = Setting(
             elastic,
             Plane.of(self.grid),
-            Axes.of(self.grid),
             discretise.gap_slope(case, self.grid),
             tolerance,
             case.film_scale,
@@ -322,7 +320,7 @@ def _numbers(
     error = film_error(mass, predicted, weight, THIN * setting.film_scale, c.even, setting.coarsenings)
     values = approach, s.converged, s.newton, s.krylov, error, *(terms[name] for name in account.TERMS)
     stepped = jnp.stack([jnp.asarray(value, s.P.dtype) for value in values])
-    return jnp.concatenate([stepped, state.extreme_numbers(setting.axes, s.P, s.H)])
+    return jnp.concatenate([stepped, state.extreme_numbers(setting.space, s.P, s.H)])
 
 
 def _weighted(weights: bdf.Weights, fields: Sequence[Array]) -> Array:

@@ -202,8 +202,7 @@ class Worker:
 
     async def info(self, run: Path) -> RunInfo:
         """The facts on a run.  Raises ValueError where its data cannot be read, or are not there yet."""
-        info: RunInfo = await self.result_of(run_info, run, stamp_of(run))
-        return info
+        return await self.result_of(run_info, run, stamp_of(run))
 
     async def draw(self, request: PlotRequest) -> bytes:
         """A picture as a file, which then has its address.  Raises ValueError where there is nothing to draw."""
