@@ -77,7 +77,7 @@ def test_what_is_written_opens_without_ertel(four, recwarn):
     assert table[2].startswith("0.1,0.02,")
     result = gathered(study, four)
     head, *rows = result.table_lines()
-    assert head.split()[:4] == ["speed", "(m/s)", "eta0", "(Pa*s)"] and len(rows) == 4
+    assert head.split()[:4] == ["speed", "(m/s)", "eta0", "(mPa*s)"] and len(rows) == 4
     assert "4 runs: 4 converged" in repr(result) and "<table>" in result._repr_html_()
 
 

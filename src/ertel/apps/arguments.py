@@ -34,9 +34,9 @@ def settings(incomplete: str) -> list[str]:
 
 def figures(incomplete: str) -> list[str]:
     """Names of figures that begin so."""
-    from ertel import plots
+    from ertel.results.variables import FIGURES_IN_TIME, FIGURES_STEADY
 
-    return [name for name in plots.NAMES if name.startswith(incomplete)]
+    return [name for name in dict.fromkeys(FIGURES_IN_TIME + FIGURES_STEADY) if name.startswith(incomplete)]
 
 
 def _entries(incomplete: str) -> Iterator[tuple[Path, str]]:

@@ -75,7 +75,7 @@ from ertel.equations.state import State, Work
 from ertel.numerics.bdf import Weights
 from ertel.numerics.integrals import Plane, Space
 from ertel.numerics.programs import ANY_SIZE, Program, exportable
-from ertel.numerics.stencils import ArrayOrFloat, Pair, inside
+from ertel.numerics.stencils import FloatLike, Pair, inside
 from ertel.physics.lubricant import Lubricant
 
 MASSES = ("mass", "inflow", "outflow", "cavity_source")
@@ -107,13 +107,7 @@ class Friction(NamedTuple):
 
 
 def friction(
-    plane: Plane,
-    contact: Contact,
-    P: Array,
-    H: Array,
-    sliding: ArrayOrFloat,
-    load: ArrayOrFloat,
-    hertz_load: ArrayOrFloat,
+    plane: Plane, contact: Contact, P: Array, H: Array, sliding: FloatLike, load: FloatLike, hertz_load: FloatLike
 ) -> Friction:
     """The friction of a film; traceable by JAX.
 
@@ -125,13 +119,7 @@ def friction(
 
 
 def friction_of_details(
-    plane: Plane,
-    details: Details,
-    P: Array,
-    H: Array,
-    sliding: ArrayOrFloat,
-    load: ArrayOrFloat,
-    hertz_load: ArrayOrFloat,
+    plane: Plane, details: Details, P: Array, H: Array, sliding: FloatLike, load: FloatLike, hertz_load: FloatLike
 ) -> Friction:
     """The friction from the details of the flow; the other arguments are those of `friction`."""
     stress = jnp.where(P > 0.0, details.stress, 0.0)
@@ -192,8 +180,8 @@ class Film(NamedTuple):
     heat: Array
     deformation: Array
     growth: Array
-    U: ArrayOrFloat
-    gap_change: ArrayOrFloat
+    U: FloatLike
+    gap_change: FloatLike
 
 
 class Moment(NamedTuple):
@@ -203,12 +191,12 @@ class Moment(NamedTuple):
     carries, in F*.  hertz_load: F* in a^2 p_h.
     """
 
-    approach: ArrayOrFloat
-    U: ArrayOrFloat
-    sliding: ArrayOrFloat
+    approach: FloatLike
+    U: FloatLike
+    sliding: FloatLike
     gap_change: Array
-    load: ArrayOrFloat
-    hertz_load: ArrayOrFloat
+    load: FloatLike
+    hertz_load: FloatLike
 
 
 def account(

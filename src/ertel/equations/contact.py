@@ -25,7 +25,7 @@ from ertel.equations.flow import OilContent, Rate, downstream, flow_aligned, ups
 from ertel.numerics import halfspace
 from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
 from ertel.numerics.integrals import Plane
-from ertel.numerics.stencils import ArrayOrFloat, Pair, diffusion, inside, total
+from ertel.numerics.stencils import FloatLike, Pair, diffusion, inside, total
 from ertel.physics.geometry import Geometry
 from ertel.physics.lubricant import Lubricant
 
@@ -68,7 +68,7 @@ class PressureFlow:
         eps = Pair(mobility(contact, P, H))
         return Mobilities(eps, eps)
 
-    def details(self, contact: "Contact", P: Array, H: Array, sliding: ArrayOrFloat, plane: Plane) -> Details:
+    def details(self, contact: "Contact", P: Array, H: Array, sliding: FloatLike, plane: Plane) -> Details:
         """The flow at every node when the surfaces slide by U S along X, which may differ from that of the film."""
         oil, eps = contact.lubricant, Pair(mobility(contact, P, H))
         along_x = contact.lambda_bar * oil.viscosity(P) * sliding / (12.0 * opened(H))
@@ -167,7 +167,7 @@ def _of_a_full_gap(contact: Contact, P: Array, H: Array, rate: Rate) -> Array:
     return change - inside(contact.flow.gain(contact, P, H), contact.even)
 
 
-def _void(contact: Contact, P: Array, H: Array, speed: ArrayOrFloat, layer: ArrayOrFloat | None, r: Array) -> Array:
+def _void(contact: Contact, P: Array, H: Array, speed: FloatLike, layer: FloatLike | None, r: Array) -> Array:
     """The void of a steady film.  layer: the oil that enters, None where the inlet is full.  X points downstream."""
     first = 0.0 if layer is None else (downstream(mass(contact, P[:, :2], H[:, :2]))[:, :1] - layer)[:, 0]
     return void_downstream(P, r, first, speed, contact.spacing)

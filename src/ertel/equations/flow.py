@@ -33,7 +33,7 @@ from jax import Array
 
 from ertel.numerics.bdf import Weights
 from ertel.numerics.programs import exportable
-from ertel.numerics.stencils import ArrayOrFloat, shifted_along_x, upstream_slope
+from ertel.numerics.stencils import FloatLike, shifted_along_x, upstream_slope
 
 
 class Rate(NamedTuple):
@@ -44,18 +44,18 @@ class Rate(NamedTuple):
     layer: the oil per area that enters a steady contact, a number or of shape (n, 1); None where the inlet is full.
     """
 
-    new: ArrayOrFloat
-    past: ArrayOrFloat
-    wedge: ArrayOrFloat | None = None
-    layer: ArrayOrFloat | None = None
+    new: FloatLike
+    past: FloatLike
+    wedge: FloatLike | None = None
+    layer: FloatLike | None = None
 
-    def of(self, mass: Array, spacing: ArrayOrFloat) -> Array:
+    def of(self, mass: Array, spacing: FloatLike) -> Array:
         """The rate of a mass, shape (n, n)."""
         in_time = self.new * mass + self.past
         return in_time if self.wedge is None else in_time + self.wedge * upstream_slope(mass, spacing)
 
 
-def steady_rate(entrainment: ArrayOrFloat, layer: ArrayOrFloat | None = None) -> Rate:
+def steady_rate(entrainment: FloatLike, layer: FloatLike | None = None) -> Rate:
     """The rate in a steady film; X points downstream (entrainment >= 0)."""
     return Rate(0.0, 0.0, entrainment, layer)
 
@@ -72,7 +72,7 @@ class OilContent(NamedTuple):
     full: Array
     void: Array
     passing: Array
-    entrainment: ArrayOrFloat
+    entrainment: FloatLike
 
     @classmethod
     def without_void(cls, mass: Array) -> "OilContent":
@@ -87,8 +87,8 @@ class Flow(NamedTuple):
     first, in nodes.  start: the film from which the run started.
     """
 
-    entrainment: ArrayOrFloat
-    distances: Sequence[ArrayOrFloat]
+    entrainment: FloatLike
+    distances: Sequence[FloatLike]
     start: OilContent
 
     def passing(self, oil: Array) -> Array:
@@ -97,7 +97,7 @@ class Flow(NamedTuple):
 
 
 def rate_in_time(
-    weights: Weights | Array, masses: Sequence[Array] | Array, flow: Flow | None, spacing: ArrayOrFloat
+    weights: Weights | Array, masses: Sequence[Array] | Array, flow: Flow | None, spacing: FloatLike
 ) -> Rate:
     """The rate at the new time by backward differences along the flow.
 
@@ -111,7 +111,7 @@ def rate_in_time(
     return Rate(weights[0], past + wedge(flow.start, flow.entrainment, spacing))
 
 
-def followed(weights: Weights | Array, masses: Sequence[Array], distances: Sequence[ArrayOrFloat]) -> Array:
+def followed(weights: Weights | Array, masses: Sequence[Array], distances: Sequence[FloatLike]) -> Array:
     """The weighted sum of earlier masses, each moved to where its oil is now.
 
     The oldest is moved step by step, as the newer ones were: what the interpolation takes from a wave is then the same
@@ -124,7 +124,7 @@ def followed(weights: Weights | Array, masses: Sequence[Array], distances: Seque
     return moved
 
 
-def wedge(content: OilContent, entrainment: ArrayOrFloat, spacing: ArrayOrFloat) -> Array:
+def wedge(content: OilContent, entrainment: FloatLike, spacing: FloatLike) -> Array:
     """The rate of change of a steady film when it moves with the speed U: U d(oil)/dX from upstream.
 
     The slope of a full gap is of second order, that of a void of first, because it ends at a meniscus.  Against the way
@@ -160,7 +160,7 @@ FULL = -1e30  # a change of the void that leaves none
 _Map = tuple[Array, Array]  # of the void upstream of each node to that downstream of it
 
 
-def void_downstream(P: Array, r: Array, first: ArrayOrFloat, entrainment: ArrayOrFloat, spacing: ArrayOrFloat) -> Array:
+def void_downstream(P: Array, r: Array, first: FloatLike, entrainment: FloatLike, spacing: FloatLike) -> Array:
     """The void w of a steady film, shape (n, n), X pointing downstream, on the faces downstream of the nodes.
 
     There U dw/dX = r, w >= 0, and w = 0 where P > 0; by upstream differences of first order

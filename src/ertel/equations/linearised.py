@@ -23,7 +23,7 @@ from ertel.equations import contact
 from ertel.equations.contact import Contact
 from ertel.numerics.grid import Symmetry
 from ertel.numerics.multigrid import in_precision
-from ertel.numerics.stencils import ArrayOrFloat, Pair, curvature, divergence, face_fluxes, inside
+from ertel.numerics.stencils import FloatLike, Pair, curvature, divergence, face_fluxes, inside
 
 
 class Change(NamedTuple):
@@ -48,7 +48,7 @@ class LinearFilm:
     by_P: Change
     by_H: Change
     steepening: Array
-    spacing: ArrayOrFloat
+    spacing: FloatLike
     even: Symmetry = field(metadata={"static": True})
 
     def change(self, dP: Array, dH: Array) -> Change:

@@ -23,16 +23,7 @@ from ertel.equations.across import Tensor
 from ertel.equations.contact import Contact, Details, Mobilities, PressureFlow, mobility, opened
 from ertel.equations.shear import NODES, Shear, secant_mobility, shear
 from ertel.numerics.integrals import Plane
-from ertel.numerics.stencils import (
-    ArrayOrFloat,
-    Pair,
-    central_slopes,
-    divergence,
-    extended,
-    node_slopes,
-    to_x_faces,
-    to_y_faces,
-)
+from ertel.numerics.stencils import Pair, central_slopes, divergence, extended, node_slopes, to_x_faces, to_y_faces
 from ertel.physics.fluidity import Fluidity, limited_stress
 
 ROUGHLY = 4  # nodes across the film for the preconditioner
@@ -49,9 +40,9 @@ class ThinningFlow(PressureFlow):
     """
 
     law: Fluidity
-    p_h: ArrayOrFloat
-    unit: ArrayOrFloat
-    sliding: ArrayOrFloat
+    p_h: Array | float
+    unit: Array | float
+    sliding: Array | float
 
     def gain(self, contact: Contact, P: Array, H: Array) -> Array:
         """- div(Poiseuille flux), shape (n, n)."""
@@ -59,7 +50,7 @@ class ThinningFlow(PressureFlow):
         flow, _ = self._shear(contact, faces.P, faces.film, faces.viscosity, faces.slope)
         return divergence(*faces.fluxes(self._force(flow, faces.film))) / contact.spacing
 
-    def details(self, contact: Contact, P: Array, H: Array, sliding: ArrayOrFloat, plane: Plane) -> Details:
+    def details(self, contact: Contact, P: Array, H: Array, sliding: Array | float, plane: Plane) -> Details:
         """The flow at every node when the surfaces slide by U S: all faces and nodes in one line, in one iteration."""
         faces = _faces(contact, P, H)
         n, slope = faces.P.size, node_slopes(P, contact.spacing, contact.even).reshape(2, -1)

@@ -16,7 +16,7 @@ from jax import Array, tree
 from ertel.numerics.bdf import lagrange
 from ertel.numerics.grid import NO_SYMMETRY, Symmetry
 
-ArrayOrFloat = Array | float
+FloatLike = Array | float  # a number, or an array where it varies
 POINTS = 8  # of the interpolation between nodes
 
 

@@ -17,7 +17,7 @@ from ertel.physics.units import RMS, in_si, plain
 from ertel.results.measurements import Comparison, Measurement
 from ertel.results.numbers import Number, html_image, html_table, lines, numbers, plus_minus, values_of
 from ertel.results.profiles import At, moment_of, profile
-from ertel.results.variables import PREFIXES, exponent, is_steady, to_si
+from ertel.results.variables import FIGURES_IN_TIME, FIGURES_STEADY, figures_of, prefixed, to_si
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from matplotlib.figure import Figure
@@ -37,17 +37,15 @@ class Plot:
     dataset: xr.Dataset
 
     def __getattr__(self, name: str) -> "Callable[..., Figure]":
+        if name not in {*FIGURES_IN_TIME, *FIGURES_STEADY, *PHYSICAL}:
+            raise AttributeError(f"Plot: has no picture {name!r}; it has {', '.join(self._names())}")
         from ertel import plots
 
-        if name not in {*plots.NAMES, *PHYSICAL}:
-            raise AttributeError(f"Plot: has no picture {name!r}; it has {', '.join(self._names())}")
         return MethodType(getattr(plots, name), self.dataset)
 
     def _names(self) -> tuple[str, ...]:
-        from ertel import plots
-
-        names = plots.STEADY if is_steady(self.dataset) else plots.IN_TIME
-        return (*names, *PHYSICAL) if "si_factor" in self.dataset["H"].attrs else (*names,)
+        names = figures_of(self.dataset)
+        return (*names, *PHYSICAL) if "si_factor" in self.dataset["H"].attrs else names
 
     def __dir__(self) -> Iterable[str]:
         return [*self._names(), "dataset"]
@@ -238,7 +236,6 @@ def _rms(case: Case) -> list[float]:
 
 
 def _film(film: Number) -> str:
-    factor, unit = film.factor or 1.0, film.unit if film.factor is None else film.about.si_units
-    power = exponent(abs(film.value * factor)) if unit == "m" else 0
-    shown = 10.0**-power * factor
-    return f"{plus_minus(film.value * shown, (film.error or 0.0) * shown)} {PREFIXES[power] if power else ''}{unit}"
+    factor, unit = (1.0, film.unit) if film.factor is None else (film.factor, film.about.si_units)
+    one, name = prefixed(unit, film.value * factor)
+    return f"{plus_minus(film.value * factor / one, (film.error or 0.0) * factor / one)} {name}"

@@ -171,6 +171,8 @@ VARIABLES: Mapping[str, Variable] = {
 }
 FILMS = ("H_c", "H_min")  # that have an error estimate
 MEASURED = ("H_c", "H_min", "X_min", "Y_min", "Delta", "P_c", "P_max", "load")  # of a rolling contact's summary
+FIGURES_IN_TIME = ("overview", "film", "pressure", "oil", "maps", "profiles", "history", "friction", "front")
+FIGURES_STEADY = ("overview", "film", "pressure", "oil", "maps", "midlines", "convergence", "friction")
 AT_MAXIMUM = ("T", "Delta", "F", "P_c", "P_max", "H_c", "H_min", "X_min", "Y_min")  # of a summary
 
 
@@ -187,6 +189,11 @@ def name_in_si(name: str) -> str:
 def is_steady(dataset: "xr.Dataset") -> bool:
     """Return whether a Dataset holds a steady contact, on its grids, and not a run in time."""
     return "grid" in dataset.dims
+
+
+def figures_of(dataset: "xr.Dataset") -> tuple[str, ...]:
+    """The names of the figures that a run has, see `ertel.plots`."""
+    return FIGURES_STEADY if is_steady(dataset) else FIGURES_IN_TIME
 
 
 def with_coefficients(values: Mapping[str, Any], scales: Scales | None) -> dict[str, Any]:
@@ -263,17 +270,21 @@ def to_si(dataset: "xr.Dataset") -> "xr.Dataset":
     return converted.rename(names)
 
 
-def exponent(size: float) -> int:
-    """The power of ten, of those with a prefix, that brings a size between about 0.5 and 500."""
-    return min(max(3 * floor(log10(size) / 3 + 0.1), min(PREFIXES)), max(PREFIXES)) if size > 0 else 0
+def prefixed(unit: str, largest: float) -> tuple[float, str]:
+    """A unit of SI with the prefix that brings the largest value between about 0.5 and 500: what 1 of it is, its name.
+
+    Quotients and kelvins have no prefix, a plain number has no unit.
+    """
+    power = 0
+    if abs(largest) > 0 and "/" not in unit and unit not in ("1", KELVIN):
+        power = min(max(3 * floor(log10(abs(largest)) / 3 + 0.1), min(PREFIXES)), max(PREFIXES))
+    return 10.0**power, "" if unit == "1" else PREFIXES[power] + unit
 
 
 def with_prefix(value: float, unit: str) -> str:
     """A value in SI for reading: 1.4e9, "Pa" is "1.4 GPa"."""
-    if unit == "1":
-        return f"{value:.4g}"
-    power = 0 if "/" in unit else exponent(abs(value))
-    return f"{value / 10**power:.4g} {PREFIXES[power]}{unit}"
+    one, name = prefixed(unit, value)
+    return f"{value / one:.4g} {name}".rstrip()
 
 
 def values_in_si(values: Mapping[str, Any], scales: Scales) -> dict[str, float | None]:

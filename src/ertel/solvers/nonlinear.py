@@ -23,7 +23,7 @@ from ertel.equations.linearised import linear_film
 from ertel.numerics import multigrid, newton, stencils
 from ertel.numerics.grid import Grid
 from ertel.numerics.line_smoother import line_smoother
-from ertel.numerics.stencils import ArrayOrFloat
+from ertel.numerics.stencils import FloatLike
 
 PRECISION = "float32"  # of the preconditioner
 INFLOW = 3.0  # weight of what flows into a cavity: a mean around a node counts the cavity on both sides of the node
@@ -44,13 +44,13 @@ class Problem:
     elastic: tuple[multigrid.DeformationOperator, ...]
     rate: Rate
     line: ClosureLine
-    tolerance: ArrayOrFloat
-    load_tolerance: ArrayOrFloat
+    tolerance: FloatLike
+    load_tolerance: FloatLike
     algorithms: "Algorithms" = field(metadata={"static": True})
 
 
 Preconditioner = Callable[[Problem, Array, Array, Array], newton.Map]  # from P, H and the free nodes
-CloseSystem = Callable[[Problem, Array, ArrayOrFloat], "ClosedSystem"]  # from the first guess of P and Delta
+CloseSystem = Callable[[Problem, Array, FloatLike], "ClosedSystem"]  # from the first guess of P and Delta
 
 
 class Algorithms(NamedTuple):
@@ -74,7 +74,7 @@ class ClosedSystem(NamedTuple):
 
 
 @jax.jit
-def solve(problem: Problem, P: Array, approach: ArrayOrFloat) -> tuple[newton.Solution, Array]:
+def solve(problem: Problem, P: Array, approach: FloatLike) -> tuple[newton.Solution, Array]:
     """P, H and Delta from a first guess of P and Delta (which is not used where Delta follows from P)."""
     turned = partial(flow_aligned, problem.rate)
     problem, P = _flow_aligned(problem), turned(P)
@@ -129,7 +129,7 @@ def convolutions(grid: Grid, newton_iterations: int, krylov_iterations: int) -> 
 # -- Delta ------------------------------------------------------------------------------------------------------------
 
 
-def eliminate_approach(problem: Problem, P: Array, approach: ArrayOrFloat) -> ClosedSystem:
+def eliminate_approach(problem: Problem, P: Array, approach: FloatLike) -> ClosedSystem:
     """Eliminate Delta, for a closure in which Delta has a weight."""
     c, line = problem.contact, problem.line
 
@@ -143,7 +143,7 @@ def eliminate_approach(problem: Problem, P: Array, approach: ArrayOrFloat) -> Cl
     return ClosedSystem(contact.film_thickness(c, P, of(P)), film_change, newton.NO_BORDER, lambda s: of(s.P))
 
 
-def approach_as_unknown(problem: Problem, P: Array, approach: ArrayOrFloat) -> ClosedSystem:
+def approach_as_unknown(problem: Problem, P: Array, approach: FloatLike) -> ClosedSystem:
     """Delta as one more unknown, with the closure as its equation."""
     c, line = problem.contact, problem.line
 

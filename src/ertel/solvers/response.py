@@ -40,7 +40,7 @@ from ertel.numerics import bdf, multigrid
 from ertel.numerics.line_smoother import LineSmoother, line_smoother
 from ertel.numerics.newton import gcr
 from ertel.numerics.programs import require_double
-from ertel.numerics.stencils import ArrayOrFloat, inside, upstream_slope
+from ertel.numerics.stencils import FloatLike, inside, upstream_slope
 from ertel.physics.motion import constant
 from ertel.solvers import nonlinear
 from ertel.solvers.nonlinear import PRECISION, Problem
@@ -167,7 +167,7 @@ def _solve_wave(
     P: Array,
     H: Array,
     line: ClosureLine,
-    entrainment: ArrayOrFloat,
+    entrainment: FloatLike,
     wave: RoughnessWave,
 ) -> tuple[Array, Array, Array, Array]:
     """P', H', Delta' and the number of Krylov iterations."""
@@ -208,10 +208,10 @@ class _Riding(NamedTuple):
     """
 
     phase: Array
-    entrainment: ArrayOrFloat
-    frequency: ArrayOrFloat
+    entrainment: FloatLike
+    frequency: FloatLike
 
-    def rate(self, mass: Array, spacing: ArrayOrFloat) -> Array:
+    def rate(self, mass: Array, spacing: FloatLike) -> Array:
         """The rate of change of the mass following the flow."""
         return self.phase * self.entrainment * upstream_slope(mass * jnp.conj(self.phase), spacing)
 
