@@ -164,7 +164,7 @@ def film_rows(case: "Case", films: "Sequence[FormulaFilm]", computed: Mapping[st
     computed: H_c and H_min.  With estimated errors the deviation is from the extrapolated film.  A formula that is not
     made for such a contact is in brackets.
     """
-    both = [computed[name] for name in FILMS if computed]
+    both = [computed[name] for name in FILMS] if computed else []
     best = [each.value if each.extrapolated is None else each.extrapolated for each in both]
 
     def row(name: str, films: Iterable[float | None], notes: Iterable[str]) -> list[str]:

@@ -160,14 +160,15 @@ OUTCOME: Mapping[str, Variable] = {  # of a run as a whole
     "wall_time": Variable("time of computing", "t_wall", "s"),
 }
 EVENT = Variable("why the map was kept", "event")
+_DEFINED: Mapping[str, Variable] = {
+    **{**AXES, **SCALARS, **FIELDS, **TEMPERATURES, **OF_A_GRID, **OF_A_CURVE, **OUTCOME},
+    "F_max": Variable("largest load carried by the film", "F_max", *FORCE),
+    "T": AXES["time"],
+    "event": EVENT,
+}
 VARIABLES: Mapping[str, Variable] = {
     name: replace(variable, si_name=variable.si_name or name.lower()) if variable.scale else variable
-    for name, variable in {
-        **{**AXES, **SCALARS, **FIELDS, **TEMPERATURES, **OF_A_GRID, **OF_A_CURVE, **OUTCOME},
-        "F_max": Variable("largest load carried by the film", "F_max", *FORCE),
-        "T": AXES["time"],
-        "event": EVENT,
-    }.items()
+    for name, variable in _DEFINED.items()
 }
 FILMS = ("H_c", "H_min")  # that have an error estimate
 MEASURED = ("H_c", "H_min", "X_min", "Y_min", "Delta", "P_c", "P_max", "load")  # of a rolling contact's summary
@@ -295,8 +296,8 @@ def values_in_si(values: Mapping[str, Any], scales: Scales) -> dict[str, float |
     converted = {}
     for name, value in values.items():
         base = name.removesuffix("_error").removesuffix("_extrapolated")
-        variable = VARIABLES.get(base, EVENT)
-        if variable.scale:
+        variable = VARIABLES.get(base)
+        if variable is not None and variable.scale:
             key = named_with_unit(variable.si_name + name.removeprefix(base), variable.si_units)
             converted[key] = None if value is None else value * variable.factor(scales)
     return converted
