@@ -1,6 +1,7 @@
 """Oils and materials by name, in case files and from Python: they become numbers, and given values win."""
 
 import tomllib
+from dataclasses import replace
 from typing import Any
 
 import pint
@@ -119,6 +120,16 @@ def test_given_thermal_data_win():
     found = warm({"beta": "0.05 / K", "conductivity_2": "2 W/(m*K)", "temperature_1": "60 degC"}).thermal
     assert (found.beta, found.bodies[1].conductivity, found.temperature_1) == (0.05, 2.0, 333.15)
     assert found.temperature_2 == 313.15
+
+
+def test_resolved_thermal_data_are_written_and_read_back():
+    case = warm({"temperature_1": "60 degC"})
+    assert 'temperature_1 = "333.15 K"' in ertel.to_toml(case) and case.digest != warm({}).digest
+    assert "thermal" not in case_of(**NAMED).to_data()
+    exact = replace(case, thermal=replace(case.thermal, temperature_1=1000 / 3))  # of any number of digits
+    for each in (case, exact):
+        again = parse_case(tomllib.loads(ertel.to_toml(each)))
+        assert again == each and again.digest == each.digest
 
 
 def test_numbers_do_without_names():

@@ -279,14 +279,18 @@ def _judged(error: Exception) -> tuple[int, str]:
 def _repair(damaged: Path) -> str:
     """The command that repairs a damaged file of a run, as the end of a sentence; empty for other files."""
     from ertel.runs.directory import CASE, CHECKPOINT, SUMMARY, read_case
+    from ertel.runs.files import StoreError
 
-    run = next((parent for parent in damaged.parents if (parent / CASE).exists()), None)
+    run = next((parent for parent in damaged.parents[:2] if (parent / CASE).exists()), None)
     if run is None:
         return ""
     to_resume = f"ertel resume {in_shell(run)}"
     if damaged.name == CHECKPOINT:
         return f": rm {in_shell(damaged)}; {to_resume}"
-    resumable = damaged.name == SUMMARY or read_case(run).is_steady
+    try:
+        resumable = damaged.name == SUMMARY or read_case(run).is_steady
+    except StoreError:
+        return ""
     return f": {to_resume}" if resumable else f": ertel run {in_shell(run / CASE)}"
 
 

@@ -152,11 +152,24 @@ class Result:
     def lambda_ratio(self, sigma_1: Sigma = None, sigma_2: Sigma = None) -> float:
         """The lambda ratio of a physical run: its film over the rms roughness of both surfaces together.
 
-        With roughness that is given, in m or with a unit, "20 nm", the film is the minimum film thickness of the run; a
-        surface that is left out is smooth.  Without any it is that of the case, measured maps and rough surfaces by
-        their rms.  The grid of such a run has their valleys and summits, and its film is the mean, weighted with the
-        pressure, at maximum approach or at the end.  Raises ValueError where the case is dimensionless, the run has no
-        film, or there is no roughness.
+        With roughness that is given the film is the minimum film thickness of the run.  Without any the roughness is
+        that of the case, measured maps and rough surfaces by their rms.  The grid of such a run has their valleys and
+        summits, and its film is the mean, weighted with the pressure, at maximum approach or at the end.
+
+        Parameters
+        ----------
+        sigma_1, sigma_2 : float or str, optional
+            Rms roughness of the surfaces, in m or with a unit, "20 nm"; one that is left out is smooth.
+
+        Returns
+        -------
+        float
+            Lambda, dimensionless.
+
+        Raises
+        ------
+        ValueError
+            The case is dimensionless, the run has no film, or there is no roughness.
         """
         scales, table = self.case.scales, numbers(self.summary)
         if scales is None or "H_min" not in table:
@@ -173,7 +186,7 @@ class Result:
 
     @property
     def verdict(self) -> str:
-        """The outcome in one line; see `verdict`."""
+        """The outcome in one line; see `results.result.verdict`."""
         return verdict(self)
 
     @property

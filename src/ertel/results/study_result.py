@@ -226,10 +226,17 @@ def column(head: str, values: xr.DataArray) -> list[str]:
 # -- traction curves --------------------------------------------------------------------------------------------------
 
 
-CURVE_AXES: Mapping[str, tuple[Mark, dict[str, str]]] = {  # what varies: its values, the attributes of the coordinate
-    "slide_to_roll": (FINITE, {"long_name": "slide-to-roll ratio", "symbol": "S", "units": "1"}),
-    "mean_speed": (VELOCITY, {"long_name": "mean speed", "symbol": "u_m", "units": "m/s"}),
-    "load": (LOAD, {"long_name": "load", "symbol": "F", "units": "N"}),
+class CurveAxis(NamedTuple):
+    """The quantity that varies along a curve: what its values must be, and the attributes of its coordinate."""
+
+    mark: Mark
+    attributes: dict[str, str]
+
+
+CURVE_AXES: Mapping[str, CurveAxis] = {
+    "slide_to_roll": CurveAxis(FINITE, {"long_name": "slide-to-roll ratio", "symbol": "S", "units": "1"}),
+    "mean_speed": CurveAxis(VELOCITY, {"long_name": "mean speed", "symbol": "u_m", "units": "m/s"}),
+    "load": CurveAxis(LOAD, {"long_name": "load", "symbol": "F", "units": "N"}),
 }
 CURVE_WORK = ("newton_iterations", "krylov_iterations", "convolutions")
 CURVE_SHOWN = {  # in a table, with a shorter heading where there is one

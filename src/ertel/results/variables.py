@@ -19,7 +19,7 @@ KELVIN = "K"  # the unit of temperatures, the only one that is the same in SI
 PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 ROLLING_UNITS = {  # of a rolling contact, whose scales are those of the static contact and not of the dry impact
     "a*": "a", "a*^2/R": "a^2/R", "p_h*": "p_h", "F*": "F", "a*/t0": "u_m", "a*/R": "a/R", "p_h* a*/R": "p_h a/R",
-    "p_h* a*^2/(R t0)": "p_h u_m a/R", "F* a*^2/(R t0)": "F u_m a/R", "F* a*^2/R": "F a^2/R",
+    "p_h* a*^2/(R t0)": "p_h u_m a/R", "F* a*^2/(R t0)": "F u_m a/R", "F* a*^2/R": "F a^2/R", "a*^2 p_h*": "a^2 p_h",
 }  # fmt: skip
 EVENTS = ("", "max-approach", "end")  # why a frame was kept; the first: because it was time
 
@@ -160,14 +160,15 @@ OUTCOME: Mapping[str, Variable] = {  # of a run as a whole
     "wall_time": Variable("time of computing", "t_wall", "s"),
 }
 EVENT = Variable("why the map was kept", "event")
+_DEFINED: Mapping[str, Variable] = {
+    **{**AXES, **SCALARS, **FIELDS, **TEMPERATURES, **OF_A_GRID, **OF_A_CURVE, **OUTCOME},
+    "F_max": Variable("largest load carried by the film", "F_max", *FORCE),
+    "T": AXES["time"],
+    "event": EVENT,
+}
 VARIABLES: Mapping[str, Variable] = {
     name: replace(variable, si_name=variable.si_name or name.lower()) if variable.scale else variable
-    for name, variable in {
-        **{**AXES, **SCALARS, **FIELDS, **TEMPERATURES, **OF_A_GRID, **OF_A_CURVE, **OUTCOME},
-        "F_max": Variable("largest load carried by the film", "F_max", *FORCE),
-        "T": AXES["time"],
-        "event": EVENT,
-    }.items()
+    for name, variable in _DEFINED.items()
 }
 FILMS = ("H_c", "H_min")  # that have an error estimate
 MEASURED = ("H_c", "H_min", "X_min", "Y_min", "Delta", "P_c", "P_max", "load")  # of a rolling contact's summary
@@ -295,8 +296,8 @@ def values_in_si(values: Mapping[str, Any], scales: Scales) -> dict[str, float |
     converted = {}
     for name, value in values.items():
         base = name.removesuffix("_error").removesuffix("_extrapolated")
-        variable = VARIABLES.get(base, EVENT)
-        if variable.scale:
+        variable = VARIABLES.get(base)
+        if variable is not None and variable.scale:
             key = named_with_unit(variable.si_name + name.removeprefix(base), variable.si_units)
             converted[key] = None if value is None else value * variable.factor(scales)
     return converted
