@@ -95,7 +95,7 @@ def _with_map(written: Mapping[str, Any], folder: Path, place: str) -> tuple[dic
     if OWN_NAME.fullmatch(path.name):
         for key in READING & table.keys():
             raise ValueError(f"{key} = {show(table[key])}: was already applied when ertel wrote this file; remove it")
-        heights = _named(table["file"], HeightMap.from_bytes, content)
+        heights = _named(table["file"], HeightMap, _named(table["file"], array_in, content))
         if heights.name != path.name:
             raise ValueError(f"file = {show(table['file'])}: was changed since ertel wrote it; put the run's own back")
         return placed, heights

@@ -204,9 +204,7 @@ def _joined(axis: int | None, *values: Any) -> Any:
     return _stack(values) if isinstance(values[0], Array) else np.asarray(values)
 
 
-@jax.jit
-def _stack(fields: Sequence[Array]) -> Array:
-    return jnp.stack(fields)
+_stack = jax.jit(jnp.stack)
 
 
 @jax.jit
