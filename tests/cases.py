@@ -48,6 +48,15 @@ nodes = 33
 tolerance = 0.01
 """  # a case file, whose last section goes on
 SMALL: dict[str, Any] = tomllib.loads(SMALL_IMPACT)
+BALL = SMALL["contact"]
+STEEL = {"E1": "210 GPa", "nu1": 0.3, "E2": "210 GPa", "nu2": 0.3}
+BODIES = {"material_1": "steel", "material_2": "glass"}
+NAMED = {"oil": "squalane", "temperature": "40 degC"}
+SHEET = {"nu40": "68 mm^2/s", "nu100": "8.7 mm^2/s", "density": "880 kg/m^3"}
+NUMBERS = {"eta0": "15 mPa*s", "alpha": "18 / GPa"}
+OF_STEEL = {"density": "7850 kg/m^3", "heat_capacity": "460 J/(kg*K)", "conductivity": "47 W/(m*K)"}
+STEEL_BODIES = {f"{key}_{body}": value for body in (1, 2) for key, value in OF_STEEL.items()}  # of [thermal]
+HOT = {"temperature": "40 degC", "conductivity": "0.15 W/(m*K)", "beta": "0.04 / K"} | STEEL_BODIES
 RADIAL = {"name": "small", "contact": {"M": 200, "L": 10}, "solver": {"method": "radial", "nodes": 33}}
 SHORT_FALL = parse_case({**RADIAL, "time": {"tolerance": 0.01, "until": 0.15}, "output": {"interval": 0.05}})
 BARUS_LIMIT = 1e-12  # an L at which Barus' oil is isoviscous to round-off, and needs no compilation of its own

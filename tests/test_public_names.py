@@ -50,7 +50,7 @@ import xarray, ertel
 assert not hasattr(xarray.Dataset, "ertel")
 ertel.simulate
 import ertel.results.result
-assert hasattr(xarray.Dataset, "ertel")
+assert "film" in dir(xarray.Dataset({"H": 0.1}).ertel.plot)
 """
 
 

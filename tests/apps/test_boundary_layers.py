@@ -28,7 +28,7 @@ from ertel.physics import amplitude_reduction
 from ertel.physics.scales import Parameters
 from ertel.results import fronts
 from ertel.results.waves import local_nabla2
-from ertel.runs.tasks import Task, run_tasks
+from ertel.runs.tasks import Failure, Task, run_tasks
 from ertel.runs.workers import LocalWorker
 
 LONG = "a text that is longer than the fifty characters at which tables are cut off"
@@ -187,9 +187,10 @@ def test_marks_of_other_shapes():
     results = {task.name: fading(A) for task, A in zip(runs.shape_runs(SMALL)[M, L], (0.6, 0.5), strict=True)}
     marks = list(beyond.impacts_on_shapes(results, SMALL))
     assert [mark["kind"] for mark in marks] == ["transverse", "rings", "longitudinal"]
-    assert [mark["coarse"] for mark in marks] == pytest.approx([0.6, 0.3, 0.15], rel=1e-3)
-    assert [mark["fine"] for mark in marks] == pytest.approx([0.5, 0.25, 0.125], rel=1e-3)
+    assert [mark["coarse"] for mark in marks[:2]] == pytest.approx([0.6, 0.3], rel=1e-3)
+    assert [mark["fine"] for mark in marks[:2]] == pytest.approx([0.5, 0.25], rel=1e-3)
     across, _, along = marks
+    assert (along["coarse"], along["fine"]) == pytest.approx((0.15, 0.125))
     assert along["X"] == across["X"] == pytest.approx(0.7)
     speed, p = np.sqrt(1 - across["X"] ** 2) / across["X"], Parameters.from_moes(M, L)
     assert across["local"] == pytest.approx(float(local_nabla2(p, WAVE, speed)), rel=0.02)
@@ -252,6 +253,12 @@ def test_figures_of_the_front(impacts, name):
     assert all(table.equals(other.tables[title]) for title, table in made.tables.items())
     assert name != "fig1" or list(made.tables["Full base fitted to the front"]["M"]) == [str(M) for M in LOADS]
     assert name != "fig3" or "0.00%)" in made.caption
+
+
+def test_an_impact_that_gives_up_is_a_failure():
+    [failure] = run_tasks([Task("thin", runs.smooth_impact, (1000, 10, {"nodes": 33}, 0.1))], LocalWorker())
+    assert failure == Failure(failure.reason)
+    assert failure.reason.startswith("RuntimeError: M = 1000, L = 10: the film vanishes on this grid; ")
 
 
 @pytest.mark.slow

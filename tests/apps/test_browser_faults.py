@@ -68,7 +68,7 @@ CASES = {
 SUMMARIES = {
     **ODD, "cut": cut, "huge": huge, "latin": written(b"\xe9"), "list": written(b"[1]"), "number": written(b"5"),
     "deep": written(b"[" * 100_000), "nan": written(b'{"M": NaN, "checksum": "0"}'), "nothing": written(sealed({})),
-    "status": written(sealed({**SUMMARY, "status": 5})),
+    "status": written(sealed({**SUMMARY, "status": 5})), "kind": written(sealed({**SUMMARY, "kind": ["x"]})),
     "M": written(sealed({**SUMMARY, "M": "x"})), "warnings": written(sealed({**SUMMARY, "warnings": [5]})),
     "H_c": written(sealed({**SUMMARY, "max_approach": {**SUMMARY["max_approach"], "H_c": None}})),
 }  # fmt: skip

@@ -8,6 +8,7 @@ from math import inf, nan
 from typing import Annotated, Any
 
 import pytest
+from cases import STEEL_BODIES
 
 from ertel.case.case import Case
 from ertel.case.conditions import Conditions
@@ -56,8 +57,7 @@ TWO_SPEEDS = {"E_prime": "2e11 Pa", "load": "40.0 N", "speed_1": "0.6 m/s", "spe
 REDUCED = {"radius_x": "0.01 m", "radius_y": "0.02 m"}
 PAIRS = {"radius_x_1": "0.01 m", "radius_y_1": "0.01 m", "radius_x_2": "0.1 m", "radius_y_2": "-0.02 m"}
 OF_OIL = {"temperature": "313.0 K", "conductivity": "0.15 W/(m*K)", "beta": "0.04 1/K"}
-OF_STEEL = {"density": "7850 kg/m^3", "heat_capacity": "460 J/(kg*K)", "conductivity": "47 W/(m*K)"}
-THERMAL = OF_OIL | {f"{key}_{number}": value for number in (1, 2) for key, value in OF_STEEL.items()}
+THERMAL = OF_OIL | STEEL_BODIES
 
 
 def in_si(kind: str, **contact: Any) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from case_file_strategies import HEIGHTS, case_data, case_files, outcome
+from cases import BALL, STEEL
 from hypothesis import given, reject, settings
 
 from ertel.case.case import Case
@@ -19,9 +20,7 @@ from ertel.physics import lubricant, scales
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 MOES = {"M": 1000, "L": 10}
-BALL = {"radius": "10 mm", "mass": "32.6726 g", "speed": "0.1 m/s", "E_prime": "226.37 GPa"}
 OIL = {"eta0": "0.1 Pa*s", "alpha": "22 / GPa"}
-STEEL = {"E1": "210 GPa", "nu1": 0.3, "E2": "210 GPa", "nu2": 0.3}
 
 
 def complaint(**sections: object) -> str:

@@ -1,10 +1,12 @@
 """Oils and materials by name, in case files and from Python: they become numbers, and given values win."""
 
 import tomllib
+from dataclasses import replace
 from typing import Any
 
 import pint
 import pytest
+from cases import BODIES, HOT, NAMED, NUMBERS, SHEET
 
 import ertel
 from ertel.case.records import ConfigError
@@ -13,8 +15,6 @@ from ertel.inputs.case_files import apply_overrides, parse_case
 from ertel.physics.lubricant import Doolittle
 
 CONTACT = {"kind": "rolling", "radius": "10 mm", "load": "20 N", "mean_speed": "0.5 m/s"}
-BODIES = {"material_1": "steel", "material_2": "glass"}
-NAMED = {"oil": "squalane", "temperature": "40 degC"}
 
 
 def case_of(contact: dict[str, Any] | None = None, **lubricant: Any) -> ertel.Case:
@@ -87,9 +87,6 @@ def test_the_temperature_of_a_case_file_can_be_replaced():
     assert warm.oil == oils.at("squalane", "80 degC")
 
 
-SHEET = {"nu40": "68 mm^2/s", "nu100": "8.7 mm^2/s", "density": "880 kg/m^3"}
-
-
 def test_an_oil_is_described_by_its_data_sheet():
     case = case_of(oil=SHEET, temperature="60 degC", alpha="20 / GPa")
     same = oils.data_sheet("68 mm^2/s", "8.7 mm^2/s", 880.0, "60 degC")
@@ -100,11 +97,7 @@ def test_an_oil_is_described_by_its_data_sheet():
 
 # -- the section [thermal] --------------------------------------------------------------------------------------------
 
-NUMBERS = {"eta0": "15 mPa*s", "alpha": "18 / GPa"}
 ELASTIC = {"E_prime": "226 GPa"}
-OIL = {"temperature": "40 degC", "conductivity": "0.15 W/(m*K)", "beta": "0.04 / K"}
-STEEL = {"density": "7850 kg/m^3", "heat_capacity": "460 J/(kg*K)", "conductivity": "47 W/(m*K)"}
-ALL = OIL | {f"{key}_{number}": value for number in (1, 2) for key, value in STEEL.items()}
 Data = dict[str, Any]
 
 
@@ -129,8 +122,18 @@ def test_given_thermal_data_win():
     assert found.temperature_2 == 313.15
 
 
+def test_resolved_thermal_data_are_written_and_read_back():
+    case = warm({"temperature_1": "60 degC"})
+    assert 'temperature_1 = "333.15 K"' in ertel.to_toml(case) and case.digest != warm({}).digest
+    assert "thermal" not in case_of(**NAMED).to_data()
+    exact = replace(case, thermal=replace(case.thermal, temperature_1=1000 / 3))  # of any number of digits
+    for each in (case, exact):
+        again = parse_case(tomllib.loads(ertel.to_toml(each)))
+        assert again == each and again.digest == each.digest
+
+
 def test_numbers_do_without_names():
-    found = warm({**ALL, "inlet_factor": "none", "viscosity": "exponential"}, ELASTIC, NUMBERS).thermal
+    found = warm({**HOT, "inlet_factor": "none", "viscosity": "exponential"}, ELASTIC, NUMBERS).thermal
     assert found.bodies[0] == found.bodies[1]
     assert (found.viscosity, found.inlet_factor) == ("exponential", "none")
 
@@ -155,7 +158,7 @@ def test_heat_needs_a_law_of_shear_thinning_where_the_surfaces_slide():
     with pytest.raises(ConfigError, match=r"^lubricant.rheology: missing; \[thermal\] needs it, .* stress of about 2"):
         warm({}, sliding, oil)
     with pytest.raises(ConfigError, match=r"^lubricant.rheology: missing"):
-        warm(ALL, {**sliding, **ELASTIC}, {**NUMBERS, "viscosity": "barus", "alpha": "28 / GPa"})
+        warm(HOT, {**sliding, **ELASTIC}, {**NUMBERS, "viscosity": "barus", "alpha": "28 / GPa"})
     for rheology in ("newtonian", {"law": "ree-eyring", "tau0": "5 MPa"}):
         assert warm({}, sliding, {**oil, "rheology": rheology}).thermal
     assert warm({}, sliding, {**NAMED, "temperature": "25 degC"}).thermal  # it brings its law

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cases import BALL, BODIES, HOT, NAMED, NUMBERS, SHEET, STEEL
 
 from ertel.inputs.case_files import ConfigError, parse_case
 
@@ -12,9 +13,7 @@ Data = dict[str, Any]
 Rows = list[tuple[Any, list[str]]]  # what is wrong; how its message begins, and what is in it
 
 MOES = {"M": 1000, "L": 10}
-BALL = {"radius": "10 mm", "mass": "32.6726 g", "speed": "0.1 m/s", "E_prime": "226.37 GPa"}
 OIL = {"eta0": "0.1 Pa*s", "alpha": "22 / GPa"}
-STEEL = {"E1": "210 GPa", "nu1": 0.3, "E2": "210 GPa", "nu2": 0.3}
 ROLLING = {"kind": "rolling", **MOES}
 TRACK = {"kind": "rolling", "radius": "10 mm", "load": "20 N", "E_prime": "226.37 GPa"}
 ROLLED = {**TRACK, "mean_speed": "0.5 m/s"}
@@ -87,7 +86,6 @@ CONTACTS: Rows = [
     (ROLLED | {"mass": "1 g", "ball_density": "1 kg/m^3"}, ["contact.mass", "contact.ball_density"]),
     ({"kind": "rolling", "M": 0.01, "L": 10}, ["contact: M = 0.01 is too low: ", "half_width = 1000"]),
 ]
-BODIES = {"material_1": "steel", "material_2": "glass"}
 BODIED = without("E_prime", ROLLED) | BODIES
 CONTACTS += [
     (BODIED | {"material_2": "wood"}, ['contact.material_2 = "wood": allowed: glass, sapphire, ']),
@@ -126,8 +124,6 @@ CONTACTS += [
 
 # -- the oil and the temperatures -------------------------------------------------------------------------------------
 
-NAMED = {"oil": "squalane", "temperature": "40 degC"}
-SHEET = {"nu40": "68 mm^2/s", "nu100": "8.7 mm^2/s", "density": "880 kg/m^3"}
 OILS: Rows = [
     *[(without(key, OIL), [f"lubricant.{key}: missing"]) for key in OIL],
     (OIL | {"tau0": "5 MPa"}, ["lubricant.tau0", 'rheology = { law = "ree-eyring", tau0 = "5 MPa" }']),
@@ -152,10 +148,6 @@ SHEETS: Rows = [
     (SHEET | {"nu40": 10**400}, ["lubricant.oil.nu40 = (an integer of about 400 digits"]),
 ]
 OILS += [({"oil": sheet, "temperature": "60 degC"}, said) for sheet, said in SHEETS]
-NUMBERS = {"eta0": "15 mPa*s", "alpha": "18 / GPa"}
-OF_STEEL = {"density": "7850 kg/m^3", "heat_capacity": "460 J/(kg*K)", "conductivity": "47 W/(m*K)"}
-ALL = {"temperature": "40 degC", "conductivity": "0.15 W/(m*K)", "beta": "0.04 / K"}
-ALL |= {f"{key}_{number}": value for number in (1, 2) for key, value in OF_STEEL.items()}
 THERMAL: list[tuple[Data, Data, Data, list[str]]] = [
     ({}, ROLLED, NAMED, ["density_1: missing; give it, ", '"7850 kg/m^3", or name ', "contact.material_1"]),
     ({}, BODIED, NUMBERS, ["temperature: missing; give that of the oil in the inlet, ", '"40 degC"']),
@@ -174,7 +166,7 @@ THERMAL: list[tuple[Data, Data, Data, list[str]]] = [
     ({"inlet_factor": "moes"}, BODIED, NAMED, ["inlet_factor = \"moes\": allowed: 'gupta', 'wilson-sheu'"]),
     ({"viscosity": "vogel"}, BODIED, NAMED, ["viscosity = \"vogel\": allowed: 'houpert' or 'exponential'"]),
     ({"density": "1 kg/m^3"}, BODIED, NAMED, ['density = "1 kg/m^3": unknown key; did you mean ']),
-    (ALL | {"temperature": "-140 degC"}, BODIED, NUMBERS, ['viscosity = "houpert": temperature = 133.15 K: ', "138 K"]),
+    (HOT | {"temperature": "-140 degC"}, BODIED, NUMBERS, ['viscosity = "houpert": temperature = 133.15 K: ', "138 K"]),
 ]
 
 # -- the other sections -----------------------------------------------------------------------------------------------
@@ -233,15 +225,15 @@ SECTIONS: Rows = [
         {"contact": ROLLING, "roughness": [SPOT | {"surface": 2}], "motion": {"slide_to_roll": -2}},
         ["roughness[1].surface = 2"],
     ),
-    ({"contact": ROLLED, "solver": IN_TIME, "thermal": ALL}, ["thermal: is for a steady contact, and", '"transient"']),
-    ({"contact": BALL, "thermal": ALL}, ['thermal: is for a steady contact, and this one has solver.method = "2d"; l']),
-    ({"contact": ROLLING, "lubricant": {}, "thermal": ALL}, ["thermal: needs a contact in SI"]),
+    ({"contact": ROLLED, "solver": IN_TIME, "thermal": HOT}, ["thermal: is for a steady contact, and", '"transient"']),
+    ({"contact": BALL, "thermal": HOT}, ['thermal: is for a steady contact, and this one has solver.method = "2d"; l']),
+    ({"contact": ROLLING, "lubricant": {}, "thermal": HOT}, ["thermal: needs a contact in SI"]),
     # which field is named where several could be wrong
     (
         {"contact": ROLLED, "lubricant": NAMED | {"oil": SHEET | {"density": 1000}}, "thermal": {}},
         ["lubricant.oil.density = 1000"],
     ),
-    ({"contact": ROLLED, "lubricant": {"temperature": 65}, "thermal": ALL}, ["lubricant.temperature = 65: m"]),
+    ({"contact": ROLLED, "lubricant": {"temperature": 65}, "thermal": HOT}, ["lubricant.temperature = 65: m"]),
 ]
 REFUSED: list[tuple[Data, list[str]]] = [
     *(({"contact": contact, "lubricant": OIL if "M" not in contact else {}}, said) for contact, said in CONTACTS),

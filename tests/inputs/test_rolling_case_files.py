@@ -5,7 +5,7 @@ from math import pi
 from typing import Any
 
 import pytest
-from cases import ertel_
+from cases import BALL, ertel_
 
 import ertel
 from ertel.case.case import Case
@@ -24,7 +24,6 @@ C1 = {  # the dimensional case of reference/rolling.json
     "E_prime": "219.7802 GPa",
 }
 OIL = {"eta0": "40 mPa*s", "alpha": "22 / GPa"}
-BALL = {"radius": "10 mm", "mass": "32.6726 g", "speed": "0.1 m/s", "E_prime": "226.37 GPa"}
 SPOT = {"shape": "spot", "height": 0.1, "radius": 0.3}
 IN_TIME = {"method": "transient"}
 TRACK = {k: v for k, v in C1.items() if k != "mean_speed"}

@@ -4,11 +4,11 @@ from cProfile import Profile
 from pstats import Stats
 
 import pytest
+from cases import BALL
 
 from ertel.case.records import ConfigError
 from ertel.inputs.studies import coordinates, load_study, parse_study
 
-BALL = {"radius": "10 mm", "mass": "32.6726 g", "speed": "0.1 m/s", "E_prime": "226.37 GPa"}
 OIL = {"eta0": "10 mPa*s", "alpha": "22 / GPa"}
 
 

@@ -43,11 +43,14 @@ def test_load_is_the_integral_of_the_pressure(A):
 
 
 def test_dry_film_is_closed_inside_and_open_outside():
-    """At the edge it opens with the power 3/2."""
+    """At the edge it opens with the power 3/2, and far away the pressure acts like a point force."""
     r = np.linspace(0.0, 3.0, 301)
     film = -1 + r**2 / 2 + hertz.displacement(r)
     assert_allclose(film[r <= 1], 0, atol=1e-15)
+    assert np.all(film[r > 1] > 0)
     assert_allclose(film, hertz.gap(r), atol=2e-15)
+    assert np.all(np.diff(hertz.gap(r)[r > 1]) > 0)
+    assert hertz.displacement(50.0) == pytest.approx(2 / pi**2 * (2 * pi / 3) / 50, rel=1e-3)
     step = np.array([1e-4, 1e-5])
     assert_allclose(hertz.gap(1 + step) / step**1.5, 8 * sqrt(2) / (3 * pi), rtol=2e-3)
     for function in (hertz.pressure, hertz.displacement, hertz.gap):
@@ -74,6 +77,7 @@ def test_contact_time():
     half = quad(lambda s: 2 * s / sqrt(-expm1(2.5 * log1p(-s * s))), 0, 1, epsabs=0, epsrel=1e-13)[0]
     assert pytest.approx(2 * half, rel=1e-12) == CONTACT_TIME
     assert pytest.approx(2.943275, abs=5e-7) == CONTACT_TIME
+    assert pytest.approx(1.471638, abs=5e-7) == HALF_CONTACT_TIME
 
 
 def test_motion_solves_newtons_law():
@@ -147,6 +151,15 @@ def test_asymptotes_as_the_paper_writes_them(t_star, share):
     if -0.95 < share < -0.01:
         by_place = hertz.parabola_front_speed_at(hertz.parabola_radius(t, t_star), t_star)
         assert by_place == pytest.approx(hertz.parabola_front_speed(t, t_star), rel=1e-9)
+
+
+def test_best_parabola_of_the_central_part_is_the_papers_2_7():
+    """Half base fitted over the central 70 % of the contact time: the full base is 2.69."""
+    T = np.linspace(-0.7, 0.7, 401) * HALF_CONTACT_TIME
+    exact = hertz.contact_radius(T + HALF_CONTACT_TIME)
+    half_bases = np.linspace(1.2, 1.5, 301)
+    misfit = [np.sum((hertz.parabola_radius(T, t_star) - exact) ** 2) for t_star in half_bases]
+    assert 2 * half_bases[np.argmin(misfit)] == pytest.approx(2.69, abs=0.01)
 
 
 def test_how_near_the_asymptotes_come_to_the_exact_motion():

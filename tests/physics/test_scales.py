@@ -3,6 +3,7 @@
 from math import inf, isinf, nan, pi, sqrt
 
 import pytest
+from closed_forms import parameters_from_ugw
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -18,6 +19,9 @@ def decades(low: float, high: float) -> st.SearchStrategy[float]:
 # from a watch's ruby to a wrecking ball, from rubber to diamond, from slow motion to a gun
 IMPACTS = st.builds(
     impact_scales, R=decades(-4, 0), mass=decades(-9, 3), speed=decades(-4, 3), E_prime=decades(6, 12.3)
+)
+ROLLING = st.builds(
+    rolling_scales, R=decades(-4, 0), load=decades(-3, 6), mean_speed=decades(-4, 2), E_prime=decades(6, 12.3)
 )
 ETA0 = decades(-4, 2)
 ALPHA = decades(-10, -7)
@@ -41,9 +45,11 @@ def test_steel_ball_of_the_reference():
     assert numbers == close((17.3333, 0.0615385, 30.6595, 48.8118, 23.0237), 5e-6)
 
 
-@given(IMPACTS, ETA0, ALPHA)
-def test_an_impact(s, eta0, alpha):
+@given(decades(-4, 0), decades(-9, 3), decades(-4, 3), decades(6, 12.3), ETA0, ALPHA)
+def test_an_impact(R, mass, speed, E_prime, eta0, alpha):
     """Its energy, Hertz' relations, equation 2, and the film where a rigid ball stops, independent of E' and m."""
+    s = impact_scales(R, mass, speed, E_prime)
+    assert (s.speed, s.ball_mass) == (close(speed), close(mass))
     assert 0.5 * s.ball_mass * s.speed**2 == close(4 / 15 * s.E_prime * sqrt(s.R) * s.film**2.5)
     assert s.load == close(2 / 3 * s.E_prime * sqrt(s.R) * s.film**1.5)
     assert s.p_h == close(1.5 * s.load / (pi * s.a**2))
@@ -64,6 +70,13 @@ def test_a_rolling_contact(R, load, mean_speed, E_prime, eta0, alpha):
     assert parameters(s, eta0, alpha).lambda_bar == close(12 * eta0 * s.front_speed * s.R**2 / (s.a**3 * s.p_h))
     ugw = eta0 * s.front_speed / (s.E_prime * s.R), alpha * s.E_prime, s.load / (s.E_prime * s.R**2)
     assert hamrock_dowson(s, eta0, alpha) == close(ugw)
+
+
+@given(st.one_of(IMPACTS, ROLLING), ETA0, ALPHA)
+def test_ugw_route_equals_lambda_alpha_route(s, eta0, alpha):
+    direct, by_ugw = parameters(s, eta0, alpha), parameters_from_ugw(*hamrock_dowson(s, eta0, alpha))
+    assert (by_ugw.M, by_ugw.L) == (close(direct.M), close(direct.L))
+    assert (by_ugw.lambda_bar, by_ugw.alpha_bar) == (close(direct.lambda_bar), close(direct.alpha_bar))
 
 
 @given(POSITIVE, POSITIVE)

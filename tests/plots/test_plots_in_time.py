@@ -20,6 +20,7 @@ from ertel.physics.surfaces import Feature, RingWaviness, Spot, Waviness, height
 from ertel.plots.drawing import Scale
 from ertel.plots.view import View
 from ertel.results import fronts
+from ertel.results.variables import FIGURES_IN_TIME
 
 ROUGH = (Feature(Waviness(0.01, 0.5, phase_x=0.3), 1), Feature(Spot(0.3, -0.05, x=-1.0), 2))
 SLIDING = rolling(
@@ -64,7 +65,7 @@ def test_labels_have_si_units_or_those_of_the_paper(ball, moes):
 
 @pytest.mark.parametrize(
     ("name", "run"),
-    [(name, run) for name in plots.IN_TIME for run in ("ball", "moes", "ball rolls", "moes rolls")
+    [(name, run) for name in FIGURES_IN_TIME for run in ("ball", "moes", "ball rolls", "moes rolls")
      if name != "front" or "rolls" not in run],
 )  # fmt: skip
 def test_every_panel_says_what_it_shows(runs, name, run):

@@ -13,7 +13,6 @@ from made_up import BALL_FALLS, BALL_ROLLS, C1, MOES_FALLS, MOES_ROLLS, dry_impa
 from matplotlib.figure import Figure
 
 import ertel
-from ertel import plots
 from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
 from ertel.physics.amplitude_reduction import lambda_ratio
@@ -21,7 +20,7 @@ from ertel.results.dataset import provenance
 from ertel.results.parameters import parameters_of, scale_values
 from ertel.results.result import Result, verdict
 from ertel.results.summary import impact_summary, rolling_summary, steady_summary
-from ertel.results.variables import to_si
+from ertel.results.variables import FIGURES_IN_TIME, FIGURES_STEADY, to_si
 
 WORK = {"steps": 78, "newton_iterations": 80, "krylov_iterations": 200, "wall_s": 1.0}
 MAXIMUM = {"T": 2.45, "Delta": 1.0, "F": 1.0, "P_c": 1.2, "P_max": 1.3, "H_c": 0.07, "H_min": 0.02}
@@ -104,7 +103,7 @@ def test_plots_of_a_result():
     result, moving = rolling(MOES_ROLLS), impact(MOES_FALLS)
     assert "midlines" in dir(result.plot) and "history" not in dir(result.plot)
     assert repr(result.plot).startswith("Plot: overview(), film()")
-    for data, known in ((result, plots.STEADY), (moving, plots.IN_TIME)):
+    for data, known in ((result, FIGURES_STEADY), (moving, FIGURES_IN_TIME)):
         assert set(dir(data.plot)) - {"dataset"} <= set(known)
     assert result.plot.film()._repr_png_().startswith(b"\x89PNG")  # as a notebook shows it
     assert "chosen map at $T$ = 2" in moving.plot.profiles(at=2.0).get_suptitle()

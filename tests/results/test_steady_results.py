@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cases import STEEL_BODIES
 
 import ertel
 from ertel.case.definition import grid_of
@@ -21,10 +22,7 @@ from ertel.solvers import steady
 from ertel.solvers.heat import heated
 
 pytestmark = pytest.mark.filterwarnings("ignore:H_min is uncertain", "ignore:the pressure spike", "ignore:surface")
-STEEL = {"density": "7850 kg/m^3", "heat_capacity": "460 J/(kg*K)", "conductivity": "47 W/(m*K)"}
-DATA = {"temperature": "40 degC", "conductivity": "0.14 W/(m*K)", "beta": "0.04 / K"} | {
-    f"{key}_{body}": value for body in (1, 2) for key, value in STEEL.items()
-}
+DATA = {"temperature": "40 degC", "conductivity": "0.14 W/(m*K)", "beta": "0.04 / K"} | STEEL_BODIES
 OIL = {"eta0": "40 mPa*s", "alpha": "22 / GPa"}
 CONTACT = {"kind": "rolling", "radius": "10 mm", "E_prime": "219.7802 GPa", "load": "3.888524 N"}
 CONTACT |= {"mean_speed": "0.502636 m/s", "slide_to_roll": 0.03}

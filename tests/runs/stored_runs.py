@@ -104,6 +104,13 @@ class Kind:
 # -- death ------------------------------------------------------------------------------------------------------------
 
 
+class Evil:
+    """An object whose pickle runs code when it is loaded."""
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return pytest.fail, ("a pickle was loaded",)
+
+
 class Killed(BaseException):
     """Nobody catches it, like SIGKILL."""
 

@@ -17,7 +17,7 @@ import pytest
 import xarray as xr
 import zarr
 from cases import physics, stop_after
-from stored_runs import CASES
+from stored_runs import CASES, Evil
 
 import ertel
 from ertel.runs import arrays
@@ -311,13 +311,6 @@ def test_numpy_reads_a_checkpoint(impact):
 
 
 # -- nothing is executed ----------------------------------------------------------------------------------------------
-
-
-class Evil:
-    """Says so when it is unpickled."""
-
-    def __reduce__(self):
-        return pytest.fail, ("a pickle was loaded",)
 
 
 def test_no_pickle_is_loaded_from_a_checkpoint(impact, copy):

@@ -87,7 +87,8 @@ def test_a_pulse_is_felt() -> None:
     case = rolling(Time(until=2.0), load=PULSE)
     steps = steps_of(case, LikeTheLoad(case))
     assert max(step.record["w"] for step in steps) == 3.0
-    assert sum(step.record["rejected"] for step in steps) < 20
+    assert 0 < sum(step.record["rejected"] for step in steps) < 20
+    assert 1.0 < max(step.record["error"] for step in steps) <= bdf.REJECTED
 
 
 def test_a_fixed_step_is_fixed() -> None:
@@ -108,6 +109,20 @@ def test_a_step_that_fails_is_repeated_smaller() -> None:
     assert records[-1]["T"] == pytest.approx(0.2)
     assert max(record["dT"] for record in records) <= 0.02
     assert sum(record["rejected"] for record in records) > 0
+
+
+class Lost(LikeTheLoad):
+    """A method whose approach is not a number after a while."""
+
+    def attempt(self, levels: Sequence[State], step: float) -> Stepping:
+        new = yield from super().attempt(levels, step)
+        return new if new.T < 0.3 else replace(new, approach=float("nan"))
+
+
+def test_an_error_that_is_no_number_is_not_accepted() -> None:
+    case = rolling(Time(until=2.0))
+    *_, last = steps_of(case, Lost(case))
+    assert last.status is Status.STEP_TOO_SMALL and last.state.levels[0].T < 0.3
 
 
 def test_a_short_period_bounds_the_step() -> None:

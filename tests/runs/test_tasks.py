@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from cases import names
+from stored_runs import Evil
 
 from ertel.runs import tasks as tasks_module
 from ertel.runs.files import with_checksum
@@ -90,13 +91,6 @@ def test_a_kept_result_with_any_bit_flipped_is_computed_again(tmp_path: Path, ca
     assert "a.result: is damaged (its checksum does not agree)" in caplog.text
     assert run_tasks([task], LocalWorker(), tmp_path) == [3.0]
     assert file.read_bytes() == whole
-
-
-class Evil:
-    """An object whose pickle runs code when it is loaded."""
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return pytest.fail, ("a pickle was loaded",)
 
 
 @pytest.mark.parametrize("body", [b"", b"PK\x03\x04 no archive", pickle.dumps(Evil()), b"text", b"3", b'{"a": 1}'])

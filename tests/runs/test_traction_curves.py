@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from cases import STEEL_BODIES
 
 from ertel.case.case import Case
 from ertel.case.sections import Drive
@@ -21,7 +22,6 @@ from ertel.solvers.heat import heated
 CONTACT = {"kind": "rolling", "radius": "10 mm", "E_prime": "226 GPa", "load": "20 N"}  # that of test_thinning
 OIL = {"eta0": "40 mPa*s", "alpha": "20 / GPa"}
 EYRING = {"law": "ree-eyring", "tau0": "2 MPa"}
-STEEL = {"density": "7850 kg/m^3", "heat_capacity": "460 J/(kg*K)", "conductivity": "47 W/(m*K)"}
 FRICTION = ("mu_sliding", "mu_rolling", "mu_1", "mu_2", "power_loss", "tau_max")
 
 
@@ -140,10 +140,7 @@ def test_a_film_that_does_not_converge_is_said(monkeypatch: Any) -> None:
         curve.plot()
 
 
-HOT = {
-    **{"temperature": "313.15 K", "conductivity": "0.14 W/(m*K)", "beta": "0.035 / K"},
-    **{f"{name}_{body}": value for body in (1, 2) for name, value in STEEL.items()},
-}
+HOT = {"temperature": "313.15 K", "conductivity": "0.14 W/(m*K)", "beta": "0.035 / K"} | STEEL_BODIES
 
 
 def test_heat_lowers_the_traction(newtonian: Any) -> None:

@@ -121,8 +121,13 @@ def _angle(nodes: int, degrees: float) -> list[str]:
     c = parse_case(
         {
             "contact": {
-                **{"kind": "rolling", "radius_x": "10 mm", "radius_y": "40 mm", "load": "60 N"},
-                **{"mean_speed": "1.5 m/s", "E_prime": "226.37 GPa", "entrainment_angle": f"{degrees} deg"},
+                "kind": "rolling",
+                "radius_x": "10 mm",
+                "radius_y": "40 mm",
+                "load": "60 N",
+                "mean_speed": "1.5 m/s",
+                "E_prime": "226.37 GPa",
+                "entrainment_angle": f"{degrees} deg",
             },
             "lubricant": {**BARUS, "eta0": "40 mPa*s", "alpha": "22 / GPa"},
             "solver": {"nodes": nodes, "tolerance": 0.03},

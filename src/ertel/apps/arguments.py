@@ -34,9 +34,9 @@ def settings(incomplete: str) -> list[str]:
 
 def figures(incomplete: str) -> list[str]:
     """Names of figures that begin so."""
-    from ertel import plots
+    from ertel.results.variables import FIGURES_IN_TIME, FIGURES_STEADY
 
-    return [name for name in plots.NAMES if name.startswith(incomplete)]
+    return [name for name in dict.fromkeys(FIGURES_IN_TIME + FIGURES_STEADY) if name.startswith(incomplete)]
 
 
 def _entries(incomplete: str) -> Iterator[tuple[Path, str]]:
@@ -66,7 +66,7 @@ def path_argument(metavar: str, text: str, completes: Any = None) -> Any:
 
 def option(text: str, metavar: str | None = None, completes: Any = None, name: str = "", **more: Any) -> Any:
     """An option that takes a value.  name: where it is not that of the parameter."""
-    return typer.Option(*[name] * bool(name), metavar=metavar, help=text, autocompletion=completes, **more)
+    return typer.Option(*([name] if name else []), metavar=metavar, help=text, autocompletion=completes, **more)
 
 
 def path_option(text: str, metavar: str = "DIR") -> Any:
@@ -86,17 +86,17 @@ OptionalCase = Annotated[
 RunDirectory = Annotated[Path, path_argument("DIR", "Directory of a run.", run_directories)]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress bar and no summary.")]
-ERRORS = "Estimate the error by runs on the half grid, in smaller steps and on a wider domain."
-Estimate = Annotated[bool, typer.Option("--error", help=ERRORS)]
-WRITES = "Least time between two writes; default 5 s, and each grid of a steady run. A killed run loses this much."
-Flush = Annotated[float | None, option(WRITES, "SECONDS", min=0.0)]
-PROCESSES = "Number of processes; default one per core. 1: this process, with all cores."
-Jobs = Annotated[int | None, option(PROCESSES, min=1)]
-WORKERS = "Use the workers of a running dask scheduler. Who reaches it can run programs as you."
-Scheduler = Annotated[str | None, option(WORKERS, "ADDRESS")]
+ERROR_HELP = "Estimate the error by runs on the half grid, in smaller steps and on a wider domain."
+Estimate = Annotated[bool, typer.Option("--error", help=ERROR_HELP)]
+FLUSH_HELP = "Least time between two writes; default 5 s, and each grid of a steady run. A killed run loses this much."
+Flush = Annotated[float | None, option(FLUSH_HELP, "SECONDS", min=0.0)]
+JOBS_HELP = "Number of processes; default one per core. 1: this process, with all cores."
+Jobs = Annotated[int | None, option(JOBS_HELP, min=1)]
+SCHEDULER_HELP = "Use the workers of a running dask scheduler. Who reaches it can run programs as you."
+Scheduler = Annotated[str | None, option(SCHEDULER_HELP, "ADDRESS")]
 SchedulerFile = Annotated[Path | None, path_option("The same, by the file that the scheduler wrote.", "FILE")]
 Tls = Annotated[
     Path | None, path_option("PEM file with certificate, key and authority, for a scheduler at tls://.", "FILE")
 ]
-REPLACE = "Replace a value of the case, e.g. solver.nodes=129."
-Set = Annotated[list[str] | None, option(REPLACE, "KEY=VALUE", settings, "--set")]
+SET_HELP = "Replace a value of the case, e.g. solver.nodes=129."
+Set = Annotated[list[str] | None, option(SET_HELP, "KEY=VALUE", settings, "--set")]

@@ -35,7 +35,7 @@ from ertel.apps.arguments import (
 )
 from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, say
 
-PART = "Do the I-th of N parts only, such as one task of a job array; the command without it gathers."
+PART_HELP = "Do the I-th of N parts only, such as one task of a job array; the command without it gathers."
 app = typer.Typer(
     cls=process.Commands,
     help="Elastohydrodynamic lubrication of point contacts: a ball hits an oiled surface, or rolls and slides on it.",
@@ -158,7 +158,7 @@ def sweep(
     scheduler: Scheduler = None,
     scheduler_file: SchedulerFile = None,
     tls: Tls = None,
-    part: Annotated[str | None, option(PART, "I/N")] = None,
+    part: Annotated[str | None, option(PART_HELP, "I/N")] = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> None:

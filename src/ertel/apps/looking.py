@@ -24,15 +24,15 @@ if TYPE_CHECKING:  # these take long to import
 
 Moment = Annotated[str | None, option('A time, "60 us" or a number in t0, or max-approach or end.', "TIME|EVENT")]
 Along = Annotated[Literal["x", "y"], option("The direction of a profile.")]
-FOLDER = "Folder with runs, also in folders below it; default this one."
+FOLDER_HELP = "Folder with runs, also in folders below it; default this one."
 Lighting = Literal["mono", "two-beam", "white"]
-FRINGES = "Draw the interference fringes instead: monochromatic, of two beams only, or in white light."
+FRINGES_HELP = "Draw the interference fringes instead: monochromatic, of two beams only, or in white light."
 Format = Literal["png", "svg", "pdf", "gif", "webp", "mp4"]
 MOVIES = {"gif": "pillow", "webp": "pillow", "mp4": "ffmpeg"}  # format: matplotlib's name of its writer
 
 
 def ls(
-    folder: Annotated[Path | None, path_argument("DIR", FOLDER, run_directories)] = None, as_json: Json = False
+    folder: Annotated[Path | None, path_argument("DIR", FOLDER_HELP, run_directories)] = None, as_json: Json = False
 ) -> None:
     """List the runs in a folder: case, status, time and key numbers of each."""
     from ertel.runs.directory import listed
@@ -149,10 +149,10 @@ def _print_differences(differing: Sequence[Mapping[str, Any]], names: Sequence[s
     from ertel.apps.tables import print_rows
     from ertel.case.records import show
 
-    rows = [
-        (field, *("" if value is None else show(value) for value in values))
-        for field, *values in (each.values() for each in differing)
-    ]
+    rows = []
+    for each in differing:
+        values = ["" if each[run] is None else show(each[run]) for run in ("first", "second")]
+        rows.append((each["field"], *values))
     print_rows([("case", *names), *rows, ("", "", "")] if rows else [("The cases are the same.",), ("",)], left=3)
 
 
@@ -190,7 +190,7 @@ def plot(
     directory: RunDirectory,
     what: Annotated[str | None, option("Draw this figure only, such as film.", "NAME", figures)] = None,
     at: Moment = None,
-    interferogram: Annotated[Lighting | None, option(FRINGES)] = None,
+    interferogram: Annotated[Lighting | None, option(FRINGES_HELP)] = None,
     wavelength: Annotated[str | None, option("Wavelength of the light; default 532 nm.", "LENGTH")] = None,
     format_: Annotated[
         Format, option("File format; gif, webp and mp4 are movies of an interferogram.", name="--format")
@@ -206,9 +206,6 @@ def plot(
     An interferogram needs a case in SI. It is that of a steel ball on glass with 8 nm of chromium; from Python other
     layers and light sources can be chosen, see ertel.optics.
     """
-    from ertel import plots
-    from ertel.runs.store import RunStore
-
     if format_ in MOVIES and interferogram is None:
         leave(BAD_INPUT, f"--format {format_}: only an interferogram can be a movie; add --interferogram mono")
     if format_ in MOVIES and at is not None:
@@ -219,6 +216,9 @@ def plot(
         leave(BAD_INPUT, f"--wavelength {wavelength}: only for --interferogram mono or two-beam")
     if format_ == "mp4":
         _find_ffmpeg()
+    from ertel import plots
+    from ertel.runs.store import RunStore
+
     data = RunStore.open(directory).dataset()
     writers: dict[str, Callable[[Path], object]]
     sheet: Any = {"columns": columns, "title": title}

@@ -257,13 +257,16 @@ def _judged(error: Exception) -> tuple[int, str]:
         message = str(error.format_message()).rstrip(".")
         return BAD_INPUT, f"{message}; see {error.ctx.command_path} --help" if error.ctx else message
     from ertel.case.records import ConfigError
-    from ertel.runs import outlook
-    from ertel.runs.compile import NoDevice, jax_devices
     from ertel.runs.files import Damaged, StoreError
 
     if isinstance(error, Damaged):
         return BAD_INPUT, f"{error}{_repair(error.path)}"
-    if isinstance(error, ConfigError | StoreError | NoDevice):
+    if isinstance(error, ConfigError | StoreError):
+        return BAD_INPUT, str(error)
+    from ertel.runs import outlook
+    from ertel.runs.compile import NoDevice, jax_devices
+
+    if isinstance(error, NoDevice):
         return BAD_INPUT, str(error)
     if outlook.is_out_of_memory(error):
         return FAILED, "out of memory"
@@ -279,14 +282,18 @@ def _judged(error: Exception) -> tuple[int, str]:
 def _repair(damaged: Path) -> str:
     """The command that repairs a damaged file of a run, as the end of a sentence; empty for other files."""
     from ertel.runs.directory import CASE, CHECKPOINT, SUMMARY, read_case
+    from ertel.runs.files import StoreError
 
-    run = next((parent for parent in damaged.parents if (parent / CASE).exists()), None)
+    run = next((parent for parent in damaged.parents[:2] if (parent / CASE).exists()), None)
     if run is None:
         return ""
     to_resume = f"ertel resume {in_shell(run)}"
     if damaged.name == CHECKPOINT:
         return f": rm {in_shell(damaged)}; {to_resume}"
-    resumable = damaged.name == SUMMARY or read_case(run).is_steady
+    try:
+        resumable = damaged.name == SUMMARY or read_case(run).is_steady
+    except StoreError:
+        return ""
     return f": {to_resume}" if resumable else f": ertel run {in_shell(run / CASE)}"
 
 

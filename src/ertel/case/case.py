@@ -7,7 +7,7 @@ A `Case` holds the input, in SI or dimensionless.  The solvers use the propertie
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from html import escape
 from typing import Any
@@ -152,20 +152,24 @@ class Case(Definition):
 
         Raises ValueError for a law or a shape that has no registered name.
         """
-        data = {name: self._section_data(name) for name in KEYS}
+        solver = self.solver
+        if solver.inlet is None and not self.starts_apart:
+            solver = replace(solver, inlet=solver.half_width)  # a centred grid is not the default of rolling
+        data: dict[str, Any] = {
+            "schema": SCHEMA,
+            "name": self.name,
+            "contact": data_of(self.contact),
+            "lubricant": named("lubricant", oil_data, self.oil),
+            "solver": data_of(solver),
+            "motion": self.drive and data_of(self.drive),
+            "roughness": [
+                named(f"roughness[{i}]", feature_data, feature) for i, feature in enumerate(self.roughness, 1)
+            ],
+            "time": self.time and data_of(self.time),
+            "output": self.output and data_of(self.output),
+            "thermal": self.thermal and data_of(self.thermal),
+        }
         return {name: section for name, section in data.items() if section not in (None, [], "")}
-
-    def _section_data(self, name: str) -> Any:
-        if name == "schema":
-            return SCHEMA
-        if name == "roughness":
-            return [named(f"roughness[{i}]", feature_data, feature) for i, feature in enumerate(self.roughness, 1)]
-        record = getattr(self, SECTIONS[name].field) if name in SECTIONS else self.name
-        if record is self.oil:
-            return named(name, oil_data, record)
-        if record is self.solver and record.inlet is None and not self.starts_apart:
-            record = replace(record, inlet=record.half_width)  # a centred grid is not the default of rolling
-        return data_of(record) if is_dataclass(record) else record
 
     @classmethod
     def from_data(

@@ -103,11 +103,6 @@ class HeightMap:
         np.save(content, self.heights, allow_pickle=False)
         return content.getvalue()
 
-    @classmethod
-    def from_bytes(cls, content: bytes) -> "HeightMap":
-        """The map in such a file.  Raises ValueError where it holds something else."""
-        return cls(array_in(content))
-
     def at(self, columns: Array, rows: Array, cutoffs: tuple[float, float]) -> Array:
         """The smooth surface at places counted in points, (0, 0) at the first; arrays that broadcast.
 

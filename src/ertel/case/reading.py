@@ -161,15 +161,17 @@ class Reader:
                 raise ValueError(f"{error}{''.join(f', or {show(name)}' for name in names)}") from error
         if names:
             raise ValueError(f"allowed: {alternatives(map(repr, names))}")
-        for kind, text in ((HeightMap, "a string"), (bool, "true or false"), (str, "a string")):
-            if kind in options and not isinstance(value, bool if kind is bool else str):
-                raise ValueError(f"must be {text}")
         if HeightMap in options:
+            if not isinstance(value, str):
+                raise ValueError("must be a string")
             if value not in self.maps:
                 raise ValueError("its heights are not given with the case")
             return self.maps[value]
-        if bool in options or str in options:
-            return value
+        for kind, text in ((bool, "true or false"), (str, "a string")):
+            if kind in options:
+                if not isinstance(value, kind):
+                    raise ValueError(f"must be {text}")
+                return value
         if Ellipsis in options:  # numbers of a law with a table
             if not isinstance(value, list | tuple):
                 raise ValueError("must be an array")

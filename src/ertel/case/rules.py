@@ -343,6 +343,18 @@ def _thermal(case: Definition) -> Complaints:
 
 GIVEN = (_name, _reference, method_suits, _shapes)  # rules for what is given
 COMPLETE = (  # rules for a case with its defaults, in the order in which they are looked at
-    *(oil_is_complete, _rheology, _scales, _pressure_scale, _time, _drive, _geometry, _grid, _layer, _schedule),
-    *(_motion, _outside, _roughness, _thermal),
+    oil_is_complete,
+    _rheology,
+    _scales,
+    _pressure_scale,
+    _time,
+    _drive,
+    _geometry,
+    _grid,
+    _layer,
+    _schedule,
+    _motion,
+    _outside,
+    _roughness,
+    _thermal,
 )

@@ -112,6 +112,6 @@ def beyond_rectangle(left: float, right: float, low: float, high: float) -> Floa
 
 def predicted(levels: Sequence[State], T: float, hertz_load: float, entrainment: float) -> ContactMotion:
     """The motion at the next level, from the last levels (newest first); hertz_load: F* in a^2 p_h."""
-    newest = [replace(o, fields={}, load=(o.load + o.outside) / hertz_load) for o in levels[:NEWEST]]
+    newest = [replace(level, fields={}, load=(level.load + level.outside) / hertz_load) for level in levels[:NEWEST]]
     ahead = interpolated(newest, T)
     return ContactMotion(ahead.approach, ahead.velocity, ahead.load, entrainment)

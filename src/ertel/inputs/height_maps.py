@@ -95,7 +95,7 @@ def _with_map(written: Mapping[str, Any], folder: Path, place: str) -> tuple[dic
     if OWN_NAME.fullmatch(path.name):
         for key in READING & table.keys():
             raise ValueError(f"{key} = {show(table[key])}: was already applied when ertel wrote this file; remove it")
-        heights = _named(table["file"], HeightMap.from_bytes, content)
+        heights = _named(table["file"], HeightMap, _named(table["file"], array_in, content))
         if heights.name != path.name:
             raise ValueError(f"file = {show(table['file'])}: was changed since ertel wrote it; put the run's own back")
         return placed, heights
@@ -112,16 +112,18 @@ def _with_map(written: Mapping[str, Any], folder: Path, place: str) -> tuple[dic
 
 def regular_content(path: Path, most: int) -> bytes:
     """The content of a regular file (a pipe may never end).  Raises ValueError, without the name of the file."""
-    if path.exists() and not path.is_file():
-        raise ValueError("is not a regular file")
+    size, content = -1, b""
     try:
-        with path.open("rb") as file:
-            size = fstat(file.fileno()).st_size
-            content = file.read(size) if size <= most else b""
+        if path.is_file() or not path.exists():
+            with path.open("rb") as file:
+                size = fstat(file.fileno()).st_size
+                content = file.read(size) if size <= most else b""
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
         reason = (getattr(error, "strerror", None) or str(error)).lower()
         where = "" if path.is_absolute() else f" in {shortened(str(path.parent.absolute()))}"
         raise ValueError(f"cannot be read{where}, {reason}") from error
+    if size < 0:
+        raise ValueError("is not a regular file")
     if size > most:
         raise ValueError(f"is too large; must have at most {most / 1e6:g} MB")
     return content

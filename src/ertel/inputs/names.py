@@ -140,7 +140,8 @@ def completed(law: Any, oil: NamedOil, T: float, place: str = "rheology") -> tup
     if not isinstance(name, str) or name not in OF_OILS:
         return law, ()
     record, field = OF_OILS[name]
-    table, sources = dict(table), tuple[str, ...]()
+    table = dict(table)
+    sources: tuple[str, ...] = ()
     for key in law_fields(record):
         if key in table:
             table[key], inside = completed(table[key], oil, T, f"{place}.{key}")

@@ -32,7 +32,7 @@ from ertel.plots.interferograms import animation, interferogram
 from ertel.plots.measurements import measured
 from ertel.plots.view import View
 from ertel.results.profiles import At
-from ertel.results.variables import is_steady
+from ertel.results.variables import figures_of, is_steady
 
 __all__ = [
     "BLUE", "GREEN", "GREY", "NAMES", "ORANGE", "ORDERED_COLOURS", "NoFigure", "Sheet", "animation", "comparison",
@@ -53,45 +53,43 @@ def _friction_rows(view: View) -> Rows:
     return [over_the_surface, through_time] if view.slides else [[*over_the_surface, *through_time]]
 
 
-# The panels of each figure.  A figure that is a part of another is drawn when it is asked for by its name.
-OF_MAPS: Mapping[str, Rows] = {
+def _overview_rows(view: View) -> Rows:
+    """Maps of film and pressure, their profiles, and how the run went."""
+    if view.frame is None:
+        return [
+            [fields.draw_film_map, fields.draw_along_the_flow, histories.draw_grids],
+            [fields.draw_pressure_map, fields.draw_across_the_flow, histories.draw_convergence],
+        ]
+    return [
+        [fields.draw_film_map, fields.draw_film_profiles, histories.draw_film_history],
+        [fields.draw_pressure_map, fields.draw_pressure_profiles, histories.draw_motion],
+    ]
+
+
+PANELS: Mapping[str, Rows | Callable[[View], Rows]] = {  # of each figure
+    "overview": _overview_rows,
     "film": [[fields.draw_film_map]],
     "pressure": [[fields.draw_pressure_map]],
     "oil": [[fields.draw_oil_map]],
     "maps": [[fields.draw_film_map, fields.draw_pressure_map]],
-}
-IN_TIME: Mapping[str, Rows | Callable[[View], Rows]] = {
-    "overview": [
-        [fields.draw_film_map, fields.draw_film_profiles, histories.draw_film_history],
-        [fields.draw_pressure_map, fields.draw_pressure_profiles, histories.draw_motion],
-    ],
-    **OF_MAPS,
     "profiles": [[fields.draw_film_profiles, fields.draw_pressure_profiles]],
+    "midlines": [[fields.draw_along_the_flow, fields.draw_across_the_flow]],
     "history": [
         [histories.draw_motion, histories.draw_film_history],
         [histories.draw_place, histories.draw_pressure_history],
     ],
+    "convergence": [[histories.draw_convergence, histories.draw_grids]],
     "friction": _friction_rows,
     "front": [[histories.draw_place, histories.draw_front_speed]],
 }
-STEADY: Mapping[str, Rows | Callable[[View], Rows]] = {
-    "overview": [
-        [fields.draw_film_map, fields.draw_along_the_flow, histories.draw_grids],
-        [fields.draw_pressure_map, fields.draw_across_the_flow, histories.draw_convergence],
-    ],
-    **OF_MAPS,
-    "midlines": [[fields.draw_along_the_flow, fields.draw_across_the_flow]],
-    "convergence": [[histories.draw_convergence, histories.draw_grids]],
-    "friction": _friction_rows,
-}
-PARTS_IN_TIME, PARTS_STEADY = ("film", "pressure", "oil", "front"), ("oil", "maps")
-NAMES = tuple(dict.fromkeys((*IN_TIME, *STEADY)))
+PARTS_IN_TIME, PARTS_STEADY = ("film", "pressure", "oil", "front"), ("oil", "maps")  # of another figure
+NAMES = tuple(PANELS)
 
 
 def names_of(dataset: xr.Dataset) -> tuple[str, ...]:
     """The names of the figures that together show all of a run."""
-    figures, parts = (STEADY, PARTS_STEADY) if is_steady(dataset) else (IN_TIME, PARTS_IN_TIME)
-    return tuple(name for name in figures if name not in parts)
+    parts = PARTS_STEADY if is_steady(dataset) else PARTS_IN_TIME
+    return tuple(name for name in figures_of(dataset) if name not in parts)
 
 
 def draw(dataset: xr.Dataset, name: str, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:
@@ -113,11 +111,10 @@ def draw(dataset: xr.Dataset, name: str, at: At = None, **sheet: Unpack[SheetOpt
     NoFigure
         The run does not have this figure or this moment, or there is nothing to draw yet.
     """
-    figures = STEADY if is_steady(dataset) else IN_TIME
-    if name not in figures:
+    if name not in figures_of(dataset):
         run = "a steady contact" if is_steady(dataset) else "a run in time"
-        raise NoFigure(f"{name}: {run} has no such figure; it has {', '.join(figures)}")
-    view, rows = View.of(dataset, at), figures[name]
+        raise NoFigure(f"{name}: {run} has no such figure; it has {', '.join(figures_of(dataset))}")
+    view, rows = View.of(dataset, at), PANELS[name]
     outcome = view.friction if name == "friction" and view.frame is None else view.outcome
     return compose(view, rows(view) if callable(rows) else rows, [*view.title, *outcome], Sheet(**sheet))
 

@@ -59,8 +59,11 @@ def figure(dataset: xr.Dataset, **options: Unpack[SheetOptions]) -> Figure:
     """The key numbers of a study over what varies most, with error bars where there are any.
 
     There is a line for each combination of the other values that vary: its colour says one of them, line and marker the
-    others; the legend stands below the panels.  Raises NoFigure where no run has any numbers.
+    others; the legend stands below the panels.  A traction curve has panels of its own.  Raises NoFigure where no run
+    has any numbers.
     """
+    if "varies" in dataset.attrs:
+        return _traction_figure(dataset, Sheet(**options))
     shown = [[name for name in names if _has_numbers(dataset, name)] for names in PANELS]
     panels: list[Panel[xr.Dataset]] = [partial(_draw, names=names) for names in shown if names]
     if not panels:
@@ -181,17 +184,14 @@ WARM_PANELS: Mapping[str, Mapping[str, str]] = {  # with a section [thermal]
 }
 
 
-def traction_figure(dataset: xr.Dataset, **options: Unpack[SheetOptions]) -> Figure:
-    """Traction coefficient, film thickness, power loss and shear stress along a traction curve.
-
-    Raises NoFigure where there are no points yet.
-    """
+def _traction_figure(dataset: xr.Dataset, sheet: Sheet) -> Figure:
+    """Traction coefficient, film thickness, power loss and shear stress along a traction curve."""
     if not np.isfinite(dataset["mu_rolling"]).any():
         raise NoFigure("dataset: has no points yet, there is nothing to draw")
     shown = WARM_PANELS if "phi_T" in dataset else CURVE_PANELS
     panels: list[Panel[xr.Dataset]] = [partial(_draw_curve, title=title, names=names) for title, names in shown.items()]
     half = len(panels) // 2
-    return compose(dataset, [panels[:half], panels[half:]], _heading(dataset), Sheet(**options))
+    return compose(dataset, [panels[:half], panels[half:]], _heading(dataset), sheet)
 
 
 def _draw_curve(axes: Axes, dataset: xr.Dataset, title: str, names: Mapping[str, str]) -> None:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from ertel.case.case import Case
 from ertel.case.height_map import HeightMap
-from ertel.numerics.grid import extrapolate
+from ertel.numerics.grid import Extrapolation, extrapolate
 from ertel.physics import surfaces
 from ertel.physics.geometry import Geometry
 from ertel.physics.geometry import geometry as geometry_of
@@ -226,10 +226,9 @@ class View:
 
     def _film_with_error(self, name: str) -> str:
         """A film on the finest grid as h_c = 146 ± 10 nm: as many digits as the error deserves."""
-        film = estimate_of(self.dataset, name)
-        z = self.scale(name, float(film.values[-1]))
-        value, error = film.values[-1] * z.factor, film.errors[-1] * z.factor
-        return f"{z.symbol} = {plus_minus(value, error)} {z.unit}"
+        film = on_grids(self.dataset, name)[-1]
+        z = self.scale(name, film.value)
+        return f"{z.symbol} = {plus_minus(film.value * z.factor, film.error * z.factor)} {z.unit}"
 
     # -- values at the moment -----------------------------------------------------------------------------------------
 
@@ -328,18 +327,7 @@ def reach(x: Values, P: Values) -> float:
     return max(farthest, 0.2 * float(x.max()))  # something to see even at first touch
 
 
-@dataclass(frozen=True)
-class GridErrors:
-    """A value on every grid, its estimated errors (NaN on the coarsest), and the value extrapolated from the finest."""
-
-    values: Values
-    errors: Values
-    extrapolated: float
-
-
-def estimate_of(dataset: xr.Dataset, name: str) -> GridErrors:
-    """The error estimates of a steady contact on every grid; the error is of second order."""
-    values = np.asarray(dataset[name].values)
-    pairs = [extrapolate(*pair) for pair in pairwise(values)]
-    errors = np.array([np.nan, *(pair.error for pair in pairs)])
-    return GridErrors(values, errors, float(pairs[-1].extrapolated) if pairs else np.nan)
+def on_grids(dataset: xr.Dataset, name: str) -> list[Extrapolation]:
+    """A value of a steady contact on every grid with its estimated error, which the coarsest does not have."""
+    values = dataset[name].values.tolist()
+    return [Extrapolation(values[0], np.nan, np.nan), *(extrapolate(*pair) for pair in pairwise(values))]

@@ -41,9 +41,8 @@ class Frame(NamedTuple):
 
 def columns(records: Sequence[Mapping[str, float]], scales: Scales | None) -> dict[str, np.ndarray]:
     """Step records as arrays by variable name, T as `time`; coefficients as `with_coefficients` says."""
-    keys = {"time": "T"}
-    names = ("time", *variables.SCALARS)
-    arrays = {name: np.array([each[keys.get(name, name)] for each in records], dtype=float) for name in names}
+    keys = {"time": "T", **{name: name for name in variables.SCALARS}}
+    arrays = {name: np.array([record[key] for record in records], dtype=float) for name, key in keys.items()}
     return with_coefficients(arrays, scales)
 
 

@@ -10,7 +10,7 @@ from ertel.case.case import Case
 from ertel.case.definition import grid_of, radii
 from ertel.case.height_map import Measured
 from ertel.case.sections import MOST_NODES, WIDEST_HALF_WIDTH
-from ertel.numerics.grid import allowed_nodes, extrapolate
+from ertel.numerics.grid import Extrapolation, allowed_nodes, extrapolate
 from ertel.physics import hertz
 from ertel.physics.lubricant import Barus
 from ertel.physics.surfaces import CELLS_KEPT, has_waves
@@ -238,14 +238,27 @@ def _mean_speed(data: "xr.Dataset") -> float:
     return float(np.average(np.abs(data["U"]), weights=data["dT"])) if data.sizes["time"] else 0.0
 
 
+def film_errors(case: Case, solutions: "Sequence[SteadyGrid]") -> dict[str, Extrapolation]:
+    """Errors and extrapolated values of the films by name; empty without two grids that converged.
+
+    On a layer of oil a film changes irregularly from grid to grid where the meniscus is in the contact.
+    """
+    if len(solutions) < 2 or not all(s.status.ok for s in solutions[-2:]):
+        return {}
+    errors = {}
+    for name in FILMS:
+        *coarser, coarse, fine = (s.measure()[name] for s in solutions)
+        errors[name] = extrapolate(coarse, fine, *(coarser[-1:] if case.layer else ()))
+    return errors
+
+
 def _grid(case: Case, solutions: "Sequence[SteadyGrid]") -> Iterator[str]:
     """Warnings about the errors of the films, and about the pressure spike."""
     if len(solutions) < 2:
         yield "there is no error estimate, because there is no coarser grid; use solver.nodes >= 65"
         return
     coarse, fine = (solution.measure() for solution in solutions[-2:])
-    if solutions[-2].status.ok:
-        films = {name: extrapolate(coarse[name], fine[name]) for name in FILMS}
+    if films := film_errors(case, solutions):
         shares = {name: film.error / abs(film.value) for name, film in films.items() if film.value}
         worst = max(shares, key=lambda name: shares[name])
         if shares[worst] > LARGE_ERROR:

@@ -17,7 +17,7 @@ from ertel.physics.units import RMS, in_si, plain
 from ertel.results.measurements import Comparison, Measurement
 from ertel.results.numbers import Number, html_image, html_table, lines, numbers, plus_minus, values_of
 from ertel.results.profiles import At, moment_of, profile
-from ertel.results.variables import PREFIXES, exponent, is_steady, to_si
+from ertel.results.variables import FIGURES_IN_TIME, FIGURES_STEADY, figures_of, prefixed, to_si
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from matplotlib.figure import Figure
@@ -37,17 +37,15 @@ class Plot:
     dataset: xr.Dataset
 
     def __getattr__(self, name: str) -> "Callable[..., Figure]":
+        if name not in {*FIGURES_IN_TIME, *FIGURES_STEADY, *PHYSICAL}:
+            raise AttributeError(f"Plot: has no picture {name!r}; it has {', '.join(self._names())}")
         from ertel import plots
 
-        if name not in {*plots.NAMES, *PHYSICAL}:
-            raise AttributeError(f"Plot: has no picture {name!r}; it has {', '.join(self._names())}")
         return MethodType(getattr(plots, name), self.dataset)
 
     def _names(self) -> tuple[str, ...]:
-        from ertel import plots
-
-        names = plots.STEADY if is_steady(self.dataset) else plots.IN_TIME
-        return (*names, *PHYSICAL) if "si_factor" in self.dataset["H"].attrs else (*names,)
+        names = figures_of(self.dataset)
+        return (*names, *PHYSICAL) if "si_factor" in self.dataset["H"].attrs else names
 
     def __dir__(self) -> Iterable[str]:
         return [*self._names(), "dataset"]
@@ -154,11 +152,24 @@ class Result:
     def lambda_ratio(self, sigma_1: Sigma = None, sigma_2: Sigma = None) -> float:
         """The lambda ratio of a physical run: its film over the rms roughness of both surfaces together.
 
-        With roughness that is given, in m or with a unit, "20 nm", the film is the minimum film thickness of the run; a
-        surface that is left out is smooth.  Without any it is that of the case, measured maps and rough surfaces by
-        their rms.  The grid of such a run has their valleys and summits, and its film is the mean, weighted with the
-        pressure, at maximum approach or at the end.  Raises ValueError where the case is dimensionless, the run has no
-        film, or there is no roughness.
+        With roughness that is given the film is the minimum film thickness of the run.  Without any the roughness is
+        that of the case, measured maps and rough surfaces by their rms.  The grid of such a run has their valleys and
+        summits, and its film is the mean, weighted with the pressure, at maximum approach or at the end.
+
+        Parameters
+        ----------
+        sigma_1, sigma_2 : float or str, optional
+            Rms roughness of the surfaces, in m or with a unit, "20 nm"; one that is left out is smooth.
+
+        Returns
+        -------
+        float
+            Lambda, dimensionless.
+
+        Raises
+        ------
+        ValueError
+            The case is dimensionless, the run has no film, or there is no roughness.
         """
         scales, table = self.case.scales, numbers(self.summary)
         if scales is None or "H_min" not in table:
@@ -175,7 +186,7 @@ class Result:
 
     @property
     def verdict(self) -> str:
-        """The outcome in one line; see `verdict`."""
+        """The outcome in one line; see `results.result.verdict`."""
         return verdict(self)
 
     @property
@@ -238,7 +249,6 @@ def _rms(case: Case) -> list[float]:
 
 
 def _film(film: Number) -> str:
-    factor, unit = film.factor or 1.0, film.unit if film.factor is None else film.about.si_units
-    power = exponent(abs(film.value * factor)) if unit == "m" else 0
-    shown = 10.0**-power * factor
-    return f"{plus_minus(film.value * shown, (film.error or 0.0) * shown)} {PREFIXES[power] if power else ''}{unit}"
+    factor, unit = (1.0, film.unit) if film.factor is None else (film.factor, film.about.si_units)
+    one, name = prefixed(unit, film.value * factor)
+    return f"{plus_minus(film.value * factor / one, (film.error or 0.0) * factor / one)} {name}"

@@ -22,7 +22,7 @@ from ertel.case.case import Case
 from ertel.physics.units import FINITE, LOAD, VELOCITY, Mark
 from ertel.results.dataset import largest_of, with_units
 from ertel.results.numbers import SHOWN, Scalar, aligned, html_columns, html_image
-from ertel.results.variables import PREFIXES, exponent, name_in_si, value_in_si, variable_attributes
+from ertel.results.variables import name_in_si, prefixed, value_in_si, variable_attributes
 from ertel.version import installed_version
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
@@ -160,7 +160,10 @@ class StudyResult:
         self._frame().to_csv(path, index=False)
 
     def plot(self, **sheet: "Unpack[SheetOptions]") -> "Figure":
-        """The key numbers over what varies.  sheet: ax, figsize, columns, title, see `ertel.plots.Sheet`."""
+        """The key numbers over what varies; of a traction curve friction, films, power loss and shear stress.
+
+        sheet: ax, figsize, columns, title, see `ertel.plots.Sheet`.
+        """
         from ertel.plots import studies
 
         return studies.figure(self.dataset, **sheet)
@@ -215,18 +218,25 @@ def column(head: str, values: xr.DataArray) -> list[str]:
     if values.dtype.kind in "UOT":
         return [head, *(str(value) for value in values.values)]
     unit = values.attrs.get("units", "1")
-    power = 0 if "/" in unit or unit in ("1", "K", "Pa*s") else exponent(largest_of(values))
-    shown = ["-" if np.isnan(value) else f"{value:.4g}" for value in values.values / 10**power]
-    return [head if unit == "1" else f"{head} ({PREFIXES[power]}{unit})", *shown]
+    one, name = prefixed(unit, largest_of(values))
+    shown = ["-" if np.isnan(value) else f"{value:.4g}" for value in values.values / one]
+    return [f"{head} ({name})" if name else head, *shown]
 
 
 # -- traction curves --------------------------------------------------------------------------------------------------
 
 
-CURVE_AXES: Mapping[str, tuple[Mark, dict[str, str]]] = {  # what varies: its values, the attributes of the coordinate
-    "slide_to_roll": (FINITE, {"long_name": "slide-to-roll ratio", "symbol": "S", "units": "1"}),
-    "mean_speed": (VELOCITY, {"long_name": "mean speed", "symbol": "u_m", "units": "m/s"}),
-    "load": (LOAD, {"long_name": "load", "symbol": "F", "units": "N"}),
+class CurveAxis(NamedTuple):
+    """The quantity that varies along a curve: what its values must be, and the attributes of its coordinate."""
+
+    mark: Mark
+    attributes: dict[str, str]
+
+
+CURVE_AXES: Mapping[str, CurveAxis] = {
+    "slide_to_roll": CurveAxis(FINITE, {"long_name": "slide-to-roll ratio", "symbol": "S", "units": "1"}),
+    "mean_speed": CurveAxis(VELOCITY, {"long_name": "mean speed", "symbol": "u_m", "units": "m/s"}),
+    "load": CurveAxis(LOAD, {"long_name": "load", "symbol": "F", "units": "N"}),
 }
 CURVE_WORK = ("newton_iterations", "krylov_iterations", "convolutions")
 CURVE_SHOWN = {  # in a table, with a shorter heading where there is one
@@ -284,15 +294,6 @@ class TractionCurve(StudyResult):
     def failed(self) -> list[float]:
         """The values at which the film did not converge."""
         return self._of_failed(self.axis)
-
-    def plot(self, **sheet: "Unpack[SheetOptions]") -> "Figure":
-        """The curve: traction coefficient and rolling resistance, films, power loss and shear stress.
-
-        sheet: ax, figsize, columns, title, see `ertel.plots.Sheet`.
-        """
-        from ertel.plots import studies
-
-        return studies.traction_figure(self.dataset, **sheet)
 
     def as_data(self) -> dict[str, Any]:
         """The curve as plain data for JSON; names in SI end with the unit, and what is missing is None."""

@@ -120,7 +120,8 @@ def steady_summary(
         parts = {"budgets": balances.steady(case, record, record["load"] / case.geometry.hertz_load)}
         warnings += diagnostics.balance_warnings(case, parts["budgets"])
         warnings += diagnostics.friction_warnings(case, record["mu_sliding"])
-        parts |= _film_errors(case, solutions)
+        for name, film in diagnostics.film_errors(case, solutions).items():
+            parts |= {f"{name}_error": film.error, f"{name}_extrapolated": film.extrapolated}
         if finest.heat is not None:
             parts["thermal"] = thermal_summary(case, finest)
             warnings += diagnostics.thermal_warnings(case, finest.heat)
@@ -151,21 +152,6 @@ def thermal_summary(case: Case, solution: SteadyGrid) -> dict[str, Any]:
         "iterations": heat.iterations,
         "converged": heat.converged,
     }
-
-
-def _film_errors(case: Case, solutions: Sequence[SteadyGrid]) -> dict[str, float]:
-    """Errors and extrapolated values of the films; empty without two grids that converged.
-
-    On a layer of oil a film changes irregularly from grid to grid where the meniscus is in the contact.
-    """
-    if len(solutions) < 2 or not all(s.status.ok for s in solutions[-2:]):
-        return {}
-    errors: dict[str, float] = {}
-    for name in FILMS:
-        *coarser, coarse, fine = (s.measure()[name] for s in solutions)
-        film = extrapolate(coarse, fine, *(coarser[-1:] if case.layer else ()))
-        errors |= {f"{name}_error": film.error, f"{name}_extrapolated": film.extrapolated}
-    return errors
 
 
 def _contact(data: xr.Dataset) -> dict[str, float | None]:

@@ -19,7 +19,7 @@ KELVIN = "K"  # the unit of temperatures, the only one that is the same in SI
 PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 ROLLING_UNITS = {  # of a rolling contact, whose scales are those of the static contact and not of the dry impact
     "a*": "a", "a*^2/R": "a^2/R", "p_h*": "p_h", "F*": "F", "a*/t0": "u_m", "a*/R": "a/R", "p_h* a*/R": "p_h a/R",
-    "p_h* a*^2/(R t0)": "p_h u_m a/R", "F* a*^2/(R t0)": "F u_m a/R", "F* a*^2/R": "F a^2/R",
+    "p_h* a*^2/(R t0)": "p_h u_m a/R", "F* a*^2/(R t0)": "F u_m a/R", "F* a*^2/R": "F a^2/R", "a*^2 p_h*": "a^2 p_h",
 }  # fmt: skip
 EVENTS = ("", "max-approach", "end")  # why a frame was kept; the first: because it was time
 
@@ -160,17 +160,20 @@ OUTCOME: Mapping[str, Variable] = {  # of a run as a whole
     "wall_time": Variable("time of computing", "t_wall", "s"),
 }
 EVENT = Variable("why the map was kept", "event")
+_DEFINED: Mapping[str, Variable] = {
+    **{**AXES, **SCALARS, **FIELDS, **TEMPERATURES, **OF_A_GRID, **OF_A_CURVE, **OUTCOME},
+    "F_max": Variable("largest load carried by the film", "F_max", *FORCE),
+    "T": AXES["time"],
+    "event": EVENT,
+}
 VARIABLES: Mapping[str, Variable] = {
     name: replace(variable, si_name=variable.si_name or name.lower()) if variable.scale else variable
-    for name, variable in {
-        **{**AXES, **SCALARS, **FIELDS, **TEMPERATURES, **OF_A_GRID, **OF_A_CURVE, **OUTCOME},
-        "F_max": Variable("largest load carried by the film", "F_max", *FORCE),
-        "T": AXES["time"],
-        "event": EVENT,
-    }.items()
+    for name, variable in _DEFINED.items()
 }
 FILMS = ("H_c", "H_min")  # that have an error estimate
 MEASURED = ("H_c", "H_min", "X_min", "Y_min", "Delta", "P_c", "P_max", "load")  # of a rolling contact's summary
+FIGURES_IN_TIME = ("overview", "film", "pressure", "oil", "maps", "profiles", "history", "friction", "front")
+FIGURES_STEADY = ("overview", "film", "pressure", "oil", "maps", "midlines", "convergence", "friction")
 AT_MAXIMUM = ("T", "Delta", "F", "P_c", "P_max", "H_c", "H_min", "X_min", "Y_min")  # of a summary
 
 
@@ -187,6 +190,11 @@ def name_in_si(name: str) -> str:
 def is_steady(dataset: "xr.Dataset") -> bool:
     """Return whether a Dataset holds a steady contact, on its grids, and not a run in time."""
     return "grid" in dataset.dims
+
+
+def figures_of(dataset: "xr.Dataset") -> tuple[str, ...]:
+    """The names of the figures that a run has, see `ertel.plots`."""
+    return FIGURES_STEADY if is_steady(dataset) else FIGURES_IN_TIME
 
 
 def with_coefficients(values: Mapping[str, Any], scales: Scales | None) -> dict[str, Any]:
@@ -263,17 +271,21 @@ def to_si(dataset: "xr.Dataset") -> "xr.Dataset":
     return converted.rename(names)
 
 
-def exponent(size: float) -> int:
-    """The power of ten, of those with a prefix, that brings a size between about 0.5 and 500."""
-    return min(max(3 * floor(log10(size) / 3 + 0.1), min(PREFIXES)), max(PREFIXES)) if size > 0 else 0
+def prefixed(unit: str, largest: float) -> tuple[float, str]:
+    """A unit of SI with the prefix that brings the largest value between about 0.5 and 500: what 1 of it is, its name.
+
+    Quotients and kelvins have no prefix, a plain number has no unit.
+    """
+    power = 0
+    if abs(largest) > 0 and "/" not in unit and unit not in ("1", KELVIN):
+        power = min(max(3 * floor(log10(abs(largest)) / 3 + 0.1), min(PREFIXES)), max(PREFIXES))
+    return 10.0**power, "" if unit == "1" else PREFIXES[power] + unit
 
 
 def with_prefix(value: float, unit: str) -> str:
     """A value in SI for reading: 1.4e9, "Pa" is "1.4 GPa"."""
-    if unit == "1":
-        return f"{value:.4g}"
-    power = 0 if "/" in unit else exponent(abs(value))
-    return f"{value / 10**power:.4g} {PREFIXES[power]}{unit}"
+    one, name = prefixed(unit, value)
+    return f"{value / one:.4g} {name}".rstrip()
 
 
 def values_in_si(values: Mapping[str, Any], scales: Scales) -> dict[str, float | None]:
@@ -284,8 +296,8 @@ def values_in_si(values: Mapping[str, Any], scales: Scales) -> dict[str, float |
     converted = {}
     for name, value in values.items():
         base = name.removesuffix("_error").removesuffix("_extrapolated")
-        variable = VARIABLES.get(base, EVENT)
-        if variable.scale:
+        variable = VARIABLES.get(base)
+        if variable is not None and variable.scale:
             key = named_with_unit(variable.si_name + name.removeprefix(base), variable.si_units)
             converted[key] = None if value is None else value * variable.factor(scales)
     return converted

@@ -194,7 +194,7 @@ def solve_together(problems: Sequence[StepProblem], lanes: int) -> list[StepSolu
 def _axes(problem: StepProblem) -> Any:
     """The axis of the lanes in each part of a problem; None for the large parts that all cases share."""
     axes = tree.map(lambda leaf: 0, problem)
-    setting = replace(axes.setting, elastic=None, space=None, axes=None, gap_slope=None)
+    setting = replace(axes.setting, elastic=None, space=None, gap_slope=None)
     return replace(axes, setting=setting, contact=replace(axes.contact, kernel=None, spacing=None))
 
 
@@ -204,9 +204,7 @@ def _joined(axis: int | None, *values: Any) -> Any:
     return _stack(values) if isinstance(values[0], Array) else np.asarray(values)
 
 
-@jax.jit
-def _stack(fields: Sequence[Array]) -> Array:
-    return jnp.stack(fields)
+_stack = jax.jit(jnp.stack)
 
 
 @jax.jit

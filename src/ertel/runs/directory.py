@@ -39,10 +39,11 @@ from itertools import chain, count
 from math import inf, isfinite
 from os.path import lexists
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 from uuid import uuid4
 
 from ertel.case.case import Case
+from ertel.case.conditions import Kind
 from ertel.case.status import Status
 from ertel.inputs.case_files import ConfigError, parse_case, read_toml, to_toml
 from ertel.results.numbers import Scalar, as_now, lines, scalars
@@ -134,6 +135,8 @@ def read_summary(directory: Path) -> dict[str, Any] | None:
     with reading(path, "it is written again when the run is continued"):
         summary = as_now(unsealed(content_of(path)))
         Status(summary["status"])
+        if summary["kind"] not in get_args(Kind):
+            raise ValueError(f"kind = {summary['kind']!r} is neither impact nor rolling")
         if not all(isinstance(text, str) for text in (*lines(summary), *summary["warnings"])):
             raise ValueError("a warning is not a text")
     return summary

@@ -252,7 +252,7 @@ class RunStore:
         """The summary of a run that has not ended.  Raises StoreError where there is nothing yet."""
         checkpoint, result = self._read_checkpoint()
         if result is None:
-            raise StoreError(f"{self.directory}: nothing is computed yet; to start it: ertel resume")
+            raise StoreError(f"{self.directory}: nothing is computed yet; to start it: ertel resume {self.directory}")
         return self.summarise(result, Status.RUNNING, {"compilations": 0, "wall_s": float(checkpoint["store_seconds"])})
 
     def result(self) -> Result:

@@ -159,7 +159,7 @@ def curve_of(case: Case, given: Mapping[str, Given | None], film: str | None = N
     if axis != "slide_to_roll" and not case.scales:
         raise ConfigError(f"{axis} = {show(values)}: a dimensionless case has none; give the contact in SI")
     _check_factors(case, axis)
-    in_si = parse_values(axis, values, CURVE_AXES[axis][0])
+    in_si = parse_values(axis, values, CURVE_AXES[axis].mark)
     try:
         cases = tuple(_at(case, axis, value) for value in in_si)
     except ValueError as error:
@@ -219,7 +219,7 @@ def curve_in(curve: Curve, directory: Path, progress: bool = False, asked: Condi
     statuses = studies.run_study(curve.films, directory, LocalWorker(), asked=asked, progress=progress)
     points, present = [], None
     for case, film_case in zip(curve.cases, curve.films, strict=True):
-        fresh = film_case is not present
+        fresh = film_case is not present  # one film may serve all points
         if fresh:
             run, present = studies.study_run(film_case, directory, statuses), film_case
             film = RunStore.open(directory / run.directory).item() if run.status == study_result.DONE else None
@@ -227,7 +227,7 @@ def curve_in(curve: Curve, directory: Path, progress: bool = False, asked: Condi
             points.append(run._replace(numbers=point_scalars(case, {})))
         else:
             points.append(_measured(case, film, fresh, run.directory))
-    axis = {curve.axis: (curve.values, CURVE_AXES[curve.axis][1])}
+    axis = {curve.axis: (curve.values, CURVE_AXES[curve.axis].attributes)}
     values = (f"{curve.axis} = {value:.4g}" for value in curve.values)
     warnings = study_result.grouped(
         ((place, sentence) for place, point in zip(values, points, strict=True) for sentence in point.warnings), "point"

@@ -101,7 +101,8 @@ def impact_mark(
 
 def rolling_mark(kind: str, case: Moes, wavelength: float, ratio: Sequence[float]) -> Mark:
     """A_d/A_i of waves in a rolling contact."""
-    return _mark(kind, case, wavelength, 0.0, 3 * (Parameters.from_moes(*case).nabla2(wavelength),), ratio)
+    nabla2 = Parameters.from_moes(*case).nabla2(wavelength)
+    return _mark(kind, case, wavelength, 0.0, (nabla2, nabla2, nabla2), ratio)
 
 
 def _mark(kind: str, case: Moes, wavelength: float, X: float, nabla2: Sequence[float], ratio: Sequence[float]) -> Mark:

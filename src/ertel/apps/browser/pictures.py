@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 from ertel.apps.looking import optics
 from ertel.results.numbers import Number, number, scales_in
-from ertel.results.variables import is_steady
+from ertel.results.variables import figures_of, is_steady
 from ertel.runs.directory import DATA
 
 if TYPE_CHECKING:  # imported in the process that draws
@@ -98,13 +98,12 @@ def stamp_of(run: Path) -> int:
 
 def run_info(run: Path, stamp: int) -> RunInfo:
     """The facts on a run.  Raises ValueError where its data cannot be read."""
-    from ertel import plots
     from ertel.results.profiles import events_of
 
     data = _opened(run, stamp, STRESSES)
     about, steady = data.attrs, is_steady(data)
     scales = scales_in({**about, "si": about}) if "R_m" in about else None
-    drawn = {*(plots.STEADY if steady else plots.IN_TIME), *([INTERFEROGRAM] if scales else [])}
+    drawn = {*figures_of(data), *([INTERFEROGRAM] if scales else [])}
     figures = tuple(name for name in FIGURES if name in drawn and (name != "front" or about["kind"] == "impact"))
     last = {name: float(data[name].values[-1]) for name in LATEST if name in data and data[name].size}
     latest = tuple(

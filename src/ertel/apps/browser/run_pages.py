@@ -239,13 +239,17 @@ class Comparison:
             self._sides = [_Side(self, names, name) for name in (first, second)]
 
     def begin(self) -> None:
-        """Take over the times of both runs, when both are known, from maximum approach on where one of them has it."""
+        """Take over the times of both runs, when both are known: at maximum approach first, then at the time chosen."""
         known = [side.info for side in self._sides if side.info]
         if len(known) == len(self._sides):
-            T = sorted({t for info in known for t in info.T})
+            chosen, T = self._slider.T, sorted({t for info in known for t in info.T})
+            # an event that both have is that of the first run
             events = {event: T.index(info.T[map_]) for info in reversed(known) for event, map_ in info.events.items()}
+            index = events.get("max-approach", max(len(T) - 1, 0))
+            if chosen is not None and T:
+                index = T.index(min(T, key=lambda t: abs(t - chosen)))
             self._when.set_visibility(bool(T))
-            self._slider.fill(RunInfo(T=tuple(T), events=events), events.get("max-approach", max(len(T) - 1, 0)))
+            self._slider.fill(RunInfo(T=tuple(T), events=events), index)
         self._show()
 
     def _show(self) -> None:

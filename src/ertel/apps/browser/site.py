@@ -108,8 +108,10 @@ def frame(site: Site, pages: dict[str, Callable[..., Any]]) -> None:
         with ui.link(target="/").classes("brand"):
             ui.html(LOGO, sanitize=False)
             ui.label("ertel")
-        root = in_unicode(str(site.folder.root))
-        ui.label(root.replace(f"{Path.home()}/", "~/", 1)).classes("where").tooltip(f"The folder of this app: {root}")
+        root, home = in_unicode(str(site.folder.root)), f"{Path.home()}/"
+        ui.label(f"~/{root.removeprefix(home)}" if root.startswith(home) else root).classes("where").tooltip(
+            f"The folder of this app: {root}"
+        )
         ui.space()
         ui.button("New case", icon="add", on_click=lambda: ui.navigate.to("/new")).props("unelevated").mark("new")
         ui.button("Compare", icon="vertical_split", on_click=lambda: ui.navigate.to("/compare")).props("flat")
