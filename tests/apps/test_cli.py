@@ -50,7 +50,7 @@ def test_about(monkeypatch):
 def test_run_tells_what_it_stores(small, runs):
     summary, printed = RunStore.open(small).summary(), runs[1]["small"]
     assert "M = 200, L = 10" in printed
-    assert f"{summary['max_approach']['H_c']:.4g}" in printed
+    assert f"{summary['max_approach']['H_c']:.5g}" in printed
     assert "Warning: the film is not resolved at the front" in printed  # 33 nodes do not resolve it
     assert f"ertel plot {runs[0] / 'small'}" in printed
 

@@ -10,7 +10,7 @@ from cases import impact
 from made_up import BALL_FALLS, BALL_ROLLS, C1, MOES_FALLS, MOES_ROLLS, as_in_time, dry_impact, in_time
 
 import ertel
-from ertel.apps.tables import film_rows
+from ertel.apps.tables import film_rows, value_rows
 from ertel.case.case import Case
 from ertel.case.definition import grid_of
 from ertel.case.sections import Time
@@ -20,7 +20,7 @@ from ertel.physics import hertz
 from ertel.physics.film_formulas import FormulaFilm
 from ertel.physics.units import Quantity
 from ertel.results import parameters, variables
-from ertel.results.numbers import as_now, columns_of, key_numbers, lines, more_lines, number, scalars
+from ertel.results.numbers import as_now, key_numbers, lines, more_lines, number, scalars
 from ertel.results.summary import comparisons, extremes, impact_summary, in_smaller_steps, rolling_summary, with_error
 from ertel.results.variables import one_number, to_si, with_coefficients
 from ertel.runs.drive import simulate
@@ -173,8 +173,8 @@ def test_tables_show_the_value_and_the_extrapolated_one_with_the_error(run: erte
     columns = list(zip(*film_rows(case, [film], computed), strict=True))
     assert columns[0][1:] == ("computed", "computed, extrapolated", "formula")
     assert columns[2][1:] == ("+-10.0%", "", "+9.1%") and columns[4][1:] == ("+-50.0%", "", "+20.0%")
-    head, row = zip(*columns_of([computed["H_c"]]), strict=True)
-    assert head[2:] == ("value", "in SI", "error", "extrapolated", "in SI")
+    head, row = value_rows("", [computed["H_c"]])
+    assert head[2:] == ["value", "in SI", "error", "extrapolated", "in SI"]
     assert float(row[6].split()[0]) == pytest.approx(1.1 * float(row[3].split()[0]), rel=1e-3)
 
 

@@ -206,9 +206,6 @@ def plot(
     An interferogram needs a case in SI. It is that of a steel ball on glass with 8 nm of chromium; from Python other
     layers and light sources can be chosen, see ertel.optics.
     """
-    from ertel import plots
-    from ertel.runs.store import RunStore
-
     if format_ in MOVIES and interferogram is None:
         leave(BAD_INPUT, f"--format {format_}: only an interferogram can be a movie; add --interferogram mono")
     if format_ in MOVIES and at is not None:
@@ -219,6 +216,9 @@ def plot(
         leave(BAD_INPUT, f"--wavelength {wavelength}: only for --interferogram mono or two-beam")
     if format_ == "mp4":
         _find_ffmpeg()
+    from ertel import plots
+    from ertel.runs.store import RunStore
+
     data = RunStore.open(directory).dataset()
     writers: dict[str, Callable[[Path], object]]
     sheet: Any = {"columns": columns, "title": title}

@@ -257,13 +257,16 @@ def _judged(error: Exception) -> tuple[int, str]:
         message = str(error.format_message()).rstrip(".")
         return BAD_INPUT, f"{message}; see {error.ctx.command_path} --help" if error.ctx else message
     from ertel.case.records import ConfigError
-    from ertel.runs import outlook
-    from ertel.runs.compile import NoDevice, jax_devices
     from ertel.runs.files import Damaged, StoreError
 
     if isinstance(error, Damaged):
         return BAD_INPUT, f"{error}{_repair(error.path)}"
-    if isinstance(error, ConfigError | StoreError | NoDevice):
+    if isinstance(error, ConfigError | StoreError):
+        return BAD_INPUT, str(error)
+    from ertel.runs import outlook
+    from ertel.runs.compile import NoDevice, jax_devices
+
+    if isinstance(error, NoDevice):
         return BAD_INPUT, str(error)
     if outlook.is_out_of_memory(error):
         return FAILED, "out of memory"

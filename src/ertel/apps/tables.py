@@ -12,7 +12,7 @@ from ertel.case.records import ConfigError, show
 from ertel.inputs import materials, oils
 from ertel.physics.materials import Material, NamedOil, Sourced, celsius
 from ertel.physics.units import COMPLIANCE, KINEMATIC_VISCOSITY, TEMPERATURE, Unit, marks
-from ertel.results.numbers import Number, aligned, columns_of, moment, more_lines, numbers, values_of
+from ertel.results.numbers import Number, aligned, moment, more_lines, numbers, values_of
 from ertel.results.parameters import domain, formula_films, parameter_summary, rheology_of
 from ertel.results.variables import FILMS, values_in_si, with_prefix
 
@@ -109,7 +109,7 @@ def _print_values(out: PlainConsole, case: "Case", summary: Mapping[str, Any]) -
     computed = {name: number for name, number in numbers(summary).items() if name in values_of(summary)}
     if computed:
         heading = "at the last time" if "T" in summary else moment(summary)
-        out.print("\n".join(aligned(columns_of(computed.values(), heading), left=2)))
+        print_rows(value_rows(heading, list(computed.values())), left=2)
     else:
         out.print(f"{moment(summary).capitalize()}.")
     estimate = summary.get("error_estimate") or {}
@@ -125,6 +125,26 @@ def _print_values(out: PlainConsole, case: "Case", summary: Mapping[str, Any]) -
     if formulas:
         out.print()
         print_films(case, formulas, computed)
+
+
+def value_rows(heading: str, values: Sequence[Number]) -> list[list[str]]:
+    """Numbers with their value in SI, error and extrapolated value, also in SI, as far as these are known."""
+    in_si = ["in SI"] if any(each.factor is not None for each in values) else []
+    estimated = ["error", "extrapolated", *in_si] if any(each.error is not None for each in values) else []
+    rows = [[heading, "", "value", *in_si, *estimated]]
+    for each in values:
+        row = [each.about.long_name, each.name, *_with_si(each, each.value, in_si)]
+        if each.error is not None and each.extrapolated is not None:
+            row += [f"{each.error / abs(each.value):.2%}" if each.value else "-"]
+            row += _with_si(each, each.extrapolated, in_si)
+        rows.append(row + [""] * (len(rows[0]) - len(row)))
+    return rows
+
+
+def _with_si(number: Number, value: float, in_si: Sequence[str]) -> list[str]:
+    """A value in the unit of a number, and in SI if that is shown."""
+    factor = 1.0 if number.factor is None else number.factor
+    return [f"{value:.5g}", *(with_prefix(value * factor, number.about.si_units) for _ in in_si)]
 
 
 # -- film formulas ----------------------------------------------------------------------------------------------------

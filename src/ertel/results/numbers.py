@@ -5,7 +5,7 @@ versions.  Below it are the outcome as text and as HTML for a notebook.  This mo
 """
 
 from base64 import b64encode
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from html import escape
 from io import BytesIO
 from math import floor, isfinite, log10
@@ -242,18 +242,8 @@ def pairs(first: Outcome, second: Outcome) -> list[dict[str, Any]]:
 
 # -- as text -----------------------------------------------------------------------------------------------------------
 
-HEAD = ("name", "value", "in SI", "error", "extrapolated", "in SI")
+HEAD = ("quantity", "symbol", "value", "in SI", "error")
 DOTS_PER_INCH = 80  # of a picture in a notebook
-
-
-def columns_of(shown: Iterable[Number], heading: str = "quantity") -> list[tuple[str, ...]]:
-    """Numbers as columns of a table, each with its heading first; a column in which nothing is known is left out."""
-    rows = [(heading, *HEAD)]
-    for each in shown:
-        row = each.about.long_name, each.name, each.text, each.text_in_si, each.text_of_error
-        limit = None if each.extrapolated is None else each._replace(value=each.extrapolated)
-        rows.append((*row, limit.text, limit.text_in_si) if limit else (*row, "", ""))
-    return [column for column in zip(*rows, strict=True) if any(column[1:])]
 
 
 def lines(summary: Outcome) -> Iterator[str]:
@@ -311,10 +301,11 @@ def _thermal_lines(summary: Outcome) -> Iterator[str]:
 
 
 def html_table(summary: Outcome, heading: str = "") -> str:
-    """The key numbers as an HTML table, and the warnings below."""
+    """The key numbers as an HTML table with the columns that are known, and the warnings below."""
     parts = [f"{heading}{escape(_conditions(summary))}: {escape(summary['status'])}; {escape(moment(summary))}"]
-    shown = key_numbers(summary)
-    parts += [html_columns(columns_of(shown))] if shown else []
+    rows = [(n.about.long_name, n.about.symbol, n.text, n.text_in_si, n.text_of_error) for n in key_numbers(summary)]
+    columns = [column for column in zip(HEAD, *rows, strict=True) if any(column[1:])]
+    parts += [html_columns(columns)] if columns else []
     parts += [f"<div>{escape(line)}</div>" for line in more_lines(summary)]
     parts += [f"<div>Warning: {escape(warning)}</div>" for warning in summary["warnings"]]
     return f"<div>{''.join(parts)}</div>"

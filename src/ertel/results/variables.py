@@ -19,7 +19,7 @@ KELVIN = "K"  # the unit of temperatures, the only one that is the same in SI
 PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 ROLLING_UNITS = {  # of a rolling contact, whose scales are those of the static contact and not of the dry impact
     "a*": "a", "a*^2/R": "a^2/R", "p_h*": "p_h", "F*": "F", "a*/t0": "u_m", "a*/R": "a/R", "p_h* a*/R": "p_h a/R",
-    "p_h* a*^2/(R t0)": "p_h u_m a/R", "F* a*^2/(R t0)": "F u_m a/R", "F* a*^2/R": "F a^2/R", "a*^2 p_h*": "a^2 p_h",
+    "p_h* a*^2/(R t0)": "p_h u_m a/R", "F* a*^2/(R t0)": "F u_m a/R", "F* a*^2/R": "F a^2/R",
 }  # fmt: skip
 EVENTS = ("", "max-approach", "end")  # why a frame was kept; the first: because it was time
 
