@@ -261,7 +261,8 @@ def solve_on_grid(case: Case, grid: Grid, c: Contact, P: Array | Floats, approac
     gap = jax.device_put(np.asarray(c.gap) + around.uplift)  # NumPy has nothing to compile
     problem, P = problem_of(case, grid, replace(c, gap=gap), around.load), np.where(outside.is_edge, around.edge, P)
     s, Delta = _program(problem, P, float(approach))
-    status = Status.CONVERGED if bool(s.converged) else Status.NEWTON_STALLED
+    s = s._replace(residual=np.asarray(s.residual))  # NumPy has nothing to compile
+    status = Status.CONVERGED if s.converged else Status.NEWTON_STALLED
     n, k = int(s.newton), int(s.krylov)
     work = nonlinear.convolutions(grid, n, k)
     history = tuple((np.asarray(s.history)[: n + 1] * problem.tolerance).tolist())
