@@ -59,7 +59,9 @@ def test_every_law(law, formula):
         assert np.shape(value(law, number)) == () and float(value(law, number)) == float(value(law, 0.5))
     assert jnp.asarray(value(law, P)).dtype == jnp.float64
     traceable(Lubricant(law, law))
-    assert_allclose(jax.jit(value)(law, P), formula, rtol=1e-12)
+    assert_allclose(jax.jit(value)(law, P), value(law, P), rtol=1e-13)
+    difference = (value(law, P[1:] + 1e-6) - value(law, P[1:] - 1e-6)) / 2e-6
+    assert_allclose(jax.vmap(jax.grad(lambda p: value(law, p)))(P[1:]), difference, rtol=1e-7, atol=1e-8)
     assert len(law.reference) > 10
 
 
@@ -109,6 +111,7 @@ def test_a_users_own_law_takes_its_place():
     oil = traceable(Lubricant(PowerLaw(3.0, 4.0), DowsonHigginson(2.0)))
     flow = jax.jit(lambda oil, p: oil.density(p) / oil.viscosity(p))
     assert_allclose(flow(oil, P), DowsonHigginson(2.0).density(P) / (1 + 3 * P) ** 4, rtol=1e-13)
+    assert jax.grad(lambda p: oil.viscosity(p))(0.0) == pytest.approx(12.0)
 
 
 # -- in SI ------------------------------------------------------------------------------------------------------------

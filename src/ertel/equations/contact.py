@@ -57,7 +57,10 @@ class Details(NamedTuple):
 @register_dataclass
 @dataclass(frozen=True)
 class PressureFlow:
-    """The flow by the pressure gradient: of a Newtonian oil, whose mobility is the same in all directions."""
+    """The flow of a Newtonian oil by the pressure gradient: its mobility is the same in all directions.
+
+    An oil that thins has the same methods, each its own (`thinning`).
+    """
 
     def gain(self, contact: "Contact", P: Array, H: Array) -> Array:
         """- div(Poiseuille flux): what the flow brings to each node; without meaning on the edge.  Shape (n, n)."""

@@ -68,7 +68,7 @@ def combined(weights: bdf.Weights, values: Sequence[Field]) -> Field:
 
 
 def interpolated(levels: Sequence[State], T: float) -> State:
-    """The state at a time between or after the levels, by polynomial interpolation; P stays above zero."""
+    """The state at a time between or after the levels, by polynomial interpolation; P is not below zero."""
     weights = bdf.interpolation_weights(T, [level.T for level in levels])
     fields = {
         name: combined(weights, [np.asarray(level.fields[name]) for level in levels]) for name in levels[0].fields

@@ -296,9 +296,8 @@ _account_program = Program(jax.jit(_account), ANY_SIZE)
 
 def steady_friction(case: Case, s: GridSolution) -> account.Friction:
     """The friction of a steady film, of the shape of its grid; the case may slide in another way."""
-    m, space = case.motion, Plane.of(s.grid)
-    c, scale = replace(s, case=case).contact, case.geometry.hertz_load
-    return account.friction_program(space, c, s.P, s.H, m.sliding(0.0), m.load(0.0), scale)
+    c, m, scale = discretise.contact_of(case, s.grid), case.motion, case.geometry.hertz_load
+    return account.friction_program(Plane.of(s.grid), c, s.P, s.H, m.sliding(0.0), m.load(0.0), scale)
 
 
 def compile_ahead(case: Case) -> None:
