@@ -152,8 +152,9 @@ def test_fringes_fade_with_the_coherence():
     light, rig = Monochromatic.of_width(GREEN, 10 * NM), chromium(8)
     assert light.coherence == pytest.approx(0.6643 * GREEN**2 / (10 * NM), rel=1e-4)
     half = light.coherence / 3  # the film that makes a path difference of one coherence length
-    near, there, far = (light.colours(rig, h + WINDOW, 1.5) for h in (GREEN / 6, half, 50e-6))
+    near, middle, there, far = (light.colours(rig, h + WINDOW, 1.5) for h in (GREEN / 6, 5e-6, half, 50e-6))
     assert np.ptp(there) / np.ptp(near) == pytest.approx(np.exp(-np.pi / 2), rel=0.1)
+    assert np.ptp(far) < 1e-9 < np.ptp(middle) < np.ptp(near)
     np.testing.assert_allclose(far[:, 0], rig.fringes(GREEN, 1.5).mean, rtol=1e-9)
 
 
