@@ -205,13 +205,19 @@ class View:
         """The films of a steady contact with their errors; of a run in time the moment, its load and its speed."""
         if self.frame is None:
             return [self._film_with_error(name) for name in FILMS]
-        data, time = self.dataset, self.scale("time")
-        parts = [f"{self.moment} at {time.symbol} = {self.time * time.factor:.4g} {time.unit}"]
+        data = self.dataset
+        parts = [f"{self.moment} at {self.clock}"]
         if "F" in data:
             parts.append(f"load {self.with_unit('F', self._now('F'))}")
         if "U" in data and np.any(data["U"].values):
             parts.append(f"speed {self.with_unit('U', self.flow)}")
         return parts
+
+    @property
+    def clock(self) -> str:
+        """The time of the map, as t = 60 µs."""
+        time = self.scale("time")
+        return f"{time.symbol} = {self.time * time.factor:.4g} {time.unit}"
 
     @property
     def friction(self) -> list[str]:
