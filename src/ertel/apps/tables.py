@@ -12,10 +12,9 @@ from ertel.case.records import ConfigError, show
 from ertel.inputs import materials, oils
 from ertel.physics.materials import Material, NamedOil, Sourced, celsius
 from ertel.physics.units import COMPLIANCE, KINEMATIC_VISCOSITY, TEMPERATURE, Unit, marks
-from ertel.results.numbers import Number, aligned, moment, more_lines, numbers, values_of
+from ertel.results.numbers import Number, aligned, duration, moment, more_lines, numbers, values_of
 from ertel.results.parameters import domain, formula_films, parameter_summary, rheology_of
 from ertel.results.variables import FILMS, values_in_si, with_prefix
-from ertel.runs.directory import duration
 
 if TYPE_CHECKING:
     from ertel.case.case import Case

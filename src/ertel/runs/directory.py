@@ -228,13 +228,6 @@ class ProgressFile:
         return round((time.monotonic() - then) * (1.0 - done) / (done - share), 1)
 
 
-def duration(seconds: float) -> str:
-    """A rough duration in words."""
-    if seconds < 90:
-        return f"{seconds:.0f} s"
-    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
-
-
 def read_progress(directory: Path) -> dict[str, Any] | None:
     """The progress of a run; None where there is none or it cannot be read."""
     with suppress(OSError, ValueError, LookupError, TypeError, RecursionError, OverflowError):

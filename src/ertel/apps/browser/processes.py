@@ -19,8 +19,9 @@ from typing import IO, Any
 from ertel.apps.browser.folder import Folder, fault_of, summary_of
 from ertel.apps.terminal import capital
 from ertel.case.status import Status
+from ertel.results.numbers import duration
 from ertel.runs import files
-from ertel.runs.directory import ask_to_stop, duration, is_asked_to_stop, read_progress
+from ertel.runs.directory import ask_to_stop, is_asked_to_stop, read_progress
 
 ERTEL = (sys.executable, "-P", "-m", "ertel")  # -P: a file typer.py in the folder is none of ours
 STOPPED = (0, 130, 143, -signal.SIGTERM)  # exit codes of a run that ended or was asked to
