@@ -284,7 +284,7 @@ class LogLines(rich.progress.Progress):
         if self.get_time() >= self._next:
             self._next = self.get_time() + LOG_INTERVAL
             with suppress(OSError):
-                self.console.print(self._line(), soft_wrap=True, markup=False, highlight=False)
+                self.console.out(self._line(), highlight=False)
 
     def _line(self) -> str:
         """Label, share, message, time so far and time left."""
