@@ -71,8 +71,8 @@ from ertel.physics.scales import Parameters as Parameters
 from ertel.physics.scales import Scales as Scales
 from ertel.results import result
 from ertel.results.contact_law import ContactLaw as ContactLaw
-from ertel.results.convergence import ConvergenceResult as ConvergenceResult
 from ertel.results.fit_result import FitResult as FitResult
+from ertel.results.study_result import ConvergenceResult as ConvergenceResult
 from ertel.results.study_result import StudyResult as StudyResult
 from ertel.results.study_result import TractionCurve as TractionCurve
 

@@ -9,16 +9,14 @@ refinement studies. J Comput Phys 2014;262:104-130, section 4).
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import isnan, log2, nan
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from ertel.numerics.grid import extrapolate
-from ertel.results.study_result import StudyResult
-from ertel.results.variables import ESTIMATED, name_in_si, prefixed
+from ertel.results.variables import ESTIMATED, name_in_si
 
 ORDER = 2.0  # that is assumed
 SEEN = (1.5, 2.5)  # observed orders at which it is
@@ -66,58 +64,3 @@ def limits_of(dataset: xr.Dataset) -> dict[str, Limit]:
     names = [name for each in ESTIMATED for name in dict.fromkeys((each, name_in_si(each))) if name in dataset]
     values = {name: dataset[name].values.tolist() for name in names}
     return {name: limit(each) for name, each in values.items() if all(each) and not any(map(isnan, each))}
-
-
-@dataclass(frozen=True, repr=False, eq=False)
-class ConvergenceResult(StudyResult):
-    """A convergence series: the numbers of a case on several grids, coarsest first, and their limits."""
-
-    @property
-    def limits(self) -> dict[str, Limit]:
-        """Observed order, extrapolated value, its error and whether second order is seen, by number, SI where it is."""
-        return limits_of(self.dataset)
-
-    def as_data(self) -> dict[str, Any]:
-        """The series as plain data for JSON."""
-        limits = {name: each._asdict() | {"order": _known(each.order)} for name, each in self.limits.items()}
-        return {**super().as_data(), "assumed_order": ORDER, "limits": limits}
-
-    def table(self) -> list[list[str]]:
-        """The columns of a table to read: a row for each number, a column for each grid, then the limit."""
-        rows = [
-            [str(name), *(f"{each:.4g}" for each in axis.values), "", "", ""]
-            for name, axis in self.dataset.coords.items()
-        ]
-        rows[0][-3:] = ["order", "extrapolated", "error"]
-        for name, one in self.limits.items():
-            variable = self.dataset[name]
-            scale, unit = prefixed(variable.attrs["units"], one.value)
-            *shown, last = [f"{value / scale:.5g}" for value in (*variable.values, one.value)]
-            order = "-" if isnan(one.order) else f"{one.order:.2f}"
-            rows.append([f"{name} ({unit})" if unit else name, *shown, order, last, f"{one.error / scale:.2g}"])
-        return [list(column) for column in zip(*rows, strict=True)]
-
-    @property
-    def remarks(self) -> list[str]:
-        """Lines below the table: where the order is seen and what the errors are, then those of a study."""
-        limits = self.limits.items()
-        seen = ", ".join(name for name, one in limits if one.seen)
-        faster = ", ".join(name for name, one in limits if one.order > SEEN[1])
-        unseen = ", ".join(name for name, one in limits if not one.order >= SEEN[0])
-        return [
-            *([f"second order, which the extrapolation assumes, is seen in {seen}"] if seen else []),
-            *(
-                [f"faster than second order, with the error that the grid before lets expect: {faster}"]
-                if faster
-                else []
-            ),
-            *([f"second order is not seen in {unseen}: {UNSEEN}"] if unseen else []),
-            *super().remarks,
-        ]
-
-
-UNSEEN = "value of the finest grid, and as error the largest difference between grids, thrice where they do not fall"
-
-
-def _known(value: float) -> float | None:
-    return None if isnan(value) else value

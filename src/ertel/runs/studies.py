@@ -32,9 +32,9 @@ from ertel.case.status import Status
 from ertel.inputs.case_files import CaseLike, as_case
 from ertel.inputs.studies import Study, convergence_series, coordinates, load_study, parse_study
 from ertel.numerics.programs import double_precision
-from ertel.results.convergence import ConvergenceResult, with_limits
+from ertel.results.convergence import with_limits
 from ertel.results.numbers import scalars
-from ertel.results.study_result import MISSING, StudyResult, StudyRun, grouped, study_dataset
+from ertel.results.study_result import MISSING, ConvergenceResult, StudyResult, StudyRun, grouped, study_dataset
 from ertel.runs.batch import STEPS, program_of
 from ertel.runs.compile import check_jax
 from ertel.runs.directory import CASE, STOP, Taken, heeding_stop, is_asked_to_stop, read_progress, status_of
