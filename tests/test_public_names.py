@@ -11,8 +11,8 @@ import ertel
 
 SHOWN = """
     impact rolling Oil quantity load_case Case Solver Time Output ConfigError simulate run open simulate_batch tasks
-    sweep converge fit traction cache respond respond_linearly respond_in_rolling Result Measurement to_si plots fronts waves
-    formulas hertz materials oils optics Feature Spot Waviness RingWaviness Measured SelfAffine
+    sweep converge fit traction cache respond respond_linearly respond_in_rolling Result Measurement to_si plots fronts
+    waves formulas hertz materials oils optics Feature Spot Waviness RingWaviness Measured SelfAffine
 """
 FOR_EXPERTS = """
     parse_case to_toml Status Lubricant Motion Parameters Scales viscosity_laws density_laws fluidity_laws shapes
