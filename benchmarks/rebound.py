@@ -2,8 +2,8 @@
 
     python benchmarks/rebound.py [nodes ...]          (129 257 unless said; the radial method on 201 and 401)
 
-M = 1000, L = 10, compiled before by a rebound of few steps; some minutes.  While the ball leaves, a pressure spike of a few cells moves inwards;
-it must not rule the steps.
+M = 1000, L = 10, compiled before by a rebound of few steps; some minutes.  While the ball leaves, a pressure spike of
+a few cells moves inwards; it must not rule the steps.
 """
 
 import time
