@@ -118,7 +118,7 @@ class Middle(NamedTuple):
         P = jnp.zeros_like(P).at[middle].set(solution.P)
         H = contact.film_thickness(c, P, found)
         left = contact.residual(c, P, H, rate)
-        residual = jnp.maximum(solution.residual, newton.largest(P, left, problem.tolerance))
+        residual = jnp.maximum(solution.residual, newton.largest_residual(P, left, problem.tolerance))
         return solution._replace(P=P, H=H, left=left, residual=residual), found
 
 
