@@ -193,8 +193,9 @@ def plot(
     interferogram: Annotated[Lighting | None, option(FRINGES_HELP)] = None,
     wavelength: Annotated[str | None, option("Wavelength of the light; default 532 nm.", "LENGTH")] = None,
     format_: Annotated[
-        Format, option("File format; gif, webp and mp4 are movies of an interferogram.", name="--format")
+        Format, option("File format; gif, webp and mp4 are movies of a run in time.", name="--format")
     ] = "png",
+    rate: Annotated[float | None, option("Frames a second of a movie, 1 to 50; default 12.", min=1.0, max=50.0)] = None,
     columns: Annotated[
         int | None, option("Draw for print, one or two columns wide: 85 or 170 mm.", min=1, max=2)
     ] = None,
@@ -205,9 +206,14 @@ def plot(
 
     An interferogram needs a case in SI. It is that of a steel ball on glass with 8 nm of chromium; from Python other
     layers and light sources can be chosen, see ertel.optics.
+
+    --what film --format gif --rate 20 makes a movie of eight seconds: of the film, the pressure, or an interferogram.
     """
-    if format_ in MOVIES and interferogram is None:
-        leave(BAD_INPUT, f"--format {format_}: only an interferogram can be a movie; add --interferogram mono")
+    if format_ in MOVIES and interferogram is None and what not in ("film", "pressure"):
+        shown = "--what film, --what pressure or --interferogram mono"
+        leave(BAD_INPUT, f"--format {format_}: needs {shown}; no other picture can be a movie")
+    if rate is not None and format_ not in MOVIES:
+        leave(BAD_INPUT, f"--rate {rate:g}: only for movies; add --format gif")
     if format_ in MOVIES and at is not None:
         leave(BAD_INPUT, f"--at {at}: a movie shows all times; leave it out, or use --format png")
     if format_ in MOVIES and (columns or not title):
@@ -223,12 +229,17 @@ def plot(
     writers: dict[str, Callable[[Path], object]]
     sheet: Any = {"columns": columns, "title": title}
     with bad_input():
-        if interferogram is None:
+        if format_ in MOVIES:
+            pace: Any = {} if rate is None else {"rate": rate}
+            if interferogram is None:
+                movie = plots.movie(data, what or "", **pace)
+            else:
+                movie = plots.animation(data, *optics(interferogram, wavelength), **pace)
+            name = f"interferogram-{interferogram}" if interferogram else str(what)
+            writers = {name: partial(movie.save, writer=MOVIES[format_])}
+        elif interferogram is None:
             names = [what] if what else plots.names_of(data)
             writers = {name: plots.draw(data, name, at, **sheet).savefig for name in names}
-        elif format_ in MOVIES:
-            movie = plots.animation(data, *optics(interferogram, wavelength))
-            writers = {f"interferogram-{interferogram}": partial(movie.save, writer=MOVIES[format_])}
         else:
             picture = plots.interferogram(data, at, *optics(interferogram, wavelength), **sheet)
             writers = {f"interferogram-{interferogram}": picture.savefig}
