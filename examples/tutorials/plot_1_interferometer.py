@@ -154,8 +154,8 @@ assert abs(faster - 1.03) < 0.005
 # %%
 # What is the error?
 # ------------------
-# Here, and only here, the true film is known.  Each of the usual mistakes can be made on purpose.  Where another film is
-# nearly as likely, ``film_of_intensity`` warns.
+# Here, and only here, the true film is known.  Each of the usual mistakes can be made on purpose.  Where another film
+# is nearly as likely, ``film_of_intensity`` warns.
 true = truth.si["h"].interp(x=x, y=0, method="cubic").values
 wrong = {
     "as above": measured,
