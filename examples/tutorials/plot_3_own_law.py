@@ -20,6 +20,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import ertel
+from ertel.numerics.programs import double_precision
 from ertel.physics.units import ABOVE_ZERO, COMPLIANCE
 
 # %%
@@ -63,7 +64,7 @@ print(law.viscosity(np.array([0, 0.2e9, 0.5e9, 1e9])))
 # The solver needs the derivative of the law and finds it itself, with JAX.  Ask JAX for the same derivative and
 # compare it with that on paper, d ln(eta)/dp = alpha/(1 + alpha p/q), and with a difference of two values.  A law
 # with a kink, or one that is not a number somewhere, fails here and not in the middle of the night.
-with jax.enable_x64(True):
+with double_precision():
     pressures = np.linspace(0, 2e9, 9)
     of_jax = np.array([float(jax.grad(lambda p: jax.numpy.log(law.viscosity(p)))(p)) for p in pressures])
 on_paper = law.alpha / (1 + law.alpha * pressures / law.q)
