@@ -136,9 +136,12 @@ def test_unknowns_that_are_refused(unknowns: Any, sentence: str) -> None:
 @pytest.mark.parametrize(
     ("data", "sentence"),
     [
-        ([0.87], r"measurements\[0\] = 0.87: must be a Measurement"),
-        ([Measurement.number("restitution", 0.87)], r"measurements\[0\].sigma = None: must be given"),
-        ([(measured(FILM), {"lubricant.eta0": "1 Pa*s"})], r"measurements\[0\]: lubricant.eta0 is an unknown"),
+        ([0.87], r"measurements\[1\] = 0.87: must be a Measurement"),
+        ([Measurement.number("restitution", 0.87)], r"measurements\[1\], restitution: sigma = None: must be given"),
+        (
+            [(measured(FILM), {"lubricant.eta0": "1 Pa*s"})],
+            r"\[1\], measurement: lubricant.eta0 is an unknown",
+        ),
         ([measured(FILM), (measured(FILM), {"contact.sped": "1 m/s"})], r"contact.sped = .*did you mean speed"),
     ],
 )
@@ -214,7 +217,9 @@ set = { "contact.speed" = ["0.1 m/s", "0.2 m/s"] }
         (('"0.1 m/s", "0.2 m/s"', '"0.1 m/s"'), r"measurements\[1\].contact.speed = .*must have 2 values"),
         (("case = ", "cas = "), "cas = .*unknown key; did you mean case"),
         (('case = "ball.toml"', ""), "case = .*must be given"),
-        (("sigma =", "sigme ="), "must have a file, or quantity, value and sigma"),
+        (("sigma =", "sigme ="), r"measurements\[1\].sigme = .*unknown key; did you mean sigma"),
+        (("value =", "#"), r"measurements\[1\] = .*must have a file, or quantity, value and sigma"),
+        (('quantity = "h_c"', 'file = "film.csv"'), r"measurements\[1\].value = .*unknown key"),
     ):
         (tmp_path / "fit.toml").write_text(text.replace(*wrong))
         with pytest.raises(ConfigError, match=sentence):

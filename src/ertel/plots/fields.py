@@ -29,7 +29,8 @@ from ertel.plots.drawing import (
     compose,
     levels,
 )
-from ertel.plots.view import LOADED, NOT_FULL, WIDEST, View
+from ertel.plots.view import LOADED, WIDEST, View
+from ertel.results.alignment import NOT_FULL
 from ertel.results.dataset import largest_of
 from ertel.results.profiles import At, events_of
 

@@ -147,6 +147,8 @@ class Result:
 
     def compare(self, measurement: Measurement) -> Comparison:
         """The run beside a measurement: aligned values, their difference and its rms; see `Measurement.predicted`."""
+        if not isinstance(measurement, Measurement):
+            raise TypeError(f"measurement = {measurement!r}: must be a Measurement, such as Measurement.read gives")
         return measurement.compared(self)
 
     def lambda_ratio(self, sigma_1: Sigma = None, sigma_2: Sigma = None) -> float:
