@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from ertel.apps.arguments import (
+    USUAL,
     Json,
     RunDirectory,
     figures,
@@ -20,10 +21,23 @@ from ertel.apps.terminal import BAD_INPUT, bad_input, leave, print_json, print_p
 
 if TYPE_CHECKING:  # these take long to import
     from ertel.optics import Light, Rig
+    from ertel.results.measurements import Measurement
     from ertel.runs.directory import Listed
 
 Moment = Annotated[str | None, option('A time, "60 us" or a number in t0, or max-approach or end.', "TIME|EVENT")]
 Along = Annotated[Literal["x", "y"], option("The direction of a profile.")]
+Align = Annotated[
+    str | None,
+    option("What is not known of a measurement: centre, offset, tilt, or with --index the index of the oil.", "NAMES"),
+]
+COLUMN_HELP = "Unit of a column, such as x=um; where the header does not have it."
+Column = Annotated[list[str] | None, option(COLUMN_HELP, "NAME=UNIT", name="--column")]
+Wavelength = Annotated[str | None, option("Wavelength of the light; default 532 nm.", "LENGTH")]
+COATINGS_HELP = 'Layers from glass to oil, "chromium 8 nm, silica 200 nm" or none; default chromium 8 nm.'
+Coatings = Annotated[str | None, option(COATINGS_HELP, "LAYERS")]
+Index = Annotated[
+    float | None, option("Index of the oil, also with which a measured film was computed; default 1.48.", "NUMBER")
+]
 FOLDER_HELP = "Folder with runs, also in folders below it; default this one."
 Lighting = Literal["mono", "two-beam", "white"]
 FRINGES_HELP = "Draw the interference fringes instead: monochromatic, of two beams only, or in white light."
@@ -76,32 +90,35 @@ def compare(
     first: RunDirectory,
     second: Annotated[Path, path_argument("DIR|FILE", "Directory of a run, or a file of columns.", run_directories)],
     plot: Annotated[
-        Path | None, path_option("Draw film and pressure of both into a file, such as both.png.", "FILE")
+        Path | None, path_option("Draw both; without FILE into DIR/plots, as compared-NAME.png.", "[FILE]")
     ] = None,
     at: Moment = None,
     along: Along = "x",
-    align: Annotated[str | None, option("What is not known of a measurement: centre, offset, tilt.", "NAMES")] = None,
-    column: Annotated[
-        list[str] | None, option("Unit of a column, such as x=um; where the header does not have it.", "NAME=UNIT")
-    ] = None,
+    align: Align = None,
+    column: Column = None,
+    wavelength: Wavelength = None,
+    coatings: Coatings = None,
+    index: Index = None,
     as_json: Json = False,
 ) -> None:
     """Compare two runs: where their cases differ, and their numbers side by side. Or a run with a measurement.
 
     A file has a measured profile, columns x, y or r and h or p, or a history, columns t and h_c or others; with units,
-    as x_um or x (um).
+    as x_um or x (um). A column intensity has the light of an interferometer along a line; wavelength, layers and index
+    are those of its rig.
     """
+    if plot and plot.name == USUAL:
+        plot = first / "plots" / f"compared-{second.stem}.png"
+        plot.parent.mkdir(parents=True, exist_ok=True)
     if second.is_file():
-        units = dict(each.partition("=")[::2] for each in column or [])
-        if wrong := sorted(units.keys() & {"at", "along", "align", "columns", "sigma"}):
-            leave(BAD_INPUT, f"--column {wrong[0]}: must be a place, a time or a quantity, such as x=um or h=nm")
-        _compare_measured(
-            first, second, plot, as_json, at=at, along=along, align=(align or "").replace(",", " ").split(), **units
-        )
+        with bad_input():
+            light, rig = optics("mono", wavelength, coatings, index)
+        measurement = _measurement(second, column, align, light, rig, at=at, along=along, index=index)
+        _compare_measured(first, measurement, plot, as_json)
         return
-    if given := [
-        name for name, each in (("at", at), ("along", along != "x"), ("align", align), ("column", column)) if each
-    ]:
+    for_measurements = {"at": at, "along": along != "x", "align": align, "column": column}
+    for_measurements |= {"wavelength": wavelength, "coatings": coatings, "index": index}
+    if given := [name for name, each in for_measurements.items() if each]:
         leave(BAD_INPUT, f"--{given[0]}: only for a measurement, and {shown(second)} is not a file")
     from ertel.results import numbers
     from ertel.runs.store import RunStore
@@ -125,14 +142,28 @@ def compare(
         print_path(plot)
 
 
-def _compare_measured(directory: Path, file: Path, plot: Path | None, as_json: bool, **given: Any) -> None:
+def _measurement(
+    file: Path, column: list[str] | None, align: str | None, light: "Light", rig: "Rig", **given: Any
+) -> "Measurement":
+    """The measurement in a file.  column: of --column.  light, rig: of an intensity."""
+    from ertel.optics import Interferometer
+    from ertel.results.measurements import READ, Measurement
+
+    units = dict(each.partition("=")[::2] for each in column or [])
+    if wrong := sorted(units.keys() & {*READ, "optics"}):
+        leave(BAD_INPUT, f"--column {wrong[0]}: must be a place, a time or a quantity, such as x=um or h=nm")
+    names = (align or "").replace(",", " ").split()
+    with bad_input():
+        return Measurement.read(file, align=names, optics=Interferometer(rig, light), **given, **units)
+
+
+def _compare_measured(directory: Path, measurement: "Measurement", plot: Path | None, as_json: bool) -> None:
     """Print a measurement beside a run, and draw both."""
-    from ertel.results.measurements import Measurement
     from ertel.runs.store import RunStore
 
     result = RunStore.open(directory).result()
     with bad_input():
-        found = result.compare(Measurement.read(file, **given))
+        found = result.compare(measurement)
         if plot:
             result.plot.measured(found).savefig(plot)
     if as_json:
@@ -191,7 +222,14 @@ def plot(
     what: Annotated[str | None, option("Draw this figure only, such as film.", "NAME", figures)] = None,
     at: Moment = None,
     interferogram: Annotated[Lighting | None, option(FRINGES_HELP)] = None,
-    wavelength: Annotated[str | None, option("Wavelength of the light; default 532 nm.", "LENGTH")] = None,
+    wavelength: Wavelength = None,
+    coatings: Coatings = None,
+    index: Index = None,
+    measured: Annotated[
+        Path | None, path_option("Draw a measured profile too: film, pressure, or light of an interferogram.", "FILE")
+    ] = None,
+    align: Align = None,
+    column: Column = None,
     format_: Annotated[
         Format, option("File format; gif, webp and mp4 are movies of an interferogram.", name="--format")
     ] = "png",
@@ -203,8 +241,9 @@ def plot(
 ) -> None:
     """Draw the figures of a run, or an interferogram of its film. Those at a time show the map next to it.
 
-    An interferogram needs a case in SI. It is that of a steel ball on glass with 8 nm of chromium; from Python other
-    layers and light sources can be chosen, see ertel.optics.
+    An interferogram needs a case in SI. It is that of a steel ball on glass; from Python other media and light sources
+    can be chosen, see ertel.optics. A file of --measured is as that of `ertel compare`; it is drawn on the profiles,
+    or with --interferogram beside its light.
     """
     if format_ in MOVIES and interferogram is None:
         leave(BAD_INPUT, f"--format {format_}: only an interferogram can be a movie; add --interferogram mono")
@@ -214,6 +253,10 @@ def plot(
         leave(BAD_INPUT, "--columns, --no-title: only for pictures; a movie has neither, use --format png, svg or pdf")
     if wavelength is not None and interferogram in (None, "white"):
         leave(BAD_INPUT, f"--wavelength {wavelength}: only for --interferogram mono or two-beam")
+    if coatings and interferogram is None:
+        leave(BAD_INPUT, f"--coatings {coatings}: only for --interferogram")
+    if (align or column) and measured is None:
+        leave(BAD_INPUT, f"--{'align' if align else 'column'}: only for --measured")
     if format_ == "mp4":
         _find_ffmpeg()
     from ertel import plots
@@ -223,14 +266,18 @@ def plot(
     writers: dict[str, Callable[[Path], object]]
     sheet: Any = {"columns": columns, "title": title}
     with bad_input():
+        light, rig = optics(interferogram or "mono", wavelength, coatings, index)
+        if measured is not None:
+            sheet["measured"] = _measurement(measured, column, align, light, rig, at=at, index=index)
         if interferogram is None:
-            names = [what] if what else plots.names_of(data)
+            overlaid = [name for name in plots.names_of(data) if measured and name in plots.OVERLAID]
+            names = [what] if what else overlaid or plots.names_of(data)
             writers = {name: plots.draw(data, name, at, **sheet).savefig for name in names}
         elif format_ in MOVIES:
-            movie = plots.animation(data, *optics(interferogram, wavelength))
+            movie = plots.animation(data, light, rig)
             writers = {f"interferogram-{interferogram}": partial(movie.save, writer=MOVIES[format_])}
         else:
-            picture = plots.interferogram(data, at, *optics(interferogram, wavelength), **sheet)
+            picture = plots.interferogram(data, at, light, rig, **sheet)
             writers = {f"interferogram-{interferogram}": picture.savefig}
     target = out or directory / "plots"
     target.mkdir(parents=True, exist_ok=True)
@@ -240,22 +287,14 @@ def plot(
         print_path(path)
 
 
-def optics(lighting: str, wavelength: str | None = None) -> tuple["Light", "Rig"]:
-    """The light and the rig of an interferogram.  Raises ValueError for an impossible wavelength."""
-    from ertel.inputs.quantities import parse_quantity
-    from ertel.optics import Monochromatic, Rig, TwoBeams, White
-    from ertel.physics.units import Unit
+def optics(
+    lighting: str, wavelength: str | None = None, coatings: str | None = None, index: float | None = None
+) -> tuple["Light", "Rig"]:
+    """The light and the rig of an interferogram, see `inputs.rigs`.  Raises ValueError for an impossible one."""
+    from ertel.inputs.rigs import interferometer
 
-    if lighting == "white":
-        return White(), Rig()
-    rig = TwoBeams() if lighting == "two-beam" else Rig()
-    if not wavelength:
-        return Monochromatic(), rig
-    try:
-        metres = parse_quantity(wavelength, Unit("m", "532 nm"))
-    except ValueError as error:
-        raise ValueError(f"--wavelength {wavelength}: {error}") from error
-    return Monochromatic(metres or 0.0), rig
+    found = interferometer(lighting, wavelength, coatings, index)
+    return found.light, found.rig
 
 
 def _find_ffmpeg() -> None:

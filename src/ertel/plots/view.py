@@ -20,6 +20,7 @@ from ertel.physics.geometry import geometry as geometry_of
 from ertel.plots.drawing import NoFigure, Scale, Values
 from ertel.results.alignment import NOT_FULL
 from ertel.results.dataset import maps_of
+from ertel.results.measurements import Comparison
 from ertel.results.numbers import plus_minus
 from ertel.results.profiles import At, mirrored, moment_of
 from ertel.results.variables import FILMS, FRICTION, is_steady, with_prefix
@@ -90,11 +91,14 @@ class View:
         The number of the map; None of a steady contact.
     moment : str
         The name of the moment: maximum approach, thinnest film, last map, end of the run or chosen map.
+    measured : tuple of Comparison
+        Measured profiles that are drawn beside those of the run.
     """
 
     dataset: xr.Dataset
     frame: int | None = None
     moment: str = ""
+    measured: tuple[Comparison, ...] = ()
 
     @classmethod
     def of(cls, dataset: xr.Dataset, at: At = None) -> "View":

@@ -47,7 +47,8 @@ def light_along(line: xr.Dataset, case: Any, optics: Optics) -> xr.DataArray:
     film = np.maximum(CubicSpline(there, h)(x), 0.0)
     missing = np.minimum(np.interp(x, there, np.where(void > NOT_FULL * h, void, 0.0)), film)
     about = {"long_name": "intensity", "symbol": "I", "units": "1"}
-    return xr.DataArray(optics.intensity(film, density, missing), {axis: x}, (axis,), attrs=about)
+    place = {axis: (axis, x, line[axis].attrs)}
+    return xr.DataArray(optics.intensity(film, density, missing), place, (axis,), attrs=about)
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +75,7 @@ class Unaligned:
         parts = dict(zip(names, (shares / scale).tolist(), strict=True))
         size = parts.get(factor, 1.0)
         line = shapes @ (shares / scale) - (size * computed if factor else 0.0)
-        return Shown(parts, size * computed + line, (self.values - line) / size)
+        return Shown(parts, size, size * computed + line, (self.values - line) / size)
 
     def best_centre(self, there: Values, values: Values) -> float:
         """The shift that leaves the smallest squares, as far as the run reaches, which has these values there."""
@@ -96,9 +97,11 @@ class Unaligned:
 class Shown:
     """Values as an instrument shows them.
 
-    parts: what was found, by name.  values: computed ones with these parts.  measured: the measured ones without them.
+    parts: what was found, by name.  factor: that of them, or 1.  values: computed ones with these parts.  measured: the
+    measured ones without them.
     """
 
     parts: Mapping[str, float]
+    factor: float
     values: Values
     measured: Values

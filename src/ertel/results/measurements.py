@@ -276,7 +276,8 @@ class Measurement:
         computed = np.interp(x, there, values)
         shown = unaligned.shown(computed)
         shift |= {name: part * (self.index or 1.0) if name == "index" else part for name, part in shown.parts.items()}
-        return Comparison(self, x, shown.measured, computed, shown.values, shift, line)
+        sigma = None if self.sigma is None else np.ones_like(x) * self.sigma / shown.factor
+        return Comparison(self, x, shown.measured, computed, shown.values, shift, line, sigma)
 
     @property
     def axis(self) -> str:
@@ -334,6 +335,8 @@ class Comparison:
         values; and their "gain", or the "index" of the oil that fits best.
     line : DataArray or None
         All that the run has along the line or through time, its attribute `moment` in words; None of a number.
+    sigma : array (n,) or None
+        The standard errors of the aligned values.
     """
 
     measurement: Measurement
@@ -343,6 +346,7 @@ class Comparison:
     shown: Values
     shift: Mapping[str, float] = field(default_factory=dict)
     line: xr.DataArray | None = None
+    sigma: Values | None = None
 
     @property
     def difference(self) -> Values:
