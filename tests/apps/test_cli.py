@@ -276,6 +276,7 @@ def test_params_and_film_of_a_case_file(here):
     ("command", "settings", "said"),
     [
         ("run small.toml", ["solver.node=9"], "solver.node = 9: unknown key; did you mean nodes?"),
+        ("run small.toml", ["nodes=65"], "nodes = 65: unknown key; did you mean solver.nodes?"),
         ("run small.toml", ["solver.nodes"], "--set solver.nodes: must be section.key=value"),
         ("run small.toml --error", ["solver.nodes=17"], "solver.nodes = 9"),
         ("run transient.toml --error", ["solver.nodes=17"], "solver.nodes = 9"),

@@ -102,7 +102,7 @@ OptionalCase = Annotated[
 ]
 RunDirectory = Annotated[Path, path_argument("DIR", "Directory of a run.", run_directories)]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress bar and no summary.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress and no summary.")]
 ERROR_HELP = "Estimate the error by runs on the half grid, in smaller steps and on a wider domain."
 Estimate = Annotated[bool, typer.Option("--error", help=ERROR_HELP)]
 FLUSH_HELP = "Least time between two writes; default 5 s, and each grid of a steady run. A killed run loses this much."

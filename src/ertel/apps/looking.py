@@ -116,7 +116,7 @@ def compare(
         measurement = _measurement(second, column, align, light, rig, at=at, along=along, index=index)
         _compare_measured(first, measurement, plot, as_json)
         return
-    for_measurements = {"at": at, "along": along != "x", "align": align, "column": column}
+    for_measurements: dict[str, Any] = {"at": at, "along": along != "x", "align": align, "column": column}
     for_measurements |= {"wavelength": wavelength, "coatings": coatings, "index": index}
     if given := [name for name, each in for_measurements.items() if each]:
         leave(BAD_INPUT, f"--{given[0]}: only for a measurement, and {shown(second)} is not a file")
@@ -149,7 +149,7 @@ def _measurement(
     from ertel.optics import Interferometer
     from ertel.results.measurements import READ, Measurement
 
-    units = dict(each.partition("=")[::2] for each in column or [])
+    units: dict[str, Any] = dict(each.partition("=")[::2] for each in column or [])
     if wrong := sorted(units.keys() & {*READ, "optics"}):
         leave(BAD_INPUT, f"--column {wrong[0]}: must be a place, a time or a quantity, such as x=um or h=nm")
     names = (align or "").replace(",", " ").split()
@@ -249,14 +249,21 @@ def plot(
         leave(BAD_INPUT, f"--format {format_}: only an interferogram can be a movie; add --interferogram mono")
     if format_ in MOVIES and at is not None:
         leave(BAD_INPUT, f"--at {at}: a movie shows all times; leave it out, or use --format png")
-    if format_ in MOVIES and (columns or not title):
-        leave(BAD_INPUT, "--columns, --no-title: only for pictures; a movie has neither, use --format png, svg or pdf")
+    if format_ in MOVIES and (columns or not title or measured):
+        leave(
+            BAD_INPUT,
+            "--columns, --no-title, --measured: only for pictures; a movie has none, use --format png, svg or pdf",
+        )
     if wavelength is not None and interferogram in (None, "white"):
         leave(BAD_INPUT, f"--wavelength {wavelength}: only for --interferogram mono or two-beam")
-    if coatings and interferogram is None:
-        leave(BAD_INPUT, f"--coatings {coatings}: only for --interferogram")
-    if (align or column) and measured is None:
-        leave(BAD_INPUT, f"--{'align' if align else 'column'}: only for --measured")
+    for name, given, needed in (
+        ("coatings", coatings, interferogram),
+        ("index", index, interferogram or measured),
+        ("align", align, measured),
+        ("column", column, measured),
+    ):
+        if given and needed is None:
+            leave(BAD_INPUT, f"--{name}: only for {'--interferogram' if name == 'coatings' else '--measured'}")
     if format_ == "mp4":
         _find_ffmpeg()
     from ertel import plots

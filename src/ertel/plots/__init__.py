@@ -4,11 +4,11 @@
 
 `interferogram` shows any run in SI as an experimenter sees it, `animation` a run in time.
 
-A run in time has overview, film, pressure, oil, maps, profiles, history and friction, and an impact front; a steady
-contact overview, film, pressure, oil, maps, midlines, convergence and friction.  `at` chooses the moment of a run in
-time: a time in t0, or with its unit, "95 us" (the map next to it is drawn, and the title says its time), or an event,
-"max-approach" or "end"; by default maximum approach, of a rolling contact the thinnest film where it is thinner than at
-both ends of the run, or else the last map.
+A run in time has overview, film, pressure, oil, maps, profiles, history, friction and spacetime, and an impact front;
+a steady contact overview, film, pressure, oil, maps, midlines, convergence and friction. `at` chooses the moment of a
+run in time: a time in t0, or with its unit, "95 us" (the map next to it is drawn, and the title says its time), or an
+event, "max-approach" or "end"; by default maximum approach, of a rolling contact the thinnest film where it is
+thinner than at both ends of the run, or else the last map.
 
 `ax=` draws into axes of your own; `columns=1` or `columns=2` makes a figure of 85 or 170 mm for print,
 `figsize=` one of another size; `title=False` leaves headings out; see `Sheet`.
@@ -37,7 +37,7 @@ from ertel.results.variables import figures_of, is_steady
 __all__ = [
     "BLUE", "GREEN", "GREY", "NAMES", "ORANGE", "ORDERED_COLOURS", "NoFigure", "Sheet", "animation", "comparison",
     "convergence", "draw", "film", "friction", "front", "history", "interferogram", "maps", "measured", "midlines",
-    "names_of", "oil", "overview", "pressure", "profiles",
+    "names_of", "oil", "overview", "pressure", "profiles", "spacetime",
 ]  # fmt: skip
 
 Rows = Sequence[Sequence[Callable[[Axes, View], None]]]
@@ -81,8 +81,9 @@ PANELS: Mapping[str, Rows | Callable[[View], Rows]] = {  # of each figure
     "convergence": [[histories.draw_convergence, histories.draw_grids]],
     "friction": _friction_rows,
     "front": [[histories.draw_place, histories.draw_front_speed]],
+    "spacetime": [[histories.draw_film_through_time]],
 }
-PARTS_IN_TIME, PARTS_STEADY = ("film", "pressure", "oil", "front"), ("oil", "maps")  # of another figure
+PARTS_IN_TIME, PARTS_STEADY = ("film", "pressure", "oil", "front", "spacetime"), ("oil", "maps")  # of another figure
 NAMES = tuple(PANELS)
 OVERLAID = ("profiles", "midlines")  # figures that show measured profiles
 
@@ -167,6 +168,11 @@ def history(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -
 def front(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:
     """The front of an impact, where the film is thinnest, through time: its place and its speed."""
     return draw(dataset, "front", at, **sheet)
+
+
+def spacetime(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:
+    """Film thickness along the mid-line through time: waves that are frozen into the film, and where they go."""
+    return draw(dataset, "spacetime", at, **sheet)
 
 
 def midlines(dataset: xr.Dataset, at: At = None, measured: Overlay = None, **sheet: Unpack[SheetOptions]) -> Figure:

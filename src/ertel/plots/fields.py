@@ -219,7 +219,7 @@ def _draw_profiles(axes: Axes, view: View, values: Values, top: float) -> bool:
     """
     P, T, x = view.midlines("P"), view.dataset["frame"].values, view.x * view.across.factor
     time = view.scale("time")
-    loaded = np.flatnonzero(P.max(axis=1) > LOADED * P.max())
+    loaded = np.flatnonzero(P.max(axis=1) >= LOADED * P.max())
     shown = loaded[:: max(1, round(len(loaded) / MOST_PROFILES))]
     colours = ScalarMappable(Normalize(T[loaded[0]] * time.factor, T[loaded[-1]] * time.factor), ORDERED_COLOURS)
     last = events_of(view.dataset).get("max-approach", len(T)) + 1  # a run until then may have one map after it
@@ -307,7 +307,7 @@ def _draw_roughness_below(axes: Axes, view: View, x: Values, top: float, along: 
 
 def _set_height(axes: Axes, top: float, rough: bool) -> None:
     """Limit a profile to zero and `top`, with room below for the roughness where there is any."""
-    axes.set_ylim(0.0, top)
+    axes.set_ylim(0.0, top or 1.0)
     if rough:
         axes.set_yticks([tick for tick in axes.get_yticks() if 0.0 <= tick <= top])
         axes.set_ylim(-BAND * top, top)

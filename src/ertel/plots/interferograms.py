@@ -24,7 +24,7 @@ from ertel.plots.drawing import ORANGE, NoFigure, Scale, Sheet, SheetOptions, Va
 from ertel.plots.fields import ARROWS, draw_edge_of_oil, draw_legend
 from ertel.plots.measurements import Overlay, draw_light, draw_measured, measured_view
 from ertel.plots.view import View, field
-from ertel.results.measurements import INTENSITY
+from ertel.results.comparison import INTENSITY
 from ertel.results.profiles import At
 from ertel.results.variables import is_steady
 

@@ -13,8 +13,9 @@ from matplotlib.figure import Figure
 from ertel.plots.drawing import BLUE, ORANGE, NoFigure, Panel, Scale, Sheet, SheetOptions, Values, compose
 from ertel.plots.view import View
 from ertel.results.alignment import Optics
+from ertel.results.comparison import INTENSITY, QUANTITIES, Comparison
 from ertel.results.dataset import largest_of
-from ertel.results.measurements import INTENSITY, QUANTITIES, Comparison, Measurement
+from ertel.results.measurements import Measurement
 from ertel.results.profiles import At
 from ertel.results.variables import Variable
 

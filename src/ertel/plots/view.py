@@ -19,8 +19,8 @@ from ertel.physics.geometry import Geometry
 from ertel.physics.geometry import geometry as geometry_of
 from ertel.plots.drawing import NoFigure, Scale, Values
 from ertel.results.alignment import NOT_FULL
+from ertel.results.comparison import Comparison
 from ertel.results.dataset import maps_of
-from ertel.results.measurements import Comparison
 from ertel.results.numbers import plus_minus
 from ertel.results.profiles import At, mirrored, moment_of
 from ertel.results.variables import FILMS, FRICTION, is_steady, with_prefix

@@ -6,7 +6,7 @@ smallest; see `alignment`.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from os import PathLike
 from pathlib import Path
@@ -20,14 +20,15 @@ from ertel.case.reading import hint_for
 from ertel.physics.units import Quantity, Unit, in_si
 from ertel.results.alignment import Optics, Unaligned, light_along
 from ertel.results.columns import Columns
+from ertel.results.comparison import INTENSITY, QUANTITIES, Comparison, unit_of_quantity
 from ertel.results.numbers import IN_SI, numbers
 from ertel.results.profiles import At, profile
-from ertel.results.variables import OUTCOME, VARIABLES, Variable, to_si, with_prefix
+from ertel.results.variables import to_si, with_prefix
 
 Values = NDArray[np.float64]
 Size = float | str | Quantity  # in SI, or with a unit
 Kind = Literal["profile", "history", "number"]
-PLACES, TIME, SIGMA, INTENSITY = ("x", "y", "r"), "t", "sigma", "intensity"
+PLACES, TIME, SIGMA = ("x", "y", "r"), "t", "sigma"
 READ = ("at", "along", "align", "sigma", "columns", "index")  # what a file takes beside units, and a number
 NUMBER = ("quantity", "value", "sigma")
 USUAL = {"profile": "h", "history": "h_c"}  # quantities, of a file with several
@@ -35,11 +36,6 @@ ALIGNMENTS = ("centre", "offset", "tilt", "index")
 ALWAYS_ALIGNED = ("gain", "background")  # of an intensity
 FILMS = ("h", "h_c", "h_min", "h_oil")  # that can have an index
 NOT_BELOW_ZERO = (*FILMS, "contact_time", "restitution")  # unless the zero is not known
-QUANTITIES: Mapping[str, Variable] = {  # by the names of the SI Dataset and of the summary
-    **{variable.si_name or name: variable for name, variable in VARIABLES.items()},
-    **{name: VARIABLES[name] for name in OUTCOME},
-    INTENSITY: Variable("intensity", "I"),
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +92,7 @@ class Measurement:
         x = np.zeros_like(values) if self.x is None else np.asarray(self.x, dtype=np.float64)
         sigma = np.asarray(1.0 if self.sigma is None else self.sigma, dtype=np.float64)
         align = (self.align,) if isinstance(self.align, str) else tuple(self.align)
-        _unit(self.quantity)
+        unit_of_quantity(self.quantity)
         light = self.quantity == INTENSITY
         possible = ("centre", "tilt", *ALWAYS_ALIGNED) if light else ALIGNMENTS
         if unknown := [name for name in align if name not in possible]:
@@ -216,10 +212,10 @@ class Measurement:
             raise ValueError(
                 f'{file.file}: has no {wanted}; {file.listed}; give columns={{"{USUAL[kind] if axis else "x"}": ...}}'
             )
-        unit = _unit(name)
+        unit = unit_of_quantity(name)
         if name == INTENSITY:  # in arbitrary units
             file = replace(file, units={**file.units, INTENSITY: "", SIGMA: ""})
-        rows = [file.values(axis, _unit(axis)), file.values(name, unit)]
+        rows = [file.values(axis, unit_of_quantity(axis)), file.values(name, unit)]
         rows += [file.values(SIGMA, unit, file.units[name])] if SIGMA in file.texts else []
         _require_possible(file.file, name, rows[1], align, file.lines)
         whole = np.array(rows)[:, np.all(np.isfinite(rows), axis=0)]
@@ -256,7 +252,7 @@ class Measurement:
         """
         return self.compared(result).shown
 
-    def compared(self, result: Any) -> "Comparison":
+    def compared(self, result: Any) -> Comparison:
         """The measurement beside a run, aligned.  Parameters and errors are those of `predicted`."""
         if not hasattr(result, "dataset"):
             raise TypeError(f"result = {result!r}: must be the Result of a run")
@@ -271,7 +267,7 @@ class Measurement:
             shift["centre"] = unaligned.best_centre(there, values)
         x = self.x - shift.get("centre", 0.0)
         if x.min() < there[0] or x.max() > there[-1]:
-            ends = [with_prefix(end, _unit(self.axis)) for end in (x.min(), x.max(), there[0], there[-1])]
+            ends = [with_prefix(end, unit_of_quantity(self.axis)) for end in (x.min(), x.max(), there[0], there[-1])]
             raise ValueError("{}: reaches from {} to {}, and the run only from {} to {}".format(self.name, *ends))
         computed = np.interp(x, there, values)
         shown = unaligned.shown(computed)
@@ -316,67 +312,6 @@ class Measurement:
         return data[self.quantity].assign_attrs(moment=data.attrs.get("moment", ""))
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Comparison:
-    """A measurement beside a run, in SI.
-
-    Attributes
-    ----------
-    measurement : Measurement
-        As it was given.
-    x : array (n,)
-        Its places or times, aligned; zero of a number.
-    measured, computed : array (n,)
-        The values, aligned, and those of the run; of an intensity as a share of the light.
-    shown : array (n,)
-        The values of the run as the instrument shows them, beside the measured ones as they were given.
-    shift : mapping
-        What the alignment took off: "centre" (m or s) of x, "offset" or "background" and "tilt" (per m or s) of the
-        values; and their "gain", or the "index" of the oil that fits best.
-    line : DataArray or None
-        All that the run has along the line or through time, its attribute `moment` in words; None of a number.
-    sigma : array (n,) or None
-        The standard errors of the aligned values.
-    """
-
-    measurement: Measurement
-    x: Values
-    measured: Values
-    computed: Values
-    shown: Values
-    shift: Mapping[str, float] = field(default_factory=dict)
-    line: xr.DataArray | None = None
-    sigma: Values | None = None
-
-    @property
-    def difference(self) -> Values:
-        """Measured less computed, (n,)."""
-        return self.measured - self.computed
-
-    @property
-    def rms(self) -> float:
-        """The root mean square of the difference."""
-        return float(np.sqrt(np.mean(self.difference**2)))
-
-    @property
-    def where(self) -> str:
-        """The moment of a profile in words, "" of a history and of a number."""
-        return "" if self.line is None else str(self.line.attrs["moment"])
-
-    @property
-    def text(self) -> str:
-        """The rms difference in words, with its share of the mean."""
-        share = self.rms / float(np.abs(self.computed).mean() or 1.0)
-        return f"rms difference {with_prefix(self.rms, _unit(self.measurement.quantity))} ({share:.1%} of the mean)"
-
-    def __repr__(self) -> str:
-        m = self.measurement
-        units = {"centre": _unit(m.axis), "offset": _unit(m.quantity), "tilt": f"{_unit(m.quantity)}/{_unit(m.axis)}"}
-        shift = "".join(f"; {name} {with_prefix(value, units.get(name, '1'))}" for name, value in self.shift.items())
-        where = f", {self.where}" if self.where else ""
-        return f"{m.name}: {QUANTITIES[m.quantity].long_name}{where}: {self.text}, {len(self.x)} values{shift}"
-
-
 def _require_possible(
     name: str, quantity: str, values: Values, align: Sequence[str], lines: Sequence[int] | None = None
 ) -> None:
@@ -384,7 +319,7 @@ def _require_possible(
     below = np.flatnonzero(values < 0.0)
     if len(below) and quantity in NOT_BELOW_ZERO and not {"offset", "tilt"} & {*align}:
         where = f", line {lines[below[0]]}" if lines else ""
-        value = with_prefix(float(values[below[0]]), _unit(quantity))
+        value = with_prefix(float(values[below[0]]), unit_of_quantity(quantity))
         allowed = "must not be below zero" + ("; its zero may be aligned, offset" if quantity in FILMS else "")
         raise ValueError(f"{name}{where}: {quantity} = {value}: {allowed}")
 
@@ -395,16 +330,8 @@ def _from_the_start(history: xr.Dataset) -> xr.Dataset:
     return xr.concat([start, history], "t", combine_attrs="no_conflicts") if float(history["t"][0]) > 0 else history
 
 
-def _unit(quantity: str) -> str:
-    """The SI unit of a quantity, "1" of a plain number.  Raises ValueError for a name that is not known."""
-    if quantity not in QUANTITIES:
-        raise ValueError(f"quantity = {quantity!r}: must be the name of a result, such as h, h_c, restitution")
-    about = QUANTITIES[quantity]
-    return about.si_units or (about.unit if about.unit in IN_SI else "1")
-
-
 def _in_si(quantity: str, value: Size) -> float:
-    unit, value = _unit(quantity), str(value) if isinstance(value, Quantity) else value
+    unit, value = unit_of_quantity(quantity), str(value) if isinstance(value, Quantity) else value
     is_number = unit == "1" or not isinstance(value, str)
     try:
         return float(value) if is_number else in_si(value, Unit(unit, f"1 {unit}", True))

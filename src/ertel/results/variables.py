@@ -172,7 +172,9 @@ VARIABLES: Mapping[str, Variable] = {
 }
 FILMS = ("H_c", "H_min")  # that have an error estimate
 MEASURED = ("H_c", "H_min", "X_min", "Y_min", "Delta", "P_c", "P_max", "load")  # of a rolling contact's summary
-FIGURES_IN_TIME = ("overview", "film", "pressure", "oil", "maps", "profiles", "history", "friction", "front")
+FIGURES_IN_TIME = (
+    "overview", "film", "pressure", "oil", "maps", "profiles", "history", "friction", "front", "spacetime",
+)  # fmt: skip
 FIGURES_STEADY = ("overview", "film", "pressure", "oil", "maps", "midlines", "convergence", "friction")
 AT_MAXIMUM = ("T", "Delta", "F", "P_c", "P_max", "H_c", "H_min", "X_min", "Y_min")  # of a summary
 

@@ -84,7 +84,7 @@ def sweep(
         For a scheduler at tls://: a PEM file with a certificate, its key and the certificate of the authority.  Without
         it the configuration of dask holds.
     progress : bool
-        Whether to show a progress bar.
+        Whether to show a progress bar; in a file, a line a minute.
 
     Returns
     -------
@@ -262,9 +262,9 @@ class StudyBars:
     def done(self, digest: str, status: str) -> None:
         """Count a run that is done."""
         self._directories.pop(digest, None)
-        self._progress.update(self._all, advance=1, message=f"{digest[:8]} {status}"[:60])
         if digest in self._bars:
             self._progress.remove_task(self._bars.pop(digest))
+        self._progress.update(self._all, advance=1, message=f"{digest[:8]} {status}"[:60])
 
 
 # -- numbers ----------------------------------------------------------------------------------------------------------
