@@ -20,24 +20,17 @@ from ertel.apps.arguments import (
 from ertel.apps.terminal import BAD_INPUT, bad_input, leave, print_json, print_path, say, shown
 
 if TYPE_CHECKING:  # these take long to import
-    from ertel.optics import Light, Rig
     from ertel.results.measurements import Measurement
     from ertel.runs.directory import Listed
 
 Moment = Annotated[str | None, option('A time, "60 us" or a number in t0, or max-approach or end.', "TIME|EVENT")]
 Along = Annotated[Literal["x", "y"], option("The direction of a profile.")]
-Align = Annotated[
-    str | None,
-    option("What is not known of a measurement: centre, offset, tilt, or with --index the index of the oil.", "NAMES"),
-]
+Align = Annotated[str | None, option("Unknown of a measurement: centre, offset, tilt, index of the oil.", "NAMES")]
 COLUMN_HELP = "Unit of a column, such as x=um; where the header does not have it."
 Column = Annotated[list[str] | None, option(COLUMN_HELP, "NAME=UNIT", name="--column")]
 Wavelength = Annotated[str | None, option("Wavelength of the light; default 532 nm.", "LENGTH")]
-COATINGS_HELP = 'Layers from glass to oil, "chromium 8 nm, silica 200 nm" or none; default chromium 8 nm.'
-Coatings = Annotated[str | None, option(COATINGS_HELP, "LAYERS")]
-Index = Annotated[
-    float | None, option("Index of the oil, also with which a measured film was computed; default 1.48.", "NUMBER")
-]
+Coatings = Annotated[str | None, option('Layers, "chromium 8 nm, silica 200 nm"; default the first.', "LAYERS")]
+Index = Annotated[float | None, option("Index of the oil; also that with which a film was computed.", "NUMBER")]
 FOLDER_HELP = "Folder with runs, also in folders below it; default this one."
 Lighting = Literal["mono", "two-beam", "white"]
 FRINGES_HELP = "Draw the interference fringes instead: monochromatic, of two beams only, or in white light."
@@ -107,19 +100,21 @@ def compare(
     as x_um or x (um). A column intensity has the light of an interferometer along a line; wavelength, layers and index
     are those of its rig.
     """
+    from ertel.inputs.rigs import interferometer
+
     if plot and plot.name == USUAL:
         plot = first / "plots" / f"compared-{second.stem}.png"
         plot.parent.mkdir(parents=True, exist_ok=True)
     if second.is_file():
         with bad_input():
-            light, rig = optics("mono", wavelength, coatings, index)
-        measurement = _measurement(second, column, align, light, rig, at=at, along=along, index=index)
-        _compare_measured(first, measurement, plot, as_json)
+            rig = interferometer("mono", wavelength, coatings, index)
+        _compare_measured(
+            first, _measurement(second, column, align, rig, at=at, along=along, index=index), plot, as_json
+        )
         return
-    for_measurements: dict[str, Any] = {"at": at, "along": along != "x", "align": align, "column": column}
-    for_measurements |= {"wavelength": wavelength, "coatings": coatings, "index": index}
-    if given := [name for name, each in for_measurements.items() if each]:
-        leave(BAD_INPUT, f"--{given[0]}: only for a measurement, and {shown(second)} is not a file")
+    given = {"at": at, "along": along != "x", "align": align, "column": column, "coatings": coatings, "index": index}
+    if wrong := [name for name, each in {**given, "wavelength": wavelength}.items() if each]:
+        leave(BAD_INPUT, f"--{wrong[0]}: only for a measurement, and {shown(second)} is not a file")
     from ertel.results import numbers
     from ertel.runs.store import RunStore
 
@@ -142,19 +137,15 @@ def compare(
         print_path(plot)
 
 
-def _measurement(
-    file: Path, column: list[str] | None, align: str | None, light: "Light", rig: "Rig", **given: Any
-) -> "Measurement":
-    """The measurement in a file.  column: of --column.  light, rig: of an intensity."""
-    from ertel.optics import Interferometer
+def _measurement(file: Path, column: list[str] | None, align: str | None, rig: Any, **given: Any) -> "Measurement":
+    """The measurement in a file.  column: of --column.  rig: of an intensity."""
     from ertel.results.measurements import READ, Measurement
 
     units: dict[str, Any] = dict(each.partition("=")[::2] for each in column or [])
     if wrong := sorted(units.keys() & {*READ, "optics"}):
         leave(BAD_INPUT, f"--column {wrong[0]}: must be a place, a time or a quantity, such as x=um or h=nm")
-    names = (align or "").replace(",", " ").split()
     with bad_input():
-        return Measurement.read(file, align=names, optics=Interferometer(rig, light), **given, **units)
+        return Measurement.read(file, align=(align or "").replace(",", " ").split(), optics=rig, **given, **units)
 
 
 def _compare_measured(directory: Path, measurement: "Measurement", plot: Path | None, as_json: bool) -> None:
@@ -250,41 +241,35 @@ def plot(
     if format_ in MOVIES and at is not None:
         leave(BAD_INPUT, f"--at {at}: a movie shows all times; leave it out, or use --format png")
     if format_ in MOVIES and (columns or not title or measured):
-        leave(
-            BAD_INPUT,
-            "--columns, --no-title, --measured: only for pictures; a movie has none, use --format png, svg or pdf",
-        )
+        leave(BAD_INPUT, "--columns, --no-title, --measured: only for pictures; a movie has none, use --format png")
     if wavelength is not None and interferogram in (None, "white"):
         leave(BAD_INPUT, f"--wavelength {wavelength}: only for --interferogram mono or two-beam")
-    for name, given, needed in (
-        ("coatings", coatings, interferogram),
-        ("index", index, interferogram or measured),
-        ("align", align, measured),
-        ("column", column, measured),
-    ):
-        if given and needed is None:
-            leave(BAD_INPUT, f"--{name}: only for {'--interferogram' if name == 'coatings' else '--measured'}")
+    if coatings and interferogram is None:
+        leave(BAD_INPUT, f"--coatings {coatings}: only for --interferogram")
+    if (align or column) and measured is None:
+        leave(BAD_INPUT, "--align, --column: only for --measured")
     if format_ == "mp4":
         _find_ffmpeg()
     from ertel import plots
+    from ertel.inputs.rigs import interferometer
     from ertel.runs.store import RunStore
 
     data = RunStore.open(directory).dataset()
     writers: dict[str, Callable[[Path], object]]
     sheet: Any = {"columns": columns, "title": title}
     with bad_input():
-        light, rig = optics(interferogram or "mono", wavelength, coatings, index)
+        rig = interferometer(interferogram or "mono", wavelength, coatings, index)
         if measured is not None:
-            sheet["measured"] = _measurement(measured, column, align, light, rig, at=at, index=index)
+            sheet["measured"] = _measurement(measured, column, align, rig, at=at, index=index)
         if interferogram is None:
             overlaid = [name for name in plots.names_of(data) if measured and name in plots.OVERLAID]
             names = [what] if what else overlaid or plots.names_of(data)
             writers = {name: plots.draw(data, name, at, **sheet).savefig for name in names}
         elif format_ in MOVIES:
-            movie = plots.animation(data, light, rig)
+            movie = plots.animation(data, rig.light, rig.rig)
             writers = {f"interferogram-{interferogram}": partial(movie.save, writer=MOVIES[format_])}
         else:
-            picture = plots.interferogram(data, at, light, rig, **sheet)
+            picture = plots.interferogram(data, at, rig.light, rig.rig, **sheet)
             writers = {f"interferogram-{interferogram}": picture.savefig}
     target = out or directory / "plots"
     target.mkdir(parents=True, exist_ok=True)
@@ -292,16 +277,6 @@ def plot(
         path = target / f"{name}.{format_}"
         write(path)
         print_path(path)
-
-
-def optics(
-    lighting: str, wavelength: str | None = None, coatings: str | None = None, index: float | None = None
-) -> tuple["Light", "Rig"]:
-    """The light and the rig of an interferogram, see `inputs.rigs`.  Raises ValueError for an impossible one."""
-    from ertel.inputs.rigs import interferometer
-
-    found = interferometer(lighting, wavelength, coatings, index)
-    return found.light, found.rig
 
 
 def _find_ffmpeg() -> None:

@@ -192,7 +192,7 @@ def draw_film_profiles(axes: Axes, view: View) -> None:
     top = 2.0 * view.film_inside()
     z = view.scale("H", top / 2)
     rough = _draw_profiles(axes, view, view.midlines("H") * z.factor, top * z.factor)
-    _draw_measured(axes, view, "H", z)
+    draw_measured(axes, view, "H", z)
     axes.set(ylabel=z.label)
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, FOOT if rough else 0.0), edgecolor="none", fontsize="small")
 
@@ -202,14 +202,9 @@ def draw_pressure_profiles(axes: Axes, view: View) -> None:
     P = view.midlines("P")
     z = view.scale("P", float(P.max()))
     _draw_profiles(axes, view, P * z.factor, 1.35 * float(P.max()) * z.factor)
-    _draw_measured(axes, view, "P", z)
+    draw_measured(axes, view, "P", z)
     axes.set(ylabel=z.label)
     axes.legend(loc="upper center", frameon=False, fontsize="small")
-
-
-def _draw_measured(axes: Axes, view: View, name: str, z: Scale, along: str = "x", color: str = BLUE) -> None:
-    factor = z.factor / view.dataset[name].attrs.get("si_factor", 1.0)
-    draw_measured(axes, view, name.lower(), factor, along, color)
 
 
 def _draw_profiles(axes: Axes, view: View, values: Values, top: float) -> bool:
@@ -261,8 +256,8 @@ def _draw_section(axes: Axes, view: View, along: str, heading: str) -> None:
     right.plot(x * across, dry * p.factor, color=GREY, linewidth=0.8, linestyle="--")
     right.plot(x * across, P * p.factor, color=ORANGE)
     axes.plot(x * across, H * h.factor, color=BLUE)
-    _draw_measured(axes, view, "H", h, along)
-    _draw_measured(right, view, "P", p, along, ORANGE)
+    draw_measured(axes, view, "H", h, along)
+    draw_measured(right, view, "P", p, along, ORANGE)
     if axes.get_legend_handles_labels()[0]:
         axes.legend(loc="upper left", fontsize="small", framealpha=0.85)
     if right.get_legend_handles_labels()[0]:

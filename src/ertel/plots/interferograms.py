@@ -8,7 +8,7 @@ there, with the oil as dense as it is there, and with as much oil where the gap 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, Unpack
 
 import numpy as np
@@ -24,7 +24,7 @@ from ertel.plots.drawing import ORANGE, NoFigure, Scale, Sheet, SheetOptions, Va
 from ertel.plots.fields import ARROWS, draw_edge_of_oil, draw_legend
 from ertel.plots.measurements import Overlay, draw_light, draw_measured, measured_view
 from ertel.plots.view import View, field
-from ertel.results.comparison import INTENSITY
+from ertel.results.alignment import INTENSITY
 from ertel.results.profiles import At
 from ertel.results.variables import is_steady
 
@@ -151,7 +151,8 @@ def draw_chart(axes: Axes, scene: Scene) -> None:
     _show(axes, _without_grey_axis(colours), (left, right, 0.0, top * nm.factor))
     for colour, width in (("white", 3.0), ("black", 1.2)):
         axes.plot(x * view.across.factor, film * nm.factor, color=colour, linewidth=width)
-    draw_measured(axes, view, "h", nm.factor, color=ORANGE)
+    stored = replace(nm, factor=nm.factor * view.dataset["H"].attrs.get("si_factor", 1.0))
+    draw_measured(axes, view, "H", stored, color=ORANGE)
     axes.set(xlabel=view.axis_label("x"), ylabel=nm.label, xlim=(left, right), ylim=(0.0, top * nm.factor))
     axes.set(aspect="auto", title="Film along the mid-line, on the chart of films there")
 

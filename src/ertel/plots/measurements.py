@@ -12,8 +12,7 @@ from matplotlib.figure import Figure
 
 from ertel.plots.drawing import BLUE, ORANGE, NoFigure, Panel, Scale, Sheet, SheetOptions, Values, compose
 from ertel.plots.view import View
-from ertel.results.alignment import Optics
-from ertel.results.comparison import INTENSITY, QUANTITIES, Comparison
+from ertel.results.alignment import INTENSITY, QUANTITIES, Comparison, Optics
 from ertel.results.dataset import largest_of
 from ertel.results.measurements import Measurement
 from ertel.results.profiles import At
@@ -77,30 +76,31 @@ def measured_view(
     return replace(view, measured=tuple(compared))
 
 
-def draw_measured(axes: Axes, view: View, quantity: str, factor: float, along: str = "x", color: str = BLUE) -> None:
-    """Draw the measured values of a quantity along x or y.  factor: what 1 in SI is, as shown."""
+def draw_measured(axes: Axes, view: View, name: str, z: Scale, along: str = "x", color: str = BLUE) -> None:
+    """Draw the measured values of H or P along x or y.  z: of these, as they are stored."""
     for each in view.measured:
         measurement = each.measurement
-        if measurement.quantity == quantity and (view.is_radial or measurement.along == along):
-            x = each.x * view.across.factor / view.dataset["r" if view.is_radial else "X"].attrs["si_factor"]
-            bars = None if each.sigma is None else each.sigma * factor
+        if measurement.quantity == name.lower() and (view.is_radial or measurement.along == along):
+            factor = z.factor / view.dataset[name].attrs["si_factor"]
             look = {**POINTS, "color": color, "label": f"measured, {measurement.name}"}
-            axes.errorbar(x, each.measured * factor, bars, zorder=4, **look)
+            bars = None if each.sigma is None else each.sigma * factor
+            axes.errorbar(_across(view, each.x), each.measured * factor, bars, zorder=4, **look)
+
+
+def _across(view: View, x: Values) -> Values:
+    """Places in m, as shown."""
+    return x * view.across.factor / view.dataset["r" if view.is_radial else "X"].attrs["si_factor"]
 
 
 def draw_light(axes: Axes, view: View) -> None:
-    """The computed intensity of light along the line of a measured one, and the measured points."""
-    lines = [each for each in view.measured if each.measurement.quantity == INTENSITY]
-    for each in lines:
-        assert each.line is not None
-        axis = each.line[each.measurement.axis]
-        inside = (axis > each.x.min()) & (axis < each.x.max())
-        scale = view.across.factor / view.dataset["r" if view.is_radial else "X"].attrs["si_factor"]
-        axes.plot(axis[inside] * scale, each.line[inside], color=ORANGE, label="computed", zorder=3)
-        draw_measured(axes, replace(view, measured=(each,)), INTENSITY, 1.0, each.measurement.along)
-    axes.set(xlabel=view.axis_label(lines[0].measurement.along), ylabel="intensity, as a share of the light")
-    axes.set_title("Light along the line")
-    axes.legend(frameon=False, fontsize="small")
+    """The computed intensity of light along a line, and the measured one."""
+    found = next(each for each in view.measured if each.measurement.quantity == INTENSITY)
+    along, line = found.measurement.along, found.line
+    assert line is not None
+    line = line.sel({along: slice(found.x.min(), found.x.max())})
+    points, curve = (_across(view, found.x), found.measured), (_across(view, line[along].values), line.values)
+    _draw_values(axes, points, found.sigma, curve, (f"measured, {found.measurement.name}", "computed"))
+    axes.set(xlabel=view.axis_label(along), ylabel="intensity, as a share of the light", title="Light along the line")
 
 
 # -- beside a run -----------------------------------------------------------------------------------------------------

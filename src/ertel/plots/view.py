@@ -18,8 +18,7 @@ from ertel.physics import surfaces
 from ertel.physics.geometry import Geometry
 from ertel.physics.geometry import geometry as geometry_of
 from ertel.plots.drawing import NoFigure, Scale, Values
-from ertel.results.alignment import NOT_FULL
-from ertel.results.comparison import Comparison
+from ertel.results.alignment import NOT_FULL, Comparison
 from ertel.results.dataset import maps_of
 from ertel.results.numbers import plus_minus
 from ertel.results.profiles import At, mirrored, moment_of

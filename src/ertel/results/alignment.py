@@ -1,4 +1,4 @@
-"""A run as an instrument shows it: the light along a line, and values whose zero, scale or place is not known.
+"""A run as an instrument shows it, beside what was measured: light, and values whose zero, scale or place is unknown.
 
 An interferometer measures the optical path n h and an intensity, in arbitrary units, of a place whose zero it does not
 know.  What is shown is
@@ -10,7 +10,7 @@ the gain of an intensity, or n/n_assumed of a film that was computed with an ass
 """
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
@@ -18,6 +18,9 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize_scalar
+
+from ertel.results.numbers import IN_SI
+from ertel.results.variables import OUTCOME, VARIABLES, Variable, with_prefix
 
 Values = NDArray[np.float64]
 FACTORS, LEVELS = ("index", "gain"), ("offset", "background")  # one of each, by the quantity
@@ -60,8 +63,8 @@ class Unaligned:
     weight: Values
     names: Collection[str]
 
-    def shown(self, computed: Values) -> "Shown":
-        """Computed values as the instrument shows them."""
+    def shown(self, computed: Values) -> tuple[dict[str, float], Values]:
+        """What is not known, by name, and computed values as the instrument shows them with it."""
         ways = {name: computed for name in FACTORS} | {name: np.ones_like(self.x) for name in LEVELS}
         ways["tilt"] = self.x - self.x.mean()
         names = [name for name in ways if name in self.names]
@@ -73,9 +76,7 @@ class Unaligned:
         if factor and shares[0] < (least := LEAST * float(np.abs(self.values).max())):
             shares = np.array([least, *np.linalg.lstsq(A[:, 1:], b - least * A[:, 0])[0]])
         parts = dict(zip(names, (shares / scale).tolist(), strict=True))
-        size = parts.get(factor, 1.0)
-        line = shapes @ (shares / scale) - (size * computed if factor else 0.0)
-        return Shown(parts, size, size * computed + line, (self.values - line) / size)
+        return parts, shapes @ (shares / scale) + (0.0 if factor else computed)
 
     def best_centre(self, there: Values, values: Values) -> float:
         """The shift that leaves the smallest squares, as far as the run reaches, which has these values there."""
@@ -84,8 +85,8 @@ class Unaligned:
             return 0.0
 
         def squares(centre: float) -> float:
-            shown = self.shown(np.interp(self.x - centre, there, values))
-            return float(np.sum((self.weight * (self.values - shown.values)) ** 2))
+            _, shown = self.shown(np.interp(self.x - centre, there, values))
+            return float(np.sum((self.weight * (self.values - shown)) ** 2))
 
         tried = np.linspace(low, high, SHIFTS)
         best, step = tried[np.argmin([squares(each) for each in tried])], (high - low) / (SHIFTS - 1)
@@ -93,15 +94,84 @@ class Unaligned:
         return float(minimize_scalar(squares, bounds=bounds, options={"xatol": 1e-6 * step}).x)
 
 
-@dataclass(frozen=True, eq=False)
-class Shown:
-    """Values as an instrument shows them.
+# -- beside a run ------------------------------------------------------------------------------------------------------
 
-    parts: what was found, by name.  factor: that of them, or 1.  values: computed ones with these parts.  measured: the
-    measured ones without them.
+INTENSITY = "intensity"
+QUANTITIES: Mapping[str, Variable] = {  # by the names of the SI Dataset and of the summary
+    **{variable.si_name or name: variable for name, variable in VARIABLES.items()},
+    **{name: VARIABLES[name] for name in OUTCOME},
+    INTENSITY: Variable("intensity", "I"),
+}
+
+
+def si_unit(quantity: str) -> str:
+    """The SI unit of a quantity, "1" of a plain number.  Raises ValueError for a name that is not known."""
+    if quantity not in QUANTITIES:
+        raise ValueError(f"quantity = {quantity!r}: must be the name of a result, such as h, h_c, restitution")
+    about = QUANTITIES[quantity]
+    return about.si_units or (about.unit if about.unit in IN_SI else "1")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison:
+    """A measurement beside a run, in SI.
+
+    Attributes
+    ----------
+    measurement : Measurement
+        As it was given, see `measurements`, which makes this comparison.
+    x : array (n,)
+        Its places or times, aligned; zero of a number.
+    measured, computed : array (n,)
+        The values, aligned, and those of the run; of an intensity as a share of the light.
+    shown : array (n,)
+        The values of the run as the instrument shows them, beside the measured ones as they were given.
+    shift : mapping
+        What the alignment took off: "centre" (m or s) of x, "offset" or "background" and "tilt" (per m or s) of the
+        values; and their "gain", or the "index" of the oil that fits best.
+    line : DataArray or None
+        All that the run has along the line or through time, its attribute `moment` in words; None of a number.
+    sigma : array (n,) or None
+        The standard errors of the aligned values.
     """
 
-    parts: Mapping[str, float]
-    factor: float
-    values: Values
+    measurement: Any
+    x: Values
     measured: Values
+    computed: Values
+    shown: Values
+    shift: Mapping[str, float] = field(default_factory=dict)
+    line: xr.DataArray | None = None
+    sigma: Values | None = None
+
+    @property
+    def difference(self) -> Values:
+        """Measured less computed, (n,)."""
+        return self.measured - self.computed
+
+    @property
+    def rms(self) -> float:
+        """The root mean square of the difference."""
+        return float(np.sqrt(np.mean(self.difference**2)))
+
+    @property
+    def where(self) -> str:
+        """The moment of a profile in words, "" of a history and of a number."""
+        return "" if self.line is None else str(self.line.attrs["moment"])
+
+    @property
+    def text(self) -> str:
+        """The rms difference in words, with its share of the mean."""
+        share = self.rms / float(np.abs(self.computed).mean() or 1.0)
+        return f"rms difference {with_prefix(self.rms, si_unit(self.measurement.quantity))} ({share:.1%} of the mean)"
+
+    def __repr__(self) -> str:
+        m = self.measurement
+        units = {
+            "centre": si_unit(m.axis),
+            "offset": si_unit(m.quantity),
+            "tilt": f"{si_unit(m.quantity)}/{si_unit(m.axis)}",
+        }
+        shift = "".join(f"; {name} {with_prefix(value, units.get(name, '1'))}" for name, value in self.shift.items())
+        where = f", {self.where}" if self.where else ""
+        return f"{m.name}: {QUANTITIES[m.quantity].long_name}{where}: {self.text}, {len(self.x)} values{shift}"

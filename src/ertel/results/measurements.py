@@ -18,9 +18,16 @@ from numpy.typing import NDArray
 
 from ertel.case.reading import hint_for
 from ertel.physics.units import Quantity, Unit, in_si
-from ertel.results.alignment import Optics, Unaligned, light_along
+from ertel.results.alignment import (
+    INTENSITY,
+    QUANTITIES,
+    Comparison,
+    Optics,
+    Unaligned,
+    light_along,
+    si_unit,
+)
 from ertel.results.columns import Columns
-from ertel.results.comparison import INTENSITY, QUANTITIES, Comparison, unit_of_quantity
 from ertel.results.numbers import IN_SI, numbers
 from ertel.results.profiles import At, profile
 from ertel.results.variables import to_si, with_prefix
@@ -92,7 +99,7 @@ class Measurement:
         x = np.zeros_like(values) if self.x is None else np.asarray(self.x, dtype=np.float64)
         sigma = np.asarray(1.0 if self.sigma is None else self.sigma, dtype=np.float64)
         align = (self.align,) if isinstance(self.align, str) else tuple(self.align)
-        unit_of_quantity(self.quantity)
+        si_unit(self.quantity)
         light = self.quantity == INTENSITY
         possible = ("centre", "tilt", *ALWAYS_ALIGNED) if light else ALIGNMENTS
         if unknown := [name for name in align if name not in possible]:
@@ -212,10 +219,10 @@ class Measurement:
             raise ValueError(
                 f'{file.file}: has no {wanted}; {file.listed}; give columns={{"{USUAL[kind] if axis else "x"}": ...}}'
             )
-        unit = unit_of_quantity(name)
+        unit = si_unit(name)
         if name == INTENSITY:  # in arbitrary units
             file = replace(file, units={**file.units, INTENSITY: "", SIGMA: ""})
-        rows = [file.values(axis, unit_of_quantity(axis)), file.values(name, unit)]
+        rows = [file.values(axis, si_unit(axis)), file.values(name, unit)]
         rows += [file.values(SIGMA, unit, file.units[name])] if SIGMA in file.texts else []
         _require_possible(file.file, name, rows[1], align, file.lines)
         whole = np.array(rows)[:, np.all(np.isfinite(rows), axis=0)]
@@ -267,13 +274,17 @@ class Measurement:
             shift["centre"] = unaligned.best_centre(there, values)
         x = self.x - shift.get("centre", 0.0)
         if x.min() < there[0] or x.max() > there[-1]:
-            ends = [with_prefix(end, unit_of_quantity(self.axis)) for end in (x.min(), x.max(), there[0], there[-1])]
+            ends = [with_prefix(end, si_unit(self.axis)) for end in (x.min(), x.max(), there[0], there[-1])]
             raise ValueError("{}: reaches from {} to {}, and the run only from {} to {}".format(self.name, *ends))
         computed = np.interp(x, there, values)
-        shown = unaligned.shown(computed)
-        shift |= {name: part * (self.index or 1.0) if name == "index" else part for name, part in shown.parts.items()}
-        sigma = None if self.sigma is None else np.ones_like(x) * self.sigma / shown.factor
-        return Comparison(self, x, shown.measured, computed, shown.values, shift, line, sigma)
+        parts, shown = unaligned.shown(computed)
+        factor = parts.get("gain", parts.get("index", 1.0))
+        if "index" in parts:
+            parts["index"] *= self.index or 1.0
+        sigma = None if self.sigma is None else np.ones_like(x) * self.sigma / factor
+        return Comparison(
+            self, x, computed + (self.values - shown) / factor, computed, shown, shift | parts, line, sigma
+        )
 
     @property
     def axis(self) -> str:
@@ -319,7 +330,7 @@ def _require_possible(
     below = np.flatnonzero(values < 0.0)
     if len(below) and quantity in NOT_BELOW_ZERO and not {"offset", "tilt"} & {*align}:
         where = f", line {lines[below[0]]}" if lines else ""
-        value = with_prefix(float(values[below[0]]), unit_of_quantity(quantity))
+        value = with_prefix(float(values[below[0]]), si_unit(quantity))
         allowed = "must not be below zero" + ("; its zero may be aligned, offset" if quantity in FILMS else "")
         raise ValueError(f"{name}{where}: {quantity} = {value}: {allowed}")
 
@@ -331,7 +342,7 @@ def _from_the_start(history: xr.Dataset) -> xr.Dataset:
 
 
 def _in_si(quantity: str, value: Size) -> float:
-    unit, value = unit_of_quantity(quantity), str(value) if isinstance(value, Quantity) else value
+    unit, value = si_unit(quantity), str(value) if isinstance(value, Quantity) else value
     is_number = unit == "1" or not isinstance(value, str)
     try:
         return float(value) if is_number else in_si(value, Unit(unit, f"1 {unit}", True))

@@ -14,7 +14,7 @@ from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.physics.amplitude_reduction import lambda_ratio
 from ertel.physics.units import RMS, in_si, plain
-from ertel.results.comparison import Comparison
+from ertel.results.alignment import Comparison
 from ertel.results.measurements import Measurement
 from ertel.results.numbers import Number, html_image, html_table, lines, numbers, plus_minus, values_of
 from ertel.results.profiles import At, moment_of, profile

@@ -30,7 +30,7 @@ from ertel.case.status import Status
 from ertel.inputs import rigs
 from ertel.inputs.case_files import CaseLike, as_case, written
 from ertel.inputs.fits import Settings, Unknown, load_fit, parse_unknowns, with_settings
-from ertel.results.comparison import QUANTITIES
+from ertel.results.alignment import QUANTITIES
 from ertel.results.fit_result import FitPoint, FitResult, Values, amount, fit_dataset
 from ertel.results.measurements import NUMBER, READ, Measurement
 from ertel.results.result import Result
