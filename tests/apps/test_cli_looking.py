@@ -237,6 +237,13 @@ def test_movies(seen, kind):
         assert movie.n_frames == 4
 
 
+def test_movies_of_the_film(seen, monkeypatch):
+    monkeypatch.setattr("ertel.plots.movies.SECONDS", 0.1)
+    ertel_("plot", "ball", "--what", "film", "--format", "gif", "--rate", "20")
+    with Image.open(seen / "ball" / "plots" / "film.gif") as movie:
+        assert (movie.n_frames, movie.info["duration"]) == (2, 50)
+
+
 def test_mp4(seen):
     pytest.importorskip("imageio_ffmpeg", reason="writes MP4, of the extra movie")
     ertel_("plot", "ball", "--interferogram", "mono", "--format", "mp4")
@@ -252,7 +259,9 @@ def test_mp4_needs_its_extra(seen, monkeypatch):
 @pytest.mark.parametrize(
     ("directory", "flags", "said"),
     [
-        ("ball", "--format gif", "--format gif: only an interferogram can be a movie; add --interferogram mono"),
+        ("ball", "--format gif", "--format gif: needs --what film, --what pressure or --interferogram mono"),
+        ("ball", "--format gif --what oil", "--format gif: needs --what film, --what pressure or --interferogram mono"),
+        ("ball", "--rate 20", "--rate 20: only for movies; add --format gif"),
         ("ball", "--format gif --interferogram mono --at end", "--at end: a movie shows all times"),
         ("ball", "--format gif --interferogram mono --columns 1", "only for pictures; a movie has none"),
         ("ball", "--wavelength 532nm", "--wavelength 532nm: only for --interferogram mono or two-beam"),

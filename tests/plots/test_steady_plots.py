@@ -15,7 +15,7 @@ from ertel.case.sections import SOLVERS
 from ertel.inputs.python import rolling
 from ertel.physics import hertz
 from ertel.physics.geometry import Geometry
-from ertel.plots.view import on_grids
+from ertel.plots.view import View
 from ertel.results.measurements import Measurement
 from ertel.results.profiles import profile
 from ertel.results.variables import FIGURES_STEADY
@@ -69,7 +69,7 @@ def test_measured_film_along_and_across_a_steady_contact(ball):
 def test_error_bars_are_those_of_the_run(moes):
     """The same rule as in the summary."""
     for name in ("H_c", "H_min"):
-        values, errors, limits = np.transpose(on_grids(moes, name))
+        values, errors, limits = np.transpose(View(moes).on_grids(name))
         np.testing.assert_array_equal(values, moes[name])
         expected = [extrapolated(Rolling(solutions(MOES)[:count]), name) for count in (2, 3)]  # type: ignore[arg-type]
         np.testing.assert_allclose(errors, [np.nan, *(one.error for one in expected)])

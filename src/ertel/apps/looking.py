@@ -222,8 +222,9 @@ def plot(
     align: Align = None,
     column: Column = None,
     format_: Annotated[
-        Format, option("File format; gif, webp and mp4 are movies of an interferogram.", name="--format")
+        Format, option("File format; gif, webp and mp4 are movies of a run in time.", name="--format")
     ] = "png",
+    rate: Annotated[float | None, option("Frames a second of a movie, 1 to 50; default 12.", min=1.0, max=50.0)] = None,
     columns: Annotated[
         int | None, option("Draw for print, one or two columns wide: 85 or 170 mm.", min=1, max=2)
     ] = None,
@@ -235,9 +236,14 @@ def plot(
     An interferogram needs a case in SI. It is that of a steel ball on glass; from Python other media and light sources
     can be chosen, see ertel.optics. A file of --measured is as that of `ertel compare`; it is drawn on the profiles,
     or with --interferogram beside its light.
+
+    --what film --format gif --rate 20 makes a movie of eight seconds: of the film, the pressure, or an interferogram.
     """
-    if format_ in MOVIES and interferogram is None:
-        leave(BAD_INPUT, f"--format {format_}: only an interferogram can be a movie; add --interferogram mono")
+    if format_ in MOVIES and interferogram is None and what not in ("film", "pressure"):
+        shown = "--what film, --what pressure or --interferogram mono"
+        leave(BAD_INPUT, f"--format {format_}: needs {shown}; no other picture can be a movie")
+    if rate is not None and format_ not in MOVIES:
+        leave(BAD_INPUT, f"--rate {rate:g}: only for movies; add --format gif")
     if format_ in MOVIES and at is not None:
         leave(BAD_INPUT, f"--at {at}: a movie shows all times; leave it out, or use --format png")
     if format_ in MOVIES and (columns or not title or measured):
@@ -261,13 +267,18 @@ def plot(
         rig = interferometer(interferogram or "mono", wavelength, coatings, index)
         if measured is not None:
             sheet["measured"] = _measurement(measured, column, align, rig, at=at, index=index)
-        if interferogram is None:
+        if format_ in MOVIES:
+            pace: Any = {} if rate is None else {"rate": rate}
+            if interferogram is None:
+                movie = plots.movie(data, what or "", **pace)
+            else:
+                movie = plots.animation(data, rig.light, rig.rig, **pace)
+            name = f"interferogram-{interferogram}" if interferogram else str(what)
+            writers = {name: partial(movie.save, writer=MOVIES[format_])}
+        elif interferogram is None:
             overlaid = [name for name in plots.names_of(data) if measured and name in plots.OVERLAID]
             names = [what] if what else overlaid or plots.names_of(data)
             writers = {name: plots.draw(data, name, at, **sheet).savefig for name in names}
-        elif format_ in MOVIES:
-            movie = plots.animation(data, rig.light, rig.rig)
-            writers = {f"interferogram-{interferogram}": partial(movie.save, writer=MOVIES[format_])}
         else:
             picture = plots.interferogram(data, at, rig.light, rig.rig, **sheet)
             writers = {f"interferogram-{interferogram}": picture.savefig}

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import ceil
+from math import ceil, nan
 from typing import NamedTuple
 
 import numpy as np
@@ -180,6 +180,18 @@ def extrapolate(coarse: float, fine: float, coarsest: float | None = None) -> Ex
     """
     step, expected = (fine - coarse) / 3, 0.0 if coarsest is None else (coarse - coarsest) / 12
     return Extrapolation(fine, max(abs(step), abs(expected)), fine + step)
+
+
+def on_grids(values: Sequence[float], regular: bool = True) -> list[Extrapolation]:
+    """Values on grids, coarsest first and each with half the spacing, with their errors; the coarsest has none.
+
+    regular: whether the order is; where not, the error follows from three grids.
+    """
+    found = [Extrapolation(values[0], nan, nan)]
+    for k in range(1, len(values)):
+        coarsest = None if regular or k < 2 else values[k - 2]
+        found.append(extrapolate(values[k - 1], values[k], coarsest))
+    return found
 
 
 def expected_next(values: Sequence[float]) -> float:

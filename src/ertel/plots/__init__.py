@@ -2,7 +2,8 @@
 
     ertel.plots.overview(result.dataset, at="max-approach").savefig("impact.png")
 
-`interferogram` shows any run in SI as an experimenter sees it, `animation` a run in time.
+`interferogram` shows any run in SI as an experimenter sees it, `animation` a run in time; `movie` shows the film or the
+pressure of a run in time.
 
 A run in time has overview, film, pressure, oil, maps, profiles, history, friction and spacetime, and an impact front;
 a steady contact overview, film, pressure, oil, maps, midlines, convergence and friction. `at` chooses the moment of a
@@ -30,6 +31,7 @@ from ertel.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, NoFi
 from ertel.plots.fields import comparison
 from ertel.plots.interferograms import animation, interferogram
 from ertel.plots.measurements import Overlay, measured, measured_view
+from ertel.plots.movies import movie
 from ertel.plots.view import View
 from ertel.results.profiles import At
 from ertel.results.variables import figures_of, is_steady
@@ -37,7 +39,7 @@ from ertel.results.variables import figures_of, is_steady
 __all__ = [
     "BLUE", "GREEN", "GREY", "NAMES", "ORANGE", "ORDERED_COLOURS", "NoFigure", "Sheet", "animation", "comparison",
     "convergence", "draw", "film", "friction", "front", "history", "interferogram", "maps", "measured", "midlines",
-    "names_of", "oil", "overview", "pressure", "profiles", "spacetime",
+    "movie", "names_of", "oil", "overview", "pressure", "profiles", "spacetime",
 ]  # fmt: skip
 
 Rows = Sequence[Sequence[Callable[[Axes, View], None]]]

@@ -23,16 +23,15 @@ from ertel.optics import Chart, Interferometer, Light, Monochromatic, Rig, White
 from ertel.plots.drawing import ORANGE, NoFigure, Scale, Sheet, SheetOptions, Values, compose
 from ertel.plots.fields import ARROWS, draw_edge_of_oil, draw_legend
 from ertel.plots.measurements import Overlay, draw_light, draw_measured, measured_view
+from ertel.plots.movies import PER_SECOND, in_motion, laid_out
 from ertel.plots.view import View, field
 from ertel.results.alignment import INTENSITY
 from ertel.results.profiles import At
-from ertel.results.variables import is_steady
 
 PIXELS = 480  # along the longer side of a picture
 ROUND = 1.7  # how far round the contact the picture reaches, in its half widths
 ORDERS = 4.5  # fringes of the film that the colour chart shows, at least
 FRAMES = 120  # of an animation, at most
-PER_SECOND = 12
 LIGHTS: Mapping[str, type[Light]] = {"mono": Monochromatic, "white": White}
 TICKS = 6  # along the longer side of a picture
 
@@ -253,23 +252,20 @@ def animation(
     light: Light | Literal["mono", "white"] | None = None,
     rig: Rig | None = None,
     film_scale: float | None = None,
+    rate: float = PER_SECOND,
 ) -> FuncAnimation:
     """The interferogram of a run in time as an animation: `animation(...).save("impact.gif", writer="pillow")`.
 
-    The parameters are those of `interferogram`.  The picture is as wide as its widest moment needs and equally
-    bright throughout.  Of more than 120 maps every second, third, ... is shown.
+    The parameters are those of `interferogram`, and the rate in frames a second.  The picture is as wide as its widest
+    moment needs and equally bright throughout.  Of more than 120 maps every second, third, ... is shown.
 
     Raises
     ------
     NoFigure
         A steady contact, too few maps, and as `interferogram`.
     """
-    if is_steady(dataset):
-        raise NoFigure("animation: a steady contact does not move; draw its interferogram")
-    scaled, dataset = _film_scale(dataset, film_scale), dataset.load()
+    scaled, dataset = _film_scale(dataset, film_scale), in_motion(dataset)
     count = dataset.sizes["frame"]
-    if count < 2:
-        raise NoFigure(f"animation: the run has {count} maps, and needs 2 to move; let it run on")
     views = {frame: View(dataset, frame) for frame in range(0, count, -(-count // FRAMES))}
     pixels = pixels_around(list(views.values()))
     thickest = max(float(view.values("H").max()) for view in views.values()) * scaled
@@ -280,18 +276,15 @@ def animation(
         return Scene(views[frame], seen_on(views[frame], pixels, scaled), chart)
 
     figure = compose(scene(0), [[draw_interferogram]], views[0].title)
-    figure.set_dpi(100)
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")  # what was laid out once stays
-    (axes,) = figure.axes
+    (axes,) = laid_out(figure).axes
     (image,) = axes.images
-    time, heading = views[0].scale("time"), _heading(chart.light)
+    heading = _heading(chart.light)
 
     def update(frame: int) -> list[object]:
         shown = scene(frame)
         image.set_data(shown.picture())
         _draw_edge(axes, shown)
-        axes.set_title(f"{heading}, {time.symbol} = {views[frame].time * time.factor:.4g} {time.unit}")
+        axes.set_title(f"{heading}, {views[frame].clock}")
         return []
 
-    return FuncAnimation(figure, update, frames=list(views), interval=1000 / PER_SECOND)  # type: ignore[arg-type]
+    return FuncAnimation(figure, update, frames=list(views), interval=1000 / rate)  # type: ignore[arg-type]

@@ -4,7 +4,6 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from ertel.case.case import Case
 from ertel.case.height_map import HeightMap
-from ertel.numerics.grid import Extrapolation, extrapolate
+from ertel.numerics.grid import Extrapolation, on_grids
 from ertel.physics import surfaces
 from ertel.physics.geometry import Geometry
 from ertel.physics.geometry import geometry as geometry_of
@@ -209,13 +208,19 @@ class View:
         """The films of a steady contact with their errors; of a run in time the moment, its load and its speed."""
         if self.frame is None:
             return [self._film_with_error(name) for name in FILMS]
-        data, time = self.dataset, self.scale("time")
-        parts = [f"{self.moment} at {time.symbol} = {self.time * time.factor:.4g} {time.unit}"]
+        data = self.dataset
+        parts = [f"{self.moment} at {self.clock}"]
         if "F" in data:
             parts.append(f"load {self.with_unit('F', self._now('F'))}")
         if "U" in data and np.any(data["U"].values):
             parts.append(f"speed {self.with_unit('U', self.flow)}")
         return parts
+
+    @property
+    def clock(self) -> str:
+        """The time of the map, as t = 60 µs."""
+        time = self.scale("time")
+        return f"{time.symbol} = {self.time * time.factor:.4g} {time.unit}"
 
     @property
     def friction(self) -> list[str]:
@@ -229,9 +234,13 @@ class View:
 
     def _film_with_error(self, name: str) -> str:
         """A film on the finest grid as h_c = 146 ± 10 nm: as many digits as the error deserves."""
-        film = on_grids(self.dataset, name)[-1]
+        film = self.on_grids(name)[-1]
         z = self.scale(name, film.value)
         return f"{z.symbol} = {plus_minus(film.value * z.factor, film.error * z.factor)} {z.unit}"
+
+    def on_grids(self, name: str) -> list[Extrapolation]:
+        """A value of a steady contact on every grid with its estimated error, which the coarsest does not have."""
+        return on_grids(self.dataset[name].values.tolist(), regular=not self.case.layer)
 
     # -- values at the moment -----------------------------------------------------------------------------------------
 
@@ -328,9 +337,3 @@ def reach(x: Values, P: Values) -> float:
     loaded = x[LOADED * P.max() < P]
     farthest = float(np.abs(loaded).max()) if len(loaded) else float(x.max())
     return max(farthest, 0.2 * float(x.max()))  # something to see even at first touch
-
-
-def on_grids(dataset: xr.Dataset, name: str) -> list[Extrapolation]:
-    """A value of a steady contact on every grid with its estimated error, which the coarsest does not have."""
-    values = dataset[name].values.tolist()
-    return [Extrapolation(values[0], np.nan, np.nan), *(extrapolate(*pair) for pair in pairwise(values))]
