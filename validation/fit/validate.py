@@ -194,7 +194,7 @@ the two finest grids.
 * **Grid.** It is larger than the standard error: alpha is 19 % too large on 65², 4.5 % on 129², 1 % on 257². A fit
   knows nothing of it.
 * **Offset.** It hides alpha. The level of the film is what alpha decides; with an unknown zero of the film only its
-  shape remains, and the standard error grows from 0.6 % to 100 % in the flat middle and 15 % on the whole curve. With
+  shape remains, and the standard error grows from 0.6 % to 90 % in the flat middle and 15 % on the whole curve. With
   the centre unknown too, the fit can end far off (47 /GPa, inside).
 * **The rest.** With 1 % more eta0, which counts as exact, alpha changes by {by_viscosity}; with a film that is 1 %
   thicker, as one that was computed with too small an index of the oil, by {by_film} (129², flat middle).
