@@ -217,11 +217,11 @@ def test_gain_and_background_of_an_intensity_are_found(ball):
     x = np.linspace(-2.5e-4, 2.5e-4, 201)
     found = ball.compare(intensity(ball, x, 0.01, align="centre"))
     exact = ball.compare(intensity(ball, x))
-    assert exact.shift == pytest.approx({"gain": 200.0, "background": 50.0}) and exact.rms < 1e-12
+    assert exact.shift == pytest.approx({"gain": 200.0, "background": 50.0}) and exact.rms < 1e-9
     lifted = ball.compare(intensity(ball, x, align=["tilt"]))
     assert lifted.shift["tilt"] == pytest.approx(0.0, abs=1e-6)
     assert found.shift["gain"] == pytest.approx(200.0, rel=0.02) and abs(found.shift["centre"]) < 0.5e-6
-    assert 0.008 < found.rms < 0.012 and "intensity" in repr(found)
+    assert 1.6 < found.rms < 2.4 and "intensity" in repr(found)
     with pytest.raises(ValueError, match="measurement: is an intensity; give optics="):
         ball.compare(replace(intensity(ball, x), optics=None))
 

@@ -108,9 +108,8 @@ def compare(
     if second.is_file():
         with bad_input():
             rig = interferometer("mono", wavelength, coatings, index)
-        _compare_measured(
-            first, _measurement(second, column, align, rig, at=at, along=along, index=index), plot, as_json
-        )
+        measurement = _measurement(second, column, align, rig, at=at, along=along, index=index)
+        _compare_measured(first, measurement, plot, as_json)
         return
     given = {"at": at, "along": along != "x", "align": align, "column": column, "coatings": coatings, "index": index}
     if wrong := [name for name, each in {**given, "wavelength": wavelength}.items() if each]:

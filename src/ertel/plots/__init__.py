@@ -109,7 +109,7 @@ def draw(
         The name of the figure.
     at : float, str or Quantity, optional
         The moment of a run in time: a time in t0 or with its unit, or an event.  Left out, that of what is measured.
-    measured : Measurement or Comparison, or several of them
+    measured : Measurement or several of them, optional
         Measured profiles of film or pressure, drawn on those of the run.
     **sheet
         Axes or a size, and whether there is a title: ax, figsize, columns, title, see `Sheet`.

@@ -186,7 +186,7 @@ def interferogram(
         chromium on glass, against steel.
     film_scale : float, optional
         a*^2/R in m; a dimensionless run needs it.
-    measured : Measurement or Comparison, or several of them
+    measured : Measurement or several of them, optional
         Measured profiles: a film is drawn on the chart, an intensity beside the computed one.  One without optics is
         that of this light and rig.
     **sheet
@@ -207,16 +207,11 @@ def interferogram(
     seen = seen_on(view, pixels, scaled)
     chart = Chart(interferometer.rig, interferometer.light, float(seen["film"].max()), float(seen["density"].max()))
     scene, row = (Scene(view, each, chart) for each in (seen, seen_on(view, middle, scaled)))
-    light_too = any(each.measurement.quantity == INTENSITY for each in view.measured)
+    panels = [draw_interferogram, lambda axes, _: draw_chart(axes, row), lambda axes, _: draw_light(axes, view)]
+    seen_too = any(each.measurement.quantity == INTENSITY for each in view.measured)
     return compose(
         scene,
-        [
-            [
-                draw_interferogram,
-                lambda axes, _: draw_chart(axes, row),
-                *([lambda axes, _: draw_light(axes, view)] if light_too else []),
-            ]
-        ],
+        [panels if seen_too else panels[:2]],
         [*view.title, *view.outcome],
         Sheet(**sheet),
     )

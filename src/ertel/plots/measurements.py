@@ -45,7 +45,7 @@ def _draw_difference(axes: Axes, x: Values, difference: Values, label: str) -> N
 
 # -- on the profiles of a run -----------------------------------------------------------------------------------------
 
-Overlay = Measurement | Comparison | Sequence[Measurement | Comparison] | None
+Overlay = Measurement | Sequence[Measurement] | None
 
 
 def measured_view(
@@ -59,21 +59,17 @@ def measured_view(
     anything else.
     """
     several: list[Any] = list(given) if isinstance(given, list | tuple) else [] if given is None else [given]
-    if other := [each for each in several if not isinstance(each, Measurement | Comparison)]:
-        raise TypeError(f"measured = {other[0]!r}: must be a Measurement or a Comparison, or a list of them")
-    own = [each.measurement if isinstance(each, Comparison) else each for each in several]
-    if other := [each for each in own if each.kind != "profile" or each.quantity not in shown]:
-        what = f"{other[0].name} is a {other[0].kind} of {other[0].quantity}"
-        raise NoFigure(f"measured: {what}; this picture shows profiles of {' and '.join(shown)}")
-    view = View.of(dataset, next((each.at for each in own if each.at is not None), None) if at is None else at)
-    moment = None if view.frame is None else view.time
-    compared = (
-        each
-        if isinstance(each, Comparison)
-        else replace(each, at=moment if each.at is None else each.at, optics=each.optics or optics).compared(view)
-        for each in several
-    )
-    return replace(view, measured=tuple(compared))
+    for each in several:
+        if not isinstance(each, Measurement):
+            raise TypeError(f"measured = {each!r}: must be a Measurement, or a list of them")
+        if each.kind != "profile" or each.quantity not in shown:
+            what = f"{each.name} is a {each.kind} of {each.quantity}"
+            raise NoFigure(f"measured: {what}; this picture shows profiles of {' and '.join(shown)}")
+    view = View.of(dataset, next((each.at for each in several if each.at is not None), None) if at is None else at)
+    own = {"at": None if view.frame is None else view.time, "optics": optics}
+    missing = [{name: value for name, value in own.items() if getattr(each, name) is None} for each in several]
+    filled = [replace(each, **more) for each, more in zip(several, missing, strict=True)]
+    return replace(view, measured=tuple(each.compared(view) for each in filled))
 
 
 def draw_measured(axes: Axes, view: View, name: str, z: Scale, along: str = "x", color: str = BLUE) -> None:
@@ -100,7 +96,7 @@ def draw_light(axes: Axes, view: View) -> None:
     line = line.sel({along: slice(found.x.min(), found.x.max())})
     points, curve = (_across(view, found.x), found.measured), (_across(view, line[along].values), line.values)
     _draw_values(axes, points, found.sigma, curve, (f"measured, {found.measurement.name}", "computed"))
-    axes.set(xlabel=view.axis_label(along), ylabel="intensity, as a share of the light", title="Light along the line")
+    axes.set(xlabel=view.axis_label(along), ylabel="intensity, as measured", title="Light along the line")
 
 
 # -- beside a run -----------------------------------------------------------------------------------------------------

@@ -123,7 +123,7 @@ class Comparison:
     x : array (n,)
         Its places or times, aligned; zero of a number.
     measured, computed : array (n,)
-        The values, aligned, and those of the run; of an intensity as a share of the light.
+        The values, aligned, and those of the run; of an intensity with the gain and the background of the measured one.
     shown : array (n,)
         The values of the run as the instrument shows them, beside the measured ones as they were given.
     shift : mapping

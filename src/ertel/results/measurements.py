@@ -18,15 +18,7 @@ from numpy.typing import NDArray
 
 from ertel.case.reading import hint_for
 from ertel.physics.units import Quantity, Unit, in_si
-from ertel.results.alignment import (
-    INTENSITY,
-    QUANTITIES,
-    Comparison,
-    Optics,
-    Unaligned,
-    light_along,
-    si_unit,
-)
+from ertel.results.alignment import INTENSITY, QUANTITIES, Comparison, Optics, Unaligned, light_along, si_unit
 from ertel.results.columns import Columns
 from ertel.results.numbers import IN_SI, numbers
 from ertel.results.profiles import At, profile
@@ -125,7 +117,7 @@ class Measurement:
             raise ValueError(f"{self.name}: sigma has {np.min(sigma):g} (in SI); must be finite and above zero")
         if not (np.all(np.isfinite(values)) and np.all(np.isfinite(x))):
             raise ValueError(f"{self.name}: has values or x that are not finite")
-        _require_possible(self.name, self.quantity, values, align)
+        _check_possible(self.name, self.quantity, values, align)
         object.__setattr__(self, "values", values)
         object.__setattr__(self, "x", None if self.x is None else x)
         object.__setattr__(self, "align", align)
@@ -224,7 +216,7 @@ class Measurement:
             file = replace(file, units={**file.units, INTENSITY: "", SIGMA: ""})
         rows = [file.values(axis, si_unit(axis)), file.values(name, unit)]
         rows += [file.values(SIGMA, unit, file.units[name])] if SIGMA in file.texts else []
-        _require_possible(file.file, name, rows[1], align, file.lines)
+        _check_possible(file.file, name, rows[1], align, file.lines)
         whole = np.array(rows)[:, np.all(np.isfinite(rows), axis=0)]
         x, values, *errors = whole[:, np.argsort(whole[0], kind="stable")]
         error = errors[0] if errors else None if sigma is None else _in_si(name, sigma)
@@ -278,8 +270,10 @@ class Measurement:
             raise ValueError("{}: reaches from {} to {}, and the run only from {} to {}".format(self.name, *ends))
         computed = np.interp(x, there, values)
         parts, shown = unaligned.shown(computed)
-        factor = parts.get("gain", parts.get("index", 1.0))
-        if "index" in parts:
+        factor = parts.get("index", 1.0)
+        if "gain" in parts:  # an intensity stays in the units in which it was measured
+            computed, line = (parts["gain"] * each + parts["background"] for each in (computed, line))
+        elif "index" in parts:
             parts["index"] *= self.index or 1.0
         sigma = None if self.sigma is None else np.ones_like(x) * self.sigma / factor
         return Comparison(
@@ -323,16 +317,13 @@ class Measurement:
         return data[self.quantity].assign_attrs(moment=data.attrs.get("moment", ""))
 
 
-def _require_possible(
-    name: str, quantity: str, values: Values, align: Sequence[str], lines: Sequence[int] | None = None
-) -> None:
+def _check_possible(name: str, quantity: str, values: Values, align: Sequence[str], lines: Sequence[int] = ()) -> None:
     """Raise ValueError for a film or a time below zero, unless the zero is not known.  lines: in the file of a name."""
     below = np.flatnonzero(values < 0.0)
     if len(below) and quantity in NOT_BELOW_ZERO and not {"offset", "tilt"} & {*align}:
-        where = f", line {lines[below[0]]}" if lines else ""
-        value = with_prefix(float(values[below[0]]), si_unit(quantity))
+        where = f"{name}, line {lines[below[0]]}" if lines else name
         allowed = "must not be below zero" + ("; its zero may be aligned, offset" if quantity in FILMS else "")
-        raise ValueError(f"{name}{where}: {quantity} = {value}: {allowed}")
+        raise ValueError(f"{where}: {quantity} = {with_prefix(float(values[below[0]]), si_unit(quantity))}: {allowed}")
 
 
 def _from_the_start(history: xr.Dataset) -> xr.Dataset:

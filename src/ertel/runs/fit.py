@@ -44,6 +44,8 @@ from ertel.runs.workers import Condition, Failure, Workers, never
 
 NAME = "fit"  # of the files with the outcome
 STEP = 0.01  # of a logarithm, for derivatives
+FINE_STEP = 1e-3  # the same, where the standard errors are smaller than STEP
+NEAR_ERROR = 0.1  # of the smallest standard error, then: a step of the search that is smaller is the last one
 NEAR = 1e-3  # a step of the search that is smaller, in the logarithms, is the last one
 FLAT = 0.01  # a change of chi square that does not matter
 MOST_POINTS = 40  # of a search
@@ -253,6 +255,7 @@ class Search:
         self.measured, self.sigma = self.columns["measured"][0], self.columns["sigma"][0]
         self.runs: set[str] = set()  # digests of their cases
         self._failures: list[str] = []
+        self._step = STEP
         self._points: dict[bytes, FitPoint] = {}
 
     def solve(self) -> tuple[FitPoint, bool]:
@@ -269,16 +272,23 @@ class Search:
             """Here one is added to the logarithms, so that scipy's xtol is a relative change of values."""
             return self.at(start * np.exp(u - 1.0))
 
-        found = least_squares(
-            lambda u: point(u).rows[0],
-            np.ones_like(start),
-            lambda u: point(u).rows[1],
-            (np.log(lower / start) + 1.0, np.log(upper / start) + 1.0),
-            xtol=NEAR,
-            ftol=FLAT / len(self.measured),
-            gtol=None,
-            max_nfev=MOST_POINTS,
-        )
+        def searched(begin: Values, near: float) -> Any:
+            return least_squares(
+                lambda u: point(u).rows[0],
+                begin,
+                lambda u: point(u).rows[1],
+                (np.log(lower / start) + 1.0, np.log(upper / start) + 1.0),
+                xtol=near,
+                ftol=FLAT / len(self.measured),
+                gtol=None,
+                max_nfev=MOST_POINTS,
+            )
+
+        found = searched(np.ones_like(start), NEAR)
+        finest = float(np.sqrt(np.diag(point(found.x).covariance)).min())
+        if found.status > 0 and finest < STEP:  # many fringes decide better than steps of this size are straight
+            self._step, self._points = FINE_STEP, {}
+            found = searched(found.x, min(NEAR, NEAR_ERROR * finest))
         return point(found.x), found.status > 0
 
     def at(self, values: Values) -> FitPoint:
@@ -291,7 +301,7 @@ class Search:
     def _computed(self, values: Values) -> FitPoint:
         unknowns, size = self.problem.unknowns, len(values)
         bounds = np.array([(u.lower, u.upper) for u in unknowns]).T
-        steps = np.where(values * np.exp(STEP) <= bounds[1], STEP, -STEP)
+        steps = self._step * np.where(values * np.exp(self._step) <= bounds[1], 1.0, -1.0)
         predicted = self._predicted(values * np.exp(np.vstack([np.zeros(size), np.diag(steps)])))
         return FitPoint(
             self.problem.names,
