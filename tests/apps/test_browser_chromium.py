@@ -90,9 +90,12 @@ class Page:
         button.click()
 
     def fill(self, label, text):
+        from selenium.webdriver import Keys
+
         (field,) = self.all(f"input[aria-label='{label}']")
         field.click()
-        field.send_keys("\b" * len(field.get_attribute("value")) + text)
+        field.send_keys(Keys.CONTROL, "a")
+        field.send_keys(text)
 
     def until(self, there, seconds=120):
         """Wait for something to become true."""

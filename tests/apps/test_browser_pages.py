@@ -87,22 +87,36 @@ async def test_the_first_page_lists_the_runs_and_a_page_of_no_run_says_so(user):
 async def test_bad_input_is_answered_in_the_words_of_ertel(user):
     await user.open("/new")
     await until(lambda: one(user, "run").enabled)
-    one(user, "speed").set_value("10 m/s")
+    one(user, "contact.speed").set_value("10 m/s")
     await user.should_see("and steel of the hardness", retries=50)
-    one(user, "radius").set_value("10 furlong")
+    one(user, "contact.radius").set_value("10 furlong")
     await user.should_see('contact.radius = "10 furlong": must be between', retries=50)
-    assert one(user, "radius").props["error"]
+    field = one(user, "contact.radius")
+    assert field.props["error"] and field.props["error-message"].startswith('contact.radius = "10 furlong"')
     assert not one(user, "run").enabled
-    one(user, "radius").set_value("12 mm")
+    one(user, "contact.radius").set_value("12 mm")
     await user.should_see(marker="ready", retries=50)
-    assert "error" not in one(user, "radius").props
+    assert not one(user, "contact.radius").props["error"]
+
+
+async def test_a_wrong_value_unfolds_its_group(user):
+    await user.open("/new")
+    fold = one(user, f"fold-{form.LAYER}")
+    assert not fold.value
+    one(user, "lubricant.layer").set_value("-1 um")
+    await until(lambda: fold.value)
+    assert "above zero" in one(user, "lubricant.layer").props["error-message"]
+    await user.should_not_see(marker="roughness.depth")
+    one(user, "roughness.shape").set_value("spot")
+    await until(lambda: one(user, "roughness.depth"))
+    assert one(user, f"fold-{form.ROUGHNESS}").value and one(user, "solver.method").value == "2d"
 
 
 async def test_the_form_follows_its_choices_and_makes_a_case_file(user):
     await user.open("/new")
-    one(user, "kind").set_value("rolling")
-    one(user, "oil").set_value("squalane")
-    one(user, "slide_to_roll").set_value("0.1")
+    one(user, "contact.kind").set_value("rolling")
+    one(user, "lubricant.oil").set_value("squalane")
+    one(user, "contact.slide_to_roll").set_value("0.1")
     user.find(marker="tab-text").click()
     await until(lambda: one(user, "run").enabled)
     text = one(user, "text").value
