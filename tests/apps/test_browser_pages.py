@@ -92,7 +92,7 @@ async def test_bad_input_is_answered_in_the_words_of_ertel(user):
     one(user, "contact.radius").set_value("10 furlong")
     await user.should_see('contact.radius = "10 furlong": must be between', retries=50)
     field = one(user, "contact.radius")
-    assert field.props["error"] and field.props["error-message"].startswith('contact.radius = "10 furlong"')
+    assert field.props["error"] and field.props["error-message"] == "must be between 1e-06 and 100 m"
     assert not one(user, "run").enabled
     one(user, "contact.radius").set_value("12 mm")
     await user.should_see(marker="ready", retries=50)

@@ -93,7 +93,7 @@ class NewCase:
         with self._fields:
             with ui.element("div").classes("card choices"):
                 for name in ("contact.kind", "given"):
-                    toggle = ui.toggle(dict(self.form.options(name) or {}), value=self.form.values[name]).mark(name)
+                    toggle = ui.toggle(dict(self.form.options(name)), value=self.form.values[name]).mark(name)
                     self._watch(name, toggle.props("no-caps unelevated spread"))
             for title, names in groupby([name for name in shown if shown[name].group], lambda name: shown[name].group):
                 self._group(title, list(names))
@@ -113,14 +113,14 @@ class NewCase:
                     self._inputs[name] = self._field(name)
 
     def _field(self, name: str) -> Any:
-        about, value, options = self.form.shown()[name], self.form.values[name], self.form.options(name)
+        about, value, options = self.form.shown()[name], self.form.values[name], dict(self.form.options(name))
         if options:
-            field: Any = ui.select(dict(options), label=about.label, value=value).props("options-dense")
+            field: Any = ui.select(options, label=about.label, value=value).props("options-dense")
         else:
             field = ui.input(about.label, value=value, placeholder=self.form.hint(name)).props("stack-label")
         if about.help:
             with field:
-                ui.tooltip(about.help).props("max-width=320px delay=500")
+                ui.tooltip(about.help).props("max-width=320px delay=500 anchor='top middle' self='bottom middle'")
         return self._watch(name, field.props("outlined dense hide-bottom-space").mark(name))
 
     def _watch(self, name: str, field: Any) -> Any:
@@ -177,7 +177,7 @@ class NewCase:
         """Show a message at the field that it names, which may be folded, or take it away."""
         wrong = self.form.field_of(message) if message else None
         for name, field in self._inputs.items():
-            field.error = message if name == wrong else None
+            field.error = (message or "").partition(": ")[2] if name == wrong else None
         if wrong and (fold := self._folds.get(self.form.shown()[wrong].group)):
             fold.set_value(True)
 
