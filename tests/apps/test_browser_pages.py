@@ -9,7 +9,7 @@ import pytest
 
 pytest.importorskip("nicegui")
 import pytest_asyncio
-from app_runs import make_run, stand_in
+from app_runs import make_fit, make_run, stand_in
 from nicegui import ElementFilter, app, ui
 from nicegui.testing import user_simulation
 
@@ -169,6 +169,41 @@ async def test_a_page_of_a_run(user, site):
     user.find(ui.tabs).elements.pop().set_value("interferogram")
     await user.should_see(marker="light")
     await until(lambda: one(user, "picture").props["src"] != second)
+
+
+async def test_a_fit_is_started_stopped_and_goes_on_to_its_values(user, site, tmp_path):
+    root = site.folder.root
+    make_fit(root, tmp_path / "aside" / "fit")
+    await user.open("/")
+    await user.should_see("not started · fit")
+    await user.open("/fit?name=fits/film")
+    assert "[[measurements]]" in one(user, "listing").text and one(user, "phase").text == "not started"
+    user.find(marker="start").click()
+    await until(lambda: one(user, "phase").text == "running")
+    await user.should_see("point 2 of the search")
+    user.find(marker="stop").click()
+    await until(lambda: one(user, "phase").text == "interrupted")
+    await user.should_not_see(marker="values")
+    user.find(marker="start").click()
+    await until(lambda: all_of(user, "values"))
+    assert one(user, "phase").text == "finished"
+    (eta0, alpha) = one(user, "values").rows
+    assert eta0["value"] == "97.6 mPa*s" and alpha["unknown"] == "alpha" and float(eta0["alpha"]) < -0.99
+    for text in ("The data fix alpha*eta0", "3 data, chi square", "Hardly decided"):
+        await user.should_see(text)
+    assert site.folder.run("fits/film/runs/best") not in site.folder.runs()  # it is that of the fit
+
+
+async def test_a_fit_of_files_outside_is_not_started(user, site, tmp_path):
+    make_fit(site.folder.root, tmp_path / "aside" / "fit")
+    file = site.folder.root / "film.toml"
+    file.write_text(file.read_text().replace("film.csv", "../film.csv"))
+    await user.open("/fit?name=fits/film")
+    user.find(marker="start").click()
+    await user.should_see("../film.csv: lies outside")
+    assert site.processes.ours() == []
+    await user.open("/fit?name=fits/ball")
+    await user.should_see("fits/ball is not a fit")
 
 
 # -- names ------------------------------------------------------------------------------------------------------------

@@ -30,18 +30,12 @@ METHODS: Mapping[str, dict[str, str]] = {
     "impact": {"radial": "radial: seconds", "2d": "plane: minutes"},
     "rolling": {"steady": "steady", "transient": "in time"},
 }
-GRIDS: Mapping[str, tuple[str, ...]] = {
-    "radial": ("129", "257", "401", "801"),
-    "2d": ("65", "129", "257", "385", "513"),
-    "steady": ("65", "129", "257", "513"),
-    "transient": ("65", "129", "193", "257"),
-}
-USUAL = 1  # the place in `GRIDS` of a grid that answers within a minute
+NODES = {"radial": "257", "2d": "129", "steady": "129", "transient": "129"}  # that answer within a minute
 OPTIONS: Mapping[str, Mapping[str, str]] = {  # with their labels, the first one first
     "contact.kind": {"impact": "Impact", "rolling": "Rolling"},
     "given": {"si": "Quantities", "moes": "M and L"},
     "bodies": {"ball": "ball on a plane", "balls": "two balls", "ellipse": "ellipse", "four-radii": "four radii"},
-    "given_by": {"by-speed": "its speed", "by-height": "the height of its fall"},
+    "impact_given_by": {"by-speed": "its speed", "by-height": "the height of its fall"},
     "contact.material_1": MATERIALS,
     "contact.material_2": MATERIALS,
     "lubricant.oil": {OWN: "by its viscosity", **{name: name for name in oils.names()}},
@@ -50,7 +44,14 @@ OPTIONS: Mapping[str, Mapping[str, str]] = {  # with their labels, the first one
     SHAPE: {"": "smooth", **{shape: shape for shape in SHAPES}},
     "time.until": {"max-approach": "maximum approach", "rebound": "rebound"},
 }
-CHOICES = ("contact.kind", "given", "bodies", "given_by", "solver.method", "thermal")  # whose values show other fields
+CHOICES = (
+    "contact.kind",
+    "given",
+    "bodies",
+    "impact_given_by",
+    "solver.method",
+    "thermal",
+)  # whose values show other fields
 DECIDE = (*CHOICES, "lubricant.oil", SHAPE, LAW)  # fields on which others depend
 FOLDED = ("Layer of oil, for a starved contact", "Temperatures", "Roughness")  # groups that are open when one is used
 LAYER, HEAT, ROUGHNESS = FOLDED
@@ -65,7 +66,7 @@ ROWS = (  # group, the choices that show its fields, and these by their paths in
     ("Contact", "rolling elliptic", "contact.entrainment_angle"),
     ("Contact", "si impact round", "contact.ball_density"),
     ("Contact", "si impact elliptic", "contact.mass"),
-    ("Contact", "si impact", "given_by"),
+    ("Contact", "si impact", "impact_given_by"),
     ("Contact", "si impact by-speed", "contact.speed"),
     ("Contact", "si impact by-height", "contact.drop_height"),
     ("Contact", "si rolling", "contact.load contact.mean_speed contact.slide_to_roll"),
@@ -155,13 +156,10 @@ class Form:
         if self.values["solver.method"] not in methods:
             self.choose("solver.method", methods[0])
         elif name in ("solver.method", "bodies"):
-            nodes = GRIDS[self.values["solver.method"]][USUAL]
-            self.choose("solver.nodes", nodes if self.is_round else "")
+            self.choose("solver.nodes", NODES[self.values["solver.method"]] if self.is_round else "")
 
     def options(self, name: str) -> Mapping[str, str]:
         """The values from which a field is chosen, with their labels; empty for a text."""
-        if name == "solver.nodes":
-            return {"": "as usual", **{nodes: nodes for nodes in GRIDS[self.values["solver.method"]]}}
         if name == "solver.method":
             methods, needs_plane = METHODS[self.values["contact.kind"]], self.values[SHAPE] or not self.is_round
             return {method: methods[method] for method in methods if method != "radial" or not needs_plane}
