@@ -12,7 +12,7 @@ from scipy.integrate import cumulative_trapezoid
 
 from ertel.physics import hertz
 from ertel.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, NoFigure, Values, plain_ticks
-from ertel.plots.view import LOADED, WIDEST, View, on_grids
+from ertel.plots.view import LOADED, WIDEST, View
 from ertel.results import fronts
 from ertel.results.profiles import LAST, events_of
 
@@ -267,7 +267,7 @@ def draw_grids(axes: Axes, view: View) -> None:
     names = _grid_names(view)
     z, place, top = view.scale("H_c", float(view.dataset["H_c"].values[-1])), np.arange(len(names) + 1), 0.0
     for name, colour, marker in (("H_c", BLUE, "o"), ("H_min", ORANGE, "s")):
-        shown, errors, (*_, limit) = z.factor * np.transpose(on_grids(view.dataset, name))
+        shown, errors, (*_, limit) = z.factor * np.transpose(view.on_grids(name))
         axes.errorbar(
             place[:-1], shown, errors, color=colour, marker=marker, markersize=4.0, capsize=4.0, label=view.legend(name)
         )
