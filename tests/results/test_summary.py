@@ -21,7 +21,7 @@ from ertel.physics.film_formulas import FormulaFilm
 from ertel.physics.units import Quantity
 from ertel.results import parameters, variables
 from ertel.results.numbers import as_now, key_numbers, lines, more_lines, number, scalars
-from ertel.results.summary import comparisons, extremes, impact_summary, in_smaller_steps, rolling_summary, with_error
+from ertel.results.summary import comparisons, extremes, impact_summary, rolling_summary, with_error
 from ertel.results.variables import one_number, to_si, with_coefficients
 from ertel.runs.drive import simulate
 from ertel.solvers import radial
@@ -200,9 +200,9 @@ def test_the_wider_radial_grid_is_as_fine_in_the_contact() -> None:
 
 
 def test_smaller_steps_have_half_the_error() -> None:
-    assert in_smaller_steps(Time(step=0.02)).step == pytest.approx(0.02 * 0.5**0.5)
-    assert in_smaller_steps(Time(step=Quantity(1e-5, "s"))).step == Quantity(1e-5 * 0.5**0.5, "s")
-    assert in_smaller_steps(Time(tolerance=8e-4)).tolerance == pytest.approx(8e-4 / 8**0.5)
+    assert Time(step=0.02).with_steps(0.5**0.5).step == pytest.approx(0.02 * 0.5**0.5)
+    assert Time(step=Quantity(1e-5, "s")).with_steps(0.5**0.5).step == Quantity(1e-5 * 0.5**0.5, "s")
+    assert Time(tolerance=8e-4).with_steps(0.5**0.5).tolerance == pytest.approx(8e-4 / 8**0.5)
 
 
 def ball(nodes: int, half_width: float, tolerance: float) -> Case:

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
-from ertel.apps.terminal import capital, duration, printable
+from ertel.apps.terminal import capital, printable
 from ertel.case.records import ConfigError, show
 from ertel.inputs import materials, oils
 from ertel.physics.materials import Material, NamedOil, Sourced, celsius
 from ertel.physics.units import COMPLIANCE, KINEMATIC_VISCOSITY, TEMPERATURE, Unit, marks
-from ertel.results.numbers import Number, aligned, moment, more_lines, numbers, values_of
+from ertel.results.numbers import Number, aligned, duration, moment, more_lines, numbers, values_of
 from ertel.results.parameters import domain, formula_films, parameter_summary, rheology_of
-from ertel.results.variables import FILMS, values_in_si, with_prefix
+from ertel.results.variables import FILMS, WHOLE, values_in_si, with_prefix
 
 if TYPE_CHECKING:
     from ertel.case.case import Case
@@ -113,11 +113,13 @@ def _print_values(out: PlainConsole, case: "Case", summary: Mapping[str, Any]) -
     else:
         out.print(f"{moment(summary).capitalize()}.")
     estimate = summary.get("error_estimate") or {}
-    if estimate:
-        largest = ", ".join(f"of {name} that of the {parts['dominant']}" for name, parts in estimate.items())
-        out.print(f"The largest error is {largest}.")
-    if summary.get("restitution") is not None:
-        out.print(f"Coefficient of restitution {summary['restitution']:.4f}")
+    for part in sorted({parts["dominant"] for parts in estimate.values()}):
+        names = ", ".join(name for name, parts in estimate.items() if parts["dominant"] == part)
+        out.print(f"The largest error is that of the {part} in {names}.")
+    whole = [number for name, number in numbers(summary).items() if name in WHOLE]
+    if whole:
+        out.print()
+        print_rows(value_rows("of the whole impact", whole), left=2)
     for line in more_lines(summary):
         out.say(line)
     T = computed["T"].value if "T" in computed else 0.0

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Literal, Unpack
+from typing import Literal, NamedTuple, Unpack
 
 import numpy as np
 import xarray as xr
@@ -29,7 +29,9 @@ from ertel.plots.drawing import (
     compose,
     levels,
 )
-from ertel.plots.view import LOADED, NOT_FULL, WIDEST, View
+from ertel.plots.measurements import draw_measured
+from ertel.plots.view import LOADED, WIDEST, View
+from ertel.results.alignment import NOT_FULL
 from ertel.results.dataset import largest_of
 from ertel.results.profiles import At, events_of
 
@@ -46,29 +48,36 @@ MOST_PROFILES = 14  # about so many lines through time
 LOOKS = ((BLUE, "-"), (ORANGE, "--"))  # of two runs
 
 
+class Limits(NamedTuple):
+    """The same for all maps of a movie: the value at the top of its colours, and how far it reaches along x (a*)."""
+
+    top: float
+    side: float
+
+
 # -- over the surface -------------------------------------------------------------------------------------------------
 
 
-def draw_film_map(axes: Axes, view: View) -> None:
+def draw_film_map(axes: Axes, view: View, limits: Limits | None = None) -> None:
     """Film thickness, with contour lines at equal steps as an interferometer shows them, and the edge of the oil."""
     if view.frame is None:
         top, lines = 1.75 * float(view.dataset["H_c"].values[-1]), 16
     else:
-        top, lines = 1.5 * view.film_inside(), 10
+        top, lines = limits.top if limits else 1.5 * view.film_inside(), 10
     z = view.scale("H", top / 2)
     film = view.map("H")
-    _draw_map(axes, view, film, z, levels(top * z.factor, lines), "Film thickness", "YlGnBu_r", "P")
+    _draw_map(axes, view, film, z, levels(top * z.factor, lines), "Film thickness", "YlGnBu_r", "P", limits)
     gap = (film, view.map("void"))
     edge = draw_edge_of_oil(axes, view, *((each.T for each in gap) if view.is_turned else gap))
     draw_legend(axes, [*edge, *_draw_roughness(axes, view)], view.is_turned)
 
 
-def draw_pressure_map(axes: Axes, view: View) -> None:
+def draw_pressure_map(axes: Axes, view: View, limits: Limits | None = None) -> None:
     """Pressure, with contour lines at equal steps."""
     field = view.map("P")
-    top = max(float(field.max()), 0.01)  # p_h*: something to divide where the contact carries nothing
+    top = limits.top if limits else max(float(field.max()), 0.01)  # p_h*: something to divide where nothing is carried
     z = view.scale("P", top)
-    _draw_map(axes, view, field, z, levels(top * z.factor), "Pressure", "YlOrRd", "P")
+    _draw_map(axes, view, field, z, levels(top * z.factor), "Pressure", "YlOrRd", "P", limits)
     draw_legend(axes, _draw_roughness(axes, view), view.is_turned)
 
 
@@ -97,22 +106,30 @@ def draw_loss_map(axes: Axes, view: View) -> None:
 
 
 def _draw_map(
-    axes: Axes, view: View, field: xr.DataArray, z: Scale, steps: Values, heading: str, colours: str, shown_where: str
+    axes: Axes,
+    view: View,
+    field: xr.DataArray,
+    z: Scale,
+    steps: Values,
+    heading: str,
+    colours: str,
+    shown_where: str,
+    limits: Limits | None = None,
 ) -> None:
     """Draw a field with contour lines at `steps` (as shown), and the direction of the flow.
 
     Along x the map ends where `shown_where`, "P" or "loss", does; along y it reaches as far as suits the shape of the
     contact.  That of a contact that is long along y is turned by a quarter; a very flat map is enlarged across, and its
-    axis says so.  Values above the highest step have its colour.
+    axis says so.  Values above the highest step have its colour.  With limits the colour bar of an earlier map stays.
     """
-    side = _side(view, shown_where)
+    side = limits.side if limits else side_of(view, shown_where)
     top = side * view.stretch
     cut = field.sel(X=slice(-side, side), Y=slice(-top, top)) * z.factor
     cut = cut.T if view.is_turned else cut
     y, x = (cut[name].values * view.across.factor for name in cut.dims)
     shown = cut.values
-    limits = Normalize(0.0, steps[-1])
-    image = axes.pcolormesh(x, y, shown, cmap=colours, norm=limits, shading="gouraud", rasterized=True)
+    colour_range = Normalize(0.0, steps[-1])
+    image = axes.pcolormesh(x, y, shown, cmap=colours, norm=colour_range, shading="gouraud", rasterized=True)
     if shown.min() < steps[-1] and shown.max() > steps[1]:
         axes.contour(x, y, shown, levels=steps[1:], colors="black", linewidths=0.4, alpha=0.6)
     wide, tall = (view.axis_label(axis) for axis in ("yx" if view.is_turned else "xy"))
@@ -123,16 +140,17 @@ def _draw_map(
         axes.yaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
     if view.is_turned:
         axes.invert_yaxis()
-    extend = "max" if shown.max() > steps[-1] else "neither"
+    extend = "max" if limits or shown.max() > steps[-1] else "neither"
     place = "bottom" if shape < FLAT else "right"
-    axes.figure.colorbar(image, ax=axes, label=z.label, extend=extend, location=place)
+    if limits is None or len(axes.figure.axes) == 1:
+        axes.figure.colorbar(image, ax=axes, label=z.label, extend=extend, location=place)
     axes.set_title(f"{heading}, a line every {steps[1]:.3g} {z.unit}")
     if view.flow:
         ways = "\N{DOWNWARDS ARROW}\N{UPWARDS ARROW}" if view.is_turned else ARROWS
         axes.text(0.02, 0.97, f"flow {ways[int(view.flow < 0)]}", transform=axes.transAxes, va="top", fontsize="small")
 
 
-def _side(view: View, name: str) -> float:
+def side_of(view: View, name: str) -> float:
     """The distance from the centre up to which a map is shown along x."""
     profile = view.map(name).max("Y")
     if name == "loss":
@@ -190,6 +208,7 @@ def draw_film_profiles(axes: Axes, view: View) -> None:
     top = 2.0 * view.film_inside()
     z = view.scale("H", top / 2)
     rough = _draw_profiles(axes, view, view.midlines("H") * z.factor, top * z.factor)
+    draw_measured(axes, view, "H", z)
     axes.set(ylabel=z.label)
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, FOOT if rough else 0.0), edgecolor="none", fontsize="small")
 
@@ -199,6 +218,7 @@ def draw_pressure_profiles(axes: Axes, view: View) -> None:
     P = view.midlines("P")
     z = view.scale("P", float(P.max()))
     _draw_profiles(axes, view, P * z.factor, 1.35 * float(P.max()) * z.factor)
+    draw_measured(axes, view, "P", z)
     axes.set(ylabel=z.label)
     axes.legend(loc="upper center", frameon=False, fontsize="small")
 
@@ -210,7 +230,7 @@ def _draw_profiles(axes: Axes, view: View, values: Values, top: float) -> bool:
     """
     P, T, x = view.midlines("P"), view.dataset["frame"].values, view.x * view.across.factor
     time = view.scale("time")
-    loaded = np.flatnonzero(P.max(axis=1) > LOADED * P.max())
+    loaded = np.flatnonzero(P.max(axis=1) >= LOADED * P.max())
     shown = loaded[:: max(1, round(len(loaded) / MOST_PROFILES))]
     colours = ScalarMappable(Normalize(T[loaded[0]] * time.factor, T[loaded[-1]] * time.factor), ORDERED_COLOURS)
     last = events_of(view.dataset).get("max-approach", len(T)) + 1  # a run until then may have one map after it
@@ -252,6 +272,12 @@ def _draw_section(axes: Axes, view: View, along: str, heading: str) -> None:
     right.plot(x * across, dry * p.factor, color=GREY, linewidth=0.8, linestyle="--")
     right.plot(x * across, P * p.factor, color=ORANGE)
     axes.plot(x * across, H * h.factor, color=BLUE)
+    draw_measured(axes, view, "H", h, along)
+    draw_measured(right, view, "P", p, along, ORANGE)
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="upper left", fontsize="small", framealpha=0.85)
+    if right.get_legend_handles_labels()[0]:
+        right.legend(loc="upper right", fontsize="small", framealpha=0.85)
     side = view.extent(view.x, view.values("P").max(axis=0)) * (1.0 if along == "x" else view.stretch) * across
     axes.set(xlim=(-side, min(side, x[-1] * across)), xlabel=view.axis_label(along), title=heading)
     rough = _draw_roughness_below(axes, view, x, 4.0 * central * h.factor, along)
@@ -292,7 +318,7 @@ def _draw_roughness_below(axes: Axes, view: View, x: Values, top: float, along: 
 
 def _set_height(axes: Axes, top: float, rough: bool) -> None:
     """Limit a profile to zero and `top`, with room below for the roughness where there is any."""
-    axes.set_ylim(0.0, top)
+    axes.set_ylim(0.0, top or 1.0)
     if rough:
         axes.set_yticks([tick for tick in axes.get_yticks() if 0.0 <= tick <= top])
         axes.set_ylim(-BAND * top, top)

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from html import escape
-from math import nan
+from math import isnan, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Unpack
 
@@ -20,6 +20,7 @@ import xarray as xr
 
 from ertel.case.case import Case
 from ertel.physics.units import FINITE, LOAD, VELOCITY, Mark
+from ertel.results.convergence import ORDER, SEEN, Limit, limits_of
 from ertel.results.dataset import largest_of, with_units
 from ertel.results.numbers import SHOWN, Scalar, aligned, html_columns, html_image
 from ertel.results.variables import name_in_si, prefixed, value_in_si, variable_attributes
@@ -221,6 +222,62 @@ def column(head: str, values: xr.DataArray) -> list[str]:
     one, name = prefixed(unit, largest_of(values))
     shown = ["-" if np.isnan(value) else f"{value:.4g}" for value in values.values / one]
     return [f"{head} ({name})" if name else head, *shown]
+
+
+# -- convergence series -----------------------------------------------------------------------------------------------
+
+UNSEEN = "value of the finest grid, and as error the largest difference between grids, thrice where they do not fall"
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class ConvergenceResult(StudyResult):
+    """A convergence series: the numbers of a case on several grids, coarsest first, and their limits."""
+
+    @property
+    def limits(self) -> dict[str, Limit]:
+        """Observed order, extrapolated value, its error and whether second order is seen, by number, SI where it is."""
+        return limits_of(self.dataset)
+
+    def as_data(self) -> dict[str, Any]:
+        """The series as plain data for JSON."""
+        limits = {
+            name: each._asdict() | {"order": None if isnan(each.order) else each.order}
+            for name, each in self.limits.items()
+        }
+        return {**super().as_data(), "assumed_order": ORDER, "limits": limits}
+
+    def table(self) -> list[list[str]]:
+        """The columns of a table to read: a row for each number, a column for each grid, then the limit."""
+        rows = [
+            [str(name), *(f"{each:.4g}" for each in axis.values), "", "", ""]
+            for name, axis in self.dataset.coords.items()
+        ]
+        rows[0][-3:] = ["order", "extrapolated", "error"]
+        for name, one in self.limits.items():
+            variable = self.dataset[name]
+            scale, unit = prefixed(variable.attrs["units"], one.value)
+            *shown, last = [f"{value / scale:.5g}" for value in (*variable.values, one.value)]
+            order = "-" if isnan(one.order) else f"{one.order:.2f}"
+            rows.append([f"{name} ({unit})" if unit else name, *shown, order, last, f"{one.error / scale:.2g}"])
+        return [list(column) for column in zip(*rows, strict=True)]
+
+    @property
+    def remarks(self) -> list[str]:
+        """Lines below the table: where the order is seen and what the errors are, then those of a study."""
+        limits = self.limits.items()
+        seen = ", ".join(name for name, one in limits if one.seen)
+        faster = ", ".join(name for name, one in limits if one.order > SEEN[1])
+        unseen = ", ".join(name for name, one in limits if not one.order >= SEEN[0])
+        return [
+            *([f"second order, which the extrapolation assumes, is seen in {seen}"] if seen else []),
+            *(
+                [f"faster than second order, with the error that the grid before lets expect: {faster}"]
+                if faster
+                else []
+            ),
+            *([f"second order is not seen in {unseen}: {UNSEEN}"] if unseen else []),
+            *super().remarks,
+        ]
 
 
 # -- traction curves --------------------------------------------------------------------------------------------------

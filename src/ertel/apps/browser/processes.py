@@ -17,8 +17,9 @@ from time import monotonic
 from typing import IO, Any
 
 from ertel.apps.browser.folder import Folder, fault_of, summary_of
-from ertel.apps.terminal import capital, duration
+from ertel.apps.terminal import capital
 from ertel.case.status import Status
+from ertel.results.numbers import duration
 from ertel.runs import files
 from ertel.runs.directory import ask_to_stop, is_asked_to_stop, read_progress
 
