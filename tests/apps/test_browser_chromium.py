@@ -32,6 +32,16 @@ FLAGS = (
 )  # fmt: skip
 LAPTOP, TABLET, PHONE = (1280, 800), (820, 1180), (390, 844)
 LARGEST = 250  # MB
+FIELD = """
+const fields = [...document.querySelectorAll('.q-field')];
+const labelled = fields.find(field => field.querySelector('.q-field__label')?.innerText === arguments[0]);
+return labelled.querySelector('.q-field__control');
+"""
+CHOOSE = """
+const option = [...document.querySelectorAll('[role=option]')].find(each => each.innerText.includes(arguments[0]));
+option?.click();
+return Boolean(option);
+"""
 
 
 @pytest.fixture
@@ -98,15 +108,14 @@ class Page:
         field.send_keys(text)
 
     def choose(self, label, word):
-        (field,) = [each for each in self.all(".q-field__label") if each.text == label]
+        field = self.driver.execute_script(FIELD, label)
         self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", field)
         field.click()
-        options = self.until(lambda: [each for each in self.all("[role=option]") if word in each.text])
-        options[0].click()
+        self.until(lambda: self.driver.execute_script(CHOOSE, word))
         self.until(lambda: not self.all("[role=option]"))
 
     def unfold(self, title):
-        (fold,) = [each for each in self.all(".fold .q-item") if each.text.lower() == title.lower()]
+        (fold,) = [each for each in self.all(".fold .q-item") if each.text.lower().startswith(title.lower())]
         self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", fold)
         fold.click()
 

@@ -220,7 +220,7 @@ def test_a_fit_is_printed_and_stored_and_goes_on(here, monkeypatch, interrupted,
     assert names(place) == LEFT | {"runs", "progress.json", "fit.zarr", "fit.csv", "fit.png"}
     progress = read_progress(place)
     assert (progress["status"], progress["done"]) == ("converged", 1.0) and progress["step"] > 0
-    assert re.search(r"residuals \S+ times their sigma at eta0 = 20 mPa s$", progress["message"])
+    assert re.search(r"residuals \S+ times their sigma at eta0 = 20 mPa\*s$", progress["message"])
     monkeypatch.setattr("ertel.runs.store.drive", None)  # nothing is computed again
     [unknown] = json.loads(ertel_(*FITTED, "--json").stdout)["unknowns"]
     assert unknown["value"] == pytest.approx(0.02, rel=1e-3) and unknown["unit"] == "Pa*s"

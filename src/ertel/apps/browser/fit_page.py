@@ -81,7 +81,7 @@ class FitPage:
         if self._status != before:
             self._show_phase.refresh()
             self._show_outcome.refresh()
-        if before.phase.is_active and not self._status.phase.is_active:
+        if self._status.phase is not before.phase and not self._status.phase.is_active:
             await self._read()
 
     async def _read(self) -> None:
