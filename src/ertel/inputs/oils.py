@@ -13,16 +13,32 @@ All data of an oil, with their sources and ranges, are in `oils.get("squalane")`
 A data file of the library is TOML.  Each of its tables gives data of one kind, their `source`, the temperatures
 `coldest` and `hottest` between which they are valid, and often a `note` on their accuracy.  What has no trustworthy
 source is left out of the file.
+
+A user's own oils stand in a file of their own, a table for each, with the same tables in it, or with the keys of a data
+sheet and its source as `reference`::
+
+    [gear-oil]
+    reference = "data sheet of March 2024"
+    nu40 = "68 mm^2/s"
+    nu100 = "8.7 mm^2/s"
+    density = "880 kg/m^3"
+
+Those in ertel/oils.toml in the folder of a user's configuration (XDG_CONFIG_HOME, otherwise ~/.config) are in the
+library; a case may name another file, lubricant.oils.  The resolved case holds their numbers and not their names.
 """
 
+import os
 import tomllib
 from collections.abc import Callable, Mapping
+from dataclasses import MISSING, fields, replace
 from functools import cache
 from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
-from ertel.case.reading import Reader
+from ertel.case.reading import Reader, check_keys
 from ertel.case.records import ConfigError, refusing, show
+from ertel.inputs.height_maps import regular_content
 from ertel.inputs.layout import READER, DataSheet
 from ertel.inputs.quantities import NumberOrText, number_or_quantity, parse_temperature
 from ertel.physics.fluidity import Carreau, Fluidity
@@ -39,19 +55,20 @@ from ertel.physics.temperature_laws import (
     Walther,
 )
 
-__all__ = ["at", "data_sheet", "get", "names"]
+__all__ = ["at", "data_sheet", "get", "names", "read"]
 
 FOLDER = files("ertel.inputs") / "library"
 COLDEST, HOTTEST = ZERO_CELSIUS, ZERO_CELSIUS + 150.0  # of a data sheet: D341 is a straight line here
-LAWS: Mapping[str, Callable[..., Any]] = {
-    "astm-d341": Walther,
-    "vogel": Vogel,
-    "so-klaus": SoKlaus,
-    "power-of-viscosity": PowerOfViscosity,
-    "modulus": ModulusOfTemperature,
-    "doolittle": DoolittleOfTemperature,
+LAWS: Mapping[str, Mapping[str, Callable[..., Any]]] = {  # by table of a data file, and by name
+    "viscosity": {"astm-d341": Walther, "vogel": Vogel},
+    "pressure": {
+        "so-klaus": SoKlaus,
+        "power-of-viscosity": PowerOfViscosity,
+        "modulus": ModulusOfTemperature,
+        "doolittle": DoolittleOfTemperature,
+    },
 }
-DATA: Mapping[str, Any] = {  # by table of a data file, which otherwise names a law
+DATA: Mapping[str, Any] = {  # by table of a data file, where that names no law
     "density": Expansion,
     "shear": Carreau,
     "limiting_stress": LimitingStress,
@@ -59,12 +76,14 @@ DATA: Mapping[str, Any] = {  # by table of a data file, which otherwise names a 
     "elasticity": Elasticity,
     "strength": Strength,
 }
-RECORDS = {"oils": NamedOil, "materials": Material}  # by folder of the library; their fields are the tables
+RECORDS: Mapping[str, Any] = {"oils": NamedOil, "materials": Material}  # by folder; their fields are the tables
+ABOUT = ("source", "coldest", "hottest")  # keys that each table has
+LARGEST_FILE = 1_000_000  # bytes
 
 
-def names() -> tuple[str, ...]:
-    """The names of the oils of the library."""
-    return _names("oils")
+def names(file: str | Path | None = None) -> tuple[str, ...]:
+    """The names of the oils of the library, and of those in the user's own file, or in this one."""
+    return tuple(sorted((*_names("oils"), *_own(file))))
 
 
 def material_names() -> tuple[str, ...]:
@@ -72,17 +91,59 @@ def material_names() -> tuple[str, ...]:
     return _names("materials")
 
 
-def get(name: str) -> NamedOil:
-    """An oil of the library.  Raises ConfigError for a name that is not there."""
-    return _entry("oil", name)
+def get(name: str, file: str | Path | None = None) -> NamedOil:
+    """An oil of the library, or of a user's own file.  Raises ConfigError for a name that is not there.
+
+    file: that of own oils; left out, the one in the folder of the user's configuration.
+    """
+    own = _own(file)
+    return own[name] if isinstance(name, str) and name in own else _entry("oil", name, names(file))
+
+
+def read(file: str | Path) -> dict[str, NamedOil]:
+    """The oils in a user's own file, by name.
+
+    Raises ConfigError, naming the file and the key, where it cannot be read, for keys and values that are not allowed,
+    for data without a source, and for the name of an oil of the library.
+    """
+    path = Path(file)
+    try:
+        tables = tomllib.loads(regular_content(path, LARGEST_FILE).decode("utf-8-sig"))
+    except ValueError as error:
+        raise ConfigError(f"the file of oils {path}: {error}") from error
+    if taken := sorted(tables.keys() & set(_names("oils"))):
+        raise ConfigError(f"{path}: {taken[0]}: the library has an oil of this name; choose another")
+    return {name: _own_oil(name, table, f"{path}: {name}") for name, table in tables.items()}
+
+
+def own_file() -> Path:
+    """The file with a user's own oils, which need not be there."""
+    return Path(os.environ.get("XDG_CONFIG_HOME") or os.path.expanduser("~/.config")) / "ertel" / "oils.toml"
+
+
+def _own(file: str | Path | None) -> dict[str, NamedOil]:
+    path = own_file() if file is None else file
+    return read(path) if file is not None or Path(path).exists() else {}
+
+
+def _own_oil(name: str, table: Any, place: str) -> NamedOil:
+    if not isinstance(table, Mapping) or "nu40" not in table:
+        return _built(NamedOil, name, table, place)
+    _require_text(table, "reference", place)  # the source
+    return replace(oil_of_sheet(READER.record(DataSheet, table, place), f"{place}."), name=name)
 
 
 def material(name: str) -> Material:
     """A material of the library.  Raises ConfigError for a name that is not there."""
-    return _entry("material", name)
+    return _entry("material", name, material_names())
 
 
-def at(name: str, temperature: NumberOrText, rheology: str | Fluidity | None = None) -> Oil:
+def at(
+    name: str,
+    temperature: NumberOrText,
+    rheology: str | Fluidity | None = None,
+    file: str | Path | None = None,
+) -> Oil:
     """An oil of the library at a temperature, for `ertel.impact` and `ertel.rolling`.
 
     Parameters
@@ -94,10 +155,12 @@ def at(name: str, temperature: NumberOrText, rheology: str | Fluidity | None = N
     rheology : str or record, optional
         A law of shear thinning, or "newtonian", as dimensionless cases and the radial method need it.  Without it the
         oil has the law that the library has of it at this temperature; where it has none, the oil is Newtonian.
+    file : str or Path, optional
+        That of own oils; left out, ertel/oils.toml in the folder of the user's configuration.
 
     Raises ConfigError, naming the argument, for an unknown name and for a temperature outside the oil's data.
     """
-    return oil_at(get(name), temperature, rheology)
+    return oil_at(get(name, file), temperature, rheology)
 
 
 def data_sheet(
@@ -186,9 +249,8 @@ def _names(folder: str) -> tuple[str, ...]:
     return tuple(sorted(name.removesuffix(".toml") for name in entries if name.endswith(".toml")))
 
 
-def _entry(noun: str, name: object) -> Any:
-    allowed = _names(f"{noun}s")
-    if not isinstance(name, str) or name not in allowed:
+def _entry(noun: str, name: object, allowed: tuple[str, ...]) -> Any:
+    if not isinstance(name, str) or name not in _names(f"{noun}s"):
         raise ConfigError(f"{noun} = {show(name)}: allowed: {', '.join(allowed)}")
     return _read(f"{noun}s", name)
 
@@ -197,13 +259,45 @@ def _entry(noun: str, name: object) -> Any:
 def _read(folder: str, name: str) -> Any:
     """The oil or the material in a data file."""
     data = tomllib.loads((FOLDER / folder / f"{name}.toml").read_text(encoding="utf-8"))
-    text = data.pop("text")
-    return RECORDS[folder](name, text, **{key: _sourced(table, key, f"{name}.{key}") for key, table in data.items()})
+    return _built(RECORDS[folder], name, data, name)
 
 
-def _sourced(table: dict[str, Any], key: str, place: str) -> Sourced[Any]:
+def _built(record: Any, name: str, data: Any, place: str) -> Any:
+    """The oil or the material that tables define.  place: before their names in messages."""
+    if not isinstance(data, Mapping):
+        raise ConfigError(f"{place} = {show(data)}: must be a table")
+    tables = {item.name: item for item in fields(record) if item.name != "name"}
+    check_keys(data, tuple(tables), place)
+    _require_text(data, "text", place)
+    for key, item in tables.items():
+        if key not in data and item.default is MISSING:
+            raise ConfigError(f"{place}.{key}: missing")
+    parts = {key: _sourced(table, key, f"{place}.{key}") for key, table in data.items() if key != "text"}
+    return record(name, data["text"], **parts)
+
+
+def _sourced(table: Any, key: str, place: str) -> Sourced[Any]:
     """A table with its source and range; its other keys are the fields of its record, or of the law that it names."""
-    source, note = table.pop("source"), table.pop("note", "").strip()
-    coldest, hottest = (parse_temperature(table.pop(end)) for end in ("coldest", "hottest"))
-    record = LAWS[table.pop("law")] if "law" in table else DATA[key]
-    return Sourced(READER.record(record, table, place), source, coldest, hottest, note)
+    if not isinstance(table, Mapping):
+        raise ConfigError(f"{place} = {show(table)}: must be a table")
+    for name in ABOUT:
+        _require_text(table, name, place)
+    coldest, hottest = (_temperature(table[end], f"{place}.{end}") for end in ABOUT[1:])
+    laws = LAWS.get(key, {})
+    if laws and table.get("law") not in laws:
+        raise ConfigError(f"{place}.law = {show(table.get('law'))}: allowed: {', '.join(laws)}")
+    content = {name: value for name, value in table.items() if name not in (*ABOUT, "note", *(["law"] if laws else []))}
+    data = READER.record(laws[table["law"]] if laws else DATA[key], content, place)
+    return Sourced(data, table["source"], coldest, hottest, str(table.get("note", "")).strip())
+
+
+def _require_text(table: Mapping[str, Any], key: str, place: str) -> None:
+    if key not in table:
+        raise ConfigError(f"{place}.{key}: missing")
+    if not isinstance(table[key], str) or not table[key].strip():
+        raise ConfigError(f"{place}.{key} = {show(table[key])}: must be a text")
+
+
+def _temperature(written: Any, place: str) -> float:
+    with refusing(place, written):
+        return parse_temperature(written)
