@@ -16,6 +16,8 @@ from ertel.inputs.python import rolling
 from ertel.physics import hertz
 from ertel.physics.geometry import Geometry
 from ertel.plots.view import View
+from ertel.results.measurements import Measurement
+from ertel.results.profiles import profile
 from ertel.results.variables import FIGURES_STEADY
 from ertel.solvers.steady import Rolling
 
@@ -52,6 +54,16 @@ def test_heading_gives_films_with_their_errors(ball, moes):
     sliding = steady(replace(BALL, contact=replace(BALL.contact, slide_to_roll=0.5)))
     assert "slide-to-roll 0.5" in plots.film(sliding).get_suptitle()
     assert "power loss" in plots.friction(sliding).get_suptitle()
+
+
+def test_measured_film_along_and_across_a_steady_contact(ball):
+    lines = profile(ball), profile(ball, along="y")
+    x, y = (line["h"].values[30:50] for line in lines)
+    along = Measurement("profile", "h", x, lines[0]["x"].values[30:50])
+    across = Measurement("profile", "h", y, lines[1]["y"].values[30:50], along="y")
+    first, second = panels(plots.midlines(ball, measured=(along, across)))[:2]
+    for axes, values in ((first, x), (second, y)):
+        assert [each.lines[0].get_ydata() for each in axes.containers] == [pytest.approx(values * 1e9)]
 
 
 def test_error_bars_are_those_of_the_run(moes):

@@ -30,7 +30,7 @@ from ertel.plots import fields, histories
 from ertel.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, NoFigure, Sheet, SheetOptions, compose
 from ertel.plots.fields import comparison
 from ertel.plots.interferograms import animation, interferogram
-from ertel.plots.measurements import measured
+from ertel.plots.measurements import Overlay, measured, measured_view
 from ertel.plots.movies import movie
 from ertel.plots.view import View
 from ertel.results.profiles import At
@@ -87,6 +87,7 @@ PANELS: Mapping[str, Rows | Callable[[View], Rows]] = {  # of each figure
 }
 PARTS_IN_TIME, PARTS_STEADY = ("film", "pressure", "oil", "front", "spacetime"), ("oil", "maps")  # of another figure
 NAMES = tuple(PANELS)
+OVERLAID = ("profiles", "midlines")  # figures that show measured profiles
 
 
 def names_of(dataset: xr.Dataset) -> tuple[str, ...]:
@@ -95,7 +96,9 @@ def names_of(dataset: xr.Dataset) -> tuple[str, ...]:
     return tuple(name for name in figures_of(dataset) if name not in parts)
 
 
-def draw(dataset: xr.Dataset, name: str, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:
+def draw(
+    dataset: xr.Dataset, name: str, at: At = None, measured: Overlay = None, **sheet: Unpack[SheetOptions]
+) -> Figure:
     """One figure of a run by its name, one of `NAMES`.
 
     Parameters
@@ -105,7 +108,9 @@ def draw(dataset: xr.Dataset, name: str, at: At = None, **sheet: Unpack[SheetOpt
     name : str
         The name of the figure.
     at : float, str or Quantity, optional
-        The moment of a run in time: a time in t0 or with its unit, or an event.
+        The moment of a run in time: a time in t0 or with its unit, or an event.  Left out, that of what is measured.
+    measured : Measurement or Comparison, or several of them
+        Measured profiles of film or pressure, drawn on those of the run.
     **sheet
         Axes or a size, and whether there is a title: ax, figsize, columns, title, see `Sheet`.
 
@@ -117,7 +122,12 @@ def draw(dataset: xr.Dataset, name: str, at: At = None, **sheet: Unpack[SheetOpt
     if name not in figures_of(dataset):
         run = "a steady contact" if is_steady(dataset) else "a run in time"
         raise NoFigure(f"{name}: {run} has no such figure; it has {', '.join(figures_of(dataset))}")
-    view, rows = View.of(dataset, at), PANELS[name]
+    view, rows = measured_view(dataset, at, measured), PANELS[name]
+    if view.measured and name not in OVERLAID:
+        raise NoFigure(f"{name}: does not show what is measured; {' and '.join(OVERLAID)} do")
+    across = [each.measurement.name for each in view.measured if each.measurement.along == "y"]
+    if name == "profiles" and across and not view.is_radial:
+        raise NoFigure(f"measured: {across[0]} is along y; {name} are along x")
     outcome = view.friction if name == "friction" and view.frame is None else view.outcome
     return compose(view, rows(view) if callable(rows) else rows, [*view.title, *outcome], Sheet(**sheet))
 
@@ -147,9 +157,9 @@ def maps(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> F
     return draw(dataset, "maps", at, **sheet)
 
 
-def profiles(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:
+def profiles(dataset: xr.Dataset, at: At = None, measured: Overlay = None, **sheet: Unpack[SheetOptions]) -> Figure:
     """Film thickness and pressure along the mid-line of a run in time, the moment `at` in black."""
-    return draw(dataset, "profiles", at, **sheet)
+    return draw(dataset, "profiles", at, measured, **sheet)
 
 
 def history(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:
@@ -167,9 +177,9 @@ def spacetime(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions])
     return draw(dataset, "spacetime", at, **sheet)
 
 
-def midlines(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:
+def midlines(dataset: xr.Dataset, at: At = None, measured: Overlay = None, **sheet: Unpack[SheetOptions]) -> Figure:
     """Film thickness and pressure through the centre of a steady contact, along the flow and across it."""
-    return draw(dataset, "midlines", at, **sheet)
+    return draw(dataset, "midlines", at, measured, **sheet)
 
 
 def convergence(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:

@@ -29,7 +29,9 @@ from ertel.plots.drawing import (
     compose,
     levels,
 )
-from ertel.plots.view import LOADED, NOT_FULL, WIDEST, View
+from ertel.plots.measurements import draw_measured
+from ertel.plots.view import LOADED, WIDEST, View
+from ertel.results.alignment import NOT_FULL
 from ertel.results.dataset import largest_of
 from ertel.results.profiles import At, events_of
 
@@ -206,6 +208,7 @@ def draw_film_profiles(axes: Axes, view: View) -> None:
     top = 2.0 * view.film_inside()
     z = view.scale("H", top / 2)
     rough = _draw_profiles(axes, view, view.midlines("H") * z.factor, top * z.factor)
+    draw_measured(axes, view, "H", z)
     axes.set(ylabel=z.label)
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, FOOT if rough else 0.0), edgecolor="none", fontsize="small")
 
@@ -215,6 +218,7 @@ def draw_pressure_profiles(axes: Axes, view: View) -> None:
     P = view.midlines("P")
     z = view.scale("P", float(P.max()))
     _draw_profiles(axes, view, P * z.factor, 1.35 * float(P.max()) * z.factor)
+    draw_measured(axes, view, "P", z)
     axes.set(ylabel=z.label)
     axes.legend(loc="upper center", frameon=False, fontsize="small")
 
@@ -268,6 +272,12 @@ def _draw_section(axes: Axes, view: View, along: str, heading: str) -> None:
     right.plot(x * across, dry * p.factor, color=GREY, linewidth=0.8, linestyle="--")
     right.plot(x * across, P * p.factor, color=ORANGE)
     axes.plot(x * across, H * h.factor, color=BLUE)
+    draw_measured(axes, view, "H", h, along)
+    draw_measured(right, view, "P", p, along, ORANGE)
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="upper left", fontsize="small", framealpha=0.85)
+    if right.get_legend_handles_labels()[0]:
+        right.legend(loc="upper right", fontsize="small", framealpha=0.85)
     side = view.extent(view.x, view.values("P").max(axis=0)) * (1.0 if along == "x" else view.stretch) * across
     axes.set(xlim=(-side, min(side, x[-1] * across)), xlabel=view.axis_label(along), title=heading)
     rough = _draw_roughness_below(axes, view, x, 4.0 * central * h.factor, along)

@@ -17,6 +17,7 @@ from ertel.physics import surfaces
 from ertel.physics.geometry import Geometry
 from ertel.physics.geometry import geometry as geometry_of
 from ertel.plots.drawing import NoFigure, Scale, Values
+from ertel.results.alignment import NOT_FULL, Comparison
 from ertel.results.dataset import maps_of
 from ertel.results.numbers import plus_minus
 from ertel.results.profiles import At, mirrored, moment_of
@@ -24,7 +25,6 @@ from ertel.results.variables import FILMS, FRICTION, is_steady, with_prefix
 
 MARGIN, WIDEST = 1.3, 2.0  # of what is shown round the contact, at most so many half widths from its centre
 LOADED = 0.02  # of the maximum pressure or load: with less the film carries nothing
-NOT_FULL = 0.01  # void, as a share of the gap, from which on the gap is not full
 LONG = 2.0  # ratio of the sides from which a contact is long
 THINNER = 0.9  # of the film at the ends of a run: a thinner film between them is worth the picture
 NOTHING = 1e-6  # of the scale of a load or a speed
@@ -89,11 +89,14 @@ class View:
         The number of the map; None of a steady contact.
     moment : str
         The name of the moment: maximum approach, thinnest film, last map, end of the run or chosen map.
+    measured : tuple of Comparison
+        Measured profiles that are drawn beside those of the run.
     """
 
     dataset: xr.Dataset
     frame: int | None = None
     moment: str = ""
+    measured: tuple[Comparison, ...] = ()
 
     @classmethod
     def of(cls, dataset: xr.Dataset, at: At = None) -> "View":

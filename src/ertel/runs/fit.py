@@ -24,12 +24,15 @@ from typing import Any
 import numpy as np
 
 from ertel.case.case import Case
+from ertel.case.reading import check_keys
 from ertel.case.records import ConfigError, show
 from ertel.case.status import Status
+from ertel.inputs import rigs
 from ertel.inputs.case_files import CaseLike, as_case, written
 from ertel.inputs.fits import Settings, Unknown, load_fit, parse_unknowns, with_settings
+from ertel.results.alignment import QUANTITIES
 from ertel.results.fit_result import FitPoint, FitResult, Values, amount, fit_dataset
-from ertel.results.measurements import QUANTITIES, Measurement
+from ertel.results.measurements import NUMBER, READ, Measurement
 from ertel.results.result import Result
 from ertel.runs import studies
 from ertel.runs.compile import check_jax
@@ -46,7 +49,7 @@ FLAT = 0.01  # a change of chi square that does not matter
 MOST_POINTS = 40  # of a search
 
 COLUMNS = {  # of the data: what they are
-    "measurement": "number of the measurement",
+    "measurement": "number of the measurement, from 1",
     "quantity": "SI name",
     "conditions": "what differs from the case",
     "measured_unit": "SI unit",
@@ -168,7 +171,7 @@ class FitProblem:
     def columns(self) -> dict[str, tuple[Any, str]]:
         """The data one after the other: name -> values, and what they are."""
         rows = []
-        for number, (each, index) in enumerate(self.data):
+        for number, (each, index) in enumerate(self.data, 1):
             settings = self.conditions[index].items()
             conditions = ", ".join(f"{path.rpartition('.')[2]} = {value}" for path, value in settings)
             units = QUANTITIES[each.quantity].si_units or "1", {"profile": "m", "history": "s"}.get(each.kind, "")
@@ -185,18 +188,26 @@ class FitProblem:
 def load_fit_problem(path: str | Path, overrides: Sequence[str] = ()) -> FitProblem:
     """The problem in the file of a fit, see `inputs.fits`.  Raises ConfigError."""
     case, tables, unknowns = load_fit(path, overrides)
-    given: list[Given] = []
-    for table in tables:
-        content = dict(table)
-        settings, file = content.pop("set"), content.pop("file", None)
-        try:
-            each = Measurement.read(Path(path).parent / file, **content) if file else Measurement.number(**content)
-        except TypeError as error:
-            raise ConfigError(f"measurements: {show(table)}: must have a file, or quantity, value and sigma") from error
-        except (ValueError, OSError) as error:
-            raise ConfigError(f"measurements: {show(table)}: {error}") from error
-        given.append((each, settings))
+    folder = Path(path).parent
+    given: list[Given] = [(_measurement(place, table, folder), table["set"]) for place, table in tables]
     return fit_problem(case, given, unknowns)
+
+
+def _measurement(place: str, table: Mapping[str, Any], folder: Path) -> Measurement:
+    """The measurement that a table of a file in a folder describes.  Raises ConfigError, naming the place."""
+    content = {name: value for name, value in table.items() if name not in ("set", "file")}
+    file = str(table.get("file", ""))
+    check_keys(content, (*READ, *rigs.KEYS, *QUANTITIES) if file else NUMBER, place)
+    try:
+        if not file:
+            return Measurement.number(**content)
+        rig = {name: content.pop(name) for name in rigs.KEYS if name in content and name != "index"}
+        optics = rigs.interferometer(**rig, index=content.get("index"))
+        return Measurement.read(folder / file, **content, optics=optics)
+    except TypeError as error:
+        raise ConfigError(f"{place} = {show(table)}: must have a file, or quantity, value and sigma") from error
+    except ValueError as error:
+        raise ConfigError(f"{place}: {error}") from error
 
 
 def fit_problem(case: Case, measurements: Measurement | Sequence[Given], unknowns: Any) -> FitProblem:
@@ -204,17 +215,21 @@ def fit_problem(case: Case, measurements: Measurement | Sequence[Given], unknown
     found = parse_unknowns(unknowns, case)
     conditions: list[Settings] = []
     data = []
-    given = [measurements] if isinstance(measurements, Measurement) else list(measurements)
-    for number, item in enumerate(given):
+    if isinstance(measurements, Measurement):
+        measurements = [measurements]
+    elif not isinstance(measurements, Sequence) or isinstance(measurements, str):
+        raise ConfigError(f"measurements = {written(measurements)}: must be a Measurement, or a list of them")
+    for number, item in enumerate(measurements, 1):
         each, settings = item if isinstance(item, tuple) and len(item) == 2 else (item, {})
         if not (isinstance(each, Measurement) and isinstance(settings, Mapping)):
             allowed = "must be a Measurement, or a pair of one and its conditions by path"
             raise ConfigError(f"measurements[{number}] = {written(item)}: {allowed}")
+        place = f"measurements[{number}], {each.name}"
         if each.sigma is None:
             allowed = "must be given: a fit weighs the data by their standard deviation"
-            raise ConfigError(f"measurements[{number}].sigma = None: {allowed}")
+            raise ConfigError(f"{place}: sigma = None: {allowed}")
         if both := {unknown.field for unknown in found} & set(settings):
-            raise ConfigError(f"measurements[{number}]: {min(both)} is an unknown and cannot be a condition")
+            raise ConfigError(f"{place}: {min(both)} is an unknown and cannot be a condition")
         if settings not in conditions:
             conditions.append(dict(settings))
         data.append((each, conditions.index(dict(settings))))

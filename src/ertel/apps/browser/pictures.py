@@ -20,7 +20,7 @@ from multiprocessing import get_context, parent_process
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ertel.apps.looking import optics
+from ertel.inputs.rigs import interferometer
 from ertel.results.numbers import Number, number, scales_in
 from ertel.results.variables import figures_of, is_steady
 from ertel.runs.directory import DATA
@@ -123,7 +123,8 @@ def draw_picture(request: PlotRequest) -> bytes:
 
     data = _opened(request.run, request.stamp, () if request.figure in ("friction", "overview") else STRESSES)
     if request.figure == INTERFEROGRAM:
-        figure = plots.interferogram(data, request.at, *optics(request.light))
+        rig = interferometer(request.light)
+        figure = plots.interferogram(data, request.at, rig.light, rig.rig)
     else:
         figure = plots.draw(data, request.figure, request.at)
     content = BytesIO()
