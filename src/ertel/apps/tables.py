@@ -116,6 +116,10 @@ def _print_values(out: PlainConsole, case: "Case", summary: Mapping[str, Any]) -
     for part in sorted({parts["dominant"] for parts in estimate.values()}):
         names = ", ".join(name for name, parts in estimate.items() if parts["dominant"] == part)
         out.print(f"The largest error is that of the {part} in {names}.")
+    if estimate:
+        out.print(
+            "An error is the change expected on endlessly fine grids, in small steps, on a wide domain, by its order."
+        )
     whole = [number for name, number in numbers(summary).items() if name in WHOLE]
     if whole:
         out.print()

@@ -30,11 +30,11 @@ library; a case may name another file, lubricant.oils.  The resolved case holds 
 import os
 import tomllib
 from collections.abc import Callable, Mapping
-from dataclasses import MISSING, fields, replace
+from dataclasses import MISSING, dataclass, fields, replace
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 from ertel.case.reading import Reader, check_keys
 from ertel.case.records import ConfigError, refusing, show
@@ -54,6 +54,7 @@ from ertel.physics.temperature_laws import (
     Vogel,
     Walther,
 )
+from ertel.physics.units import TEMPERATURE
 
 __all__ = ["at", "data_sheet", "get", "names", "read"]
 
@@ -77,13 +78,25 @@ DATA: Mapping[str, Any] = {  # by table of a data file, where that names no law
     "strength": Strength,
 }
 RECORDS: Mapping[str, Any] = {"oils": NamedOil, "materials": Material}  # by folder; their fields are the tables
-ABOUT = ("source", "coldest", "hottest")  # keys that each table has
 LARGEST_FILE = 1_000_000  # bytes
 
 
-def names(file: str | Path | None = None) -> tuple[str, ...]:
-    """The names of the oils of the library, and of those in the user's own file, or in this one."""
-    return tuple(sorted((*_names("oils"), *_own(file))))
+@dataclass(frozen=True)
+class Origin:
+    """Where the data of a table come from, and between which temperatures they hold (K)."""
+
+    source: str
+    coldest: Annotated[float, TEMPERATURE]
+    hottest: Annotated[float, TEMPERATURE]
+    note: str = ""
+
+
+ABOUT = tuple(item.name for item in fields(Origin))
+
+
+def names() -> tuple[str, ...]:
+    """The names of the oils of the library, and of those in the user's own file."""
+    return tuple(sorted((*_names("oils"), *_own())))
 
 
 def material_names() -> tuple[str, ...]:
@@ -96,8 +109,8 @@ def get(name: str, file: str | Path | None = None) -> NamedOil:
 
     file: that of own oils; left out, the one in the folder of the user's configuration.
     """
-    own = _own(file)
-    return own[name] if isinstance(name, str) and name in own else _entry("oil", name, names(file))
+    own = _own() if file is None else read(file)
+    return own[name] if isinstance(name, str) and name in own else _entry("oil", name, (*sorted(own), *_names("oils")))
 
 
 def read(file: str | Path) -> dict[str, NamedOil]:
@@ -121,16 +134,17 @@ def own_file() -> Path:
     return Path(os.environ.get("XDG_CONFIG_HOME") or os.path.expanduser("~/.config")) / "ertel" / "oils.toml"
 
 
-def _own(file: str | Path | None) -> dict[str, NamedOil]:
-    path = own_file() if file is None else file
-    return read(path) if file is not None or Path(path).exists() else {}
+def _own() -> dict[str, NamedOil]:
+    return read(own_file()) if own_file().exists() else {}
 
 
 def _own_oil(name: str, table: Any, place: str) -> NamedOil:
     if not isinstance(table, Mapping) or "nu40" not in table:
         return _built(NamedOil, name, table, place)
-    _require_text(table, "reference", place)  # the source
-    return replace(oil_of_sheet(READER.record(DataSheet, table, place), f"{place}."), name=name)
+    sheet = READER.record(DataSheet, table, place)
+    if not sheet.reference:
+        raise ConfigError(f"{place}.reference: missing; it is the source of the data")
+    return replace(oil_of_sheet(sheet, f"{place}."), name=name)
 
 
 def material(name: str) -> Material:
@@ -138,12 +152,7 @@ def material(name: str) -> Material:
     return _entry("material", name, material_names())
 
 
-def at(
-    name: str,
-    temperature: NumberOrText,
-    rheology: str | Fluidity | None = None,
-    file: str | Path | None = None,
-) -> Oil:
+def at(name: str, temperature: NumberOrText, rheology: str | Fluidity | None = None) -> Oil:
     """An oil of the library at a temperature, for `ertel.impact` and `ertel.rolling`.
 
     Parameters
@@ -155,12 +164,10 @@ def at(
     rheology : str or record, optional
         A law of shear thinning, or "newtonian", as dimensionless cases and the radial method need it.  Without it the
         oil has the law that the library has of it at this temperature; where it has none, the oil is Newtonian.
-    file : str or Path, optional
-        That of own oils; left out, ertel/oils.toml in the folder of the user's configuration.
 
     Raises ConfigError, naming the argument, for an unknown name and for a temperature outside the oil's data.
     """
-    return oil_at(get(name, file), temperature, rheology)
+    return oil_at(get(name), temperature, rheology)
 
 
 def data_sheet(
@@ -268,36 +275,23 @@ def _built(record: Any, name: str, data: Any, place: str) -> Any:
         raise ConfigError(f"{place} = {show(data)}: must be a table")
     tables = {item.name: item for item in fields(record) if item.name != "name"}
     check_keys(data, tuple(tables), place)
-    _require_text(data, "text", place)
     for key, item in tables.items():
         if key not in data and item.default is MISSING:
             raise ConfigError(f"{place}.{key}: missing")
     parts = {key: _sourced(table, key, f"{place}.{key}") for key, table in data.items() if key != "text"}
-    return record(name, data["text"], **parts)
+    return record(name, str(data["text"]), **parts)
 
 
 def _sourced(table: Any, key: str, place: str) -> Sourced[Any]:
     """A table with its source and range; its other keys are the fields of its record, or of the law that it names."""
     if not isinstance(table, Mapping):
         raise ConfigError(f"{place} = {show(table)}: must be a table")
-    for name in ABOUT:
-        _require_text(table, name, place)
-    coldest, hottest = (_temperature(table[end], f"{place}.{end}") for end in ABOUT[1:])
-    laws = LAWS.get(key, {})
-    if laws and table.get("law") not in laws:
-        raise ConfigError(f"{place}.law = {show(table.get('law'))}: allowed: {', '.join(laws)}")
-    content = {name: value for name, value in table.items() if name not in (*ABOUT, "note", *(["law"] if laws else []))}
-    data = READER.record(laws[table["law"]] if laws else DATA[key], content, place)
-    return Sourced(data, table["source"], coldest, hottest, str(table.get("note", "")).strip())
-
-
-def _require_text(table: Mapping[str, Any], key: str, place: str) -> None:
-    if key not in table:
-        raise ConfigError(f"{place}.{key}: missing")
-    if not isinstance(table[key], str) or not table[key].strip():
-        raise ConfigError(f"{place}.{key} = {show(table[key])}: must be a text")
-
-
-def _temperature(written: Any, place: str) -> float:
-    with refusing(place, written):
-        return parse_temperature(written)
+    about = READER.record(Origin, {name: table[name] for name in ABOUT if name in table}, place)
+    content, record = {name: value for name, value in table.items() if name not in ABOUT}, DATA.get(key)
+    if record is None:
+        law = content.pop("law", None)
+        if law not in LAWS[key]:
+            raise ConfigError(f"{place}.law = {show(law)}: allowed: {', '.join(LAWS[key])}")
+        record = LAWS[key][law]
+    data = READER.record(record, content, place)
+    return Sourced(data, about.source, about.coldest, about.hottest, about.note.strip())
