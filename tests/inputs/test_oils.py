@@ -283,7 +283,7 @@ def test_a_case_with_own_oils_holds_their_numbers(tmp_path):
     lubricant = '[lubricant]\noil = "bench"\noils = "mine.toml"\ntemperature = "30 degC"\n[solver]\nnodes = 65\n'
     (tmp_path / "case.toml").write_text(contact + lubricant)
     case = ertel.load_case(tmp_path / "case.toml")
-    assert case.oil.eta0 == oils.read(tmp_path / "mine.toml")["bench"].viscosity_at(303.15)
+    assert case.oil.eta0 == oils.read_file(tmp_path / "mine.toml")["bench"].viscosity_at(303.15)
     (tmp_path / "mine.toml").write_text(MEASURED.replace("19 mm", "21 mm"))
     assert ertel.load_case(tmp_path / "case.toml").digest != case.digest
     (tmp_path / "mine.toml").unlink()
@@ -314,4 +314,4 @@ def test_a_case_with_own_oils_holds_their_numbers(tmp_path):
 def test_wrong_files_of_oils_are_refused_with_file_and_key(tmp_path, text, said):
     (tmp_path / "mine.toml").write_text(text)
     with pytest.raises(ConfigError, match=rf"mine\.toml: .*{said}"):
-        oils.read(tmp_path / "mine.toml")
+        oils.read_file(tmp_path / "mine.toml")

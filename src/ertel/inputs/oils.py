@@ -56,7 +56,7 @@ from ertel.physics.temperature_laws import (
 )
 from ertel.physics.units import TEMPERATURE
 
-__all__ = ["at", "data_sheet", "get", "names", "read"]
+__all__ = ["at", "data_sheet", "get", "names", "read_file"]
 
 FOLDER = files("ertel.inputs") / "library"
 COLDEST, HOTTEST = ZERO_CELSIUS, ZERO_CELSIUS + 150.0  # of a data sheet: D341 is a straight line here
@@ -109,11 +109,11 @@ def get(name: str, file: str | Path | None = None) -> NamedOil:
 
     file: that of own oils; left out, the one in the folder of the user's configuration.
     """
-    own = _own() if file is None else read(file)
+    own = _own() if file is None else read_file(file)
     return own[name] if isinstance(name, str) and name in own else _entry("oil", name, (*sorted(own), *_names("oils")))
 
 
-def read(file: str | Path) -> dict[str, NamedOil]:
+def read_file(file: str | Path) -> dict[str, NamedOil]:
     """The oils in a user's own file, by name.
 
     Raises ConfigError, naming the file and the key, where it cannot be read, for keys and values that are not allowed,
@@ -135,7 +135,7 @@ def own_file() -> Path:
 
 
 def _own() -> dict[str, NamedOil]:
-    return read(own_file()) if own_file().exists() else {}
+    return read_file(own_file()) if own_file().exists() else {}
 
 
 def _own_oil(name: str, table: Any, place: str) -> NamedOil:
