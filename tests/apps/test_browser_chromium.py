@@ -35,7 +35,7 @@ LARGEST = 250  # MB
 FIELD = """
 const fields = [...document.querySelectorAll('.q-field')];
 const labelled = fields.find(field => field.querySelector('.q-field__label')?.innerText === arguments[0]);
-return labelled.querySelector('.q-field__control');
+return labelled && labelled.offsetHeight ? labelled.querySelector('.q-field__control') : null;
 """
 CHOOSE = """
 const option = [...document.querySelectorAll('[role=option]')].find(each => each.innerText.includes(arguments[0]));
@@ -102,22 +102,23 @@ class Page:
     def fill(self, label, text):
         from selenium.webdriver import Keys
 
-        (field,) = self.all(f"input[aria-label='{label}']")
+        (field,) = self.until(lambda: self.all(f"input[aria-label='{label}']"))
         field.click()
         field.send_keys(Keys.CONTROL, "a")
         field.send_keys(text)
 
     def choose(self, label, word):
-        field = self.driver.execute_script(FIELD, label)
+        field = self.until(lambda: self.driver.execute_script(FIELD, label))
         self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", field)
         field.click()
         self.until(lambda: self.driver.execute_script(CHOOSE, word))
-        self.until(lambda: not self.all("[role=option]"))
+        self.until(lambda: not self.driver.execute_script("return document.querySelectorAll('[role=option]').length"))
 
     def unfold(self, title):
         (fold,) = [each for each in self.all(".fold .q-item") if each.text.lower().startswith(title.lower())]
         self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", fold)
         fold.click()
+        time.sleep(0.5)  # it opens slowly
 
     def until(self, there, seconds=120):
         """Wait for something to become true."""

@@ -58,6 +58,7 @@ class NamedLubricant:
         Meaning("name of an oil, ertel oils lists them, or a table with its data sheet", "squalane"),
     ] = None
     temperature: Annotated[float | None, units.TEMPERATURE, Meaning("temperature of the inlet; goes with oil")] = None
+    oils: Annotated[str | None, Meaning("file of own oils, beside the case file; goes with oil", "my_oils.toml")] = None
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Literal, NamedTuple, Unpack
+from typing import Literal, Unpack
 
 import numpy as np
 import xarray as xr
@@ -48,36 +48,29 @@ MOST_PROFILES = 14  # about so many lines through time
 LOOKS = ((BLUE, "-"), (ORANGE, "--"))  # of two runs
 
 
-class Limits(NamedTuple):
-    """The same for all maps of a movie: the value at the top of its colours, and how far it reaches along x (a*)."""
-
-    top: float
-    side: float
-
-
 # -- over the surface -------------------------------------------------------------------------------------------------
 
 
-def draw_film_map(axes: Axes, view: View, limits: Limits | None = None) -> None:
+def draw_film_map(axes: Axes, view: View) -> None:
     """Film thickness, with contour lines at equal steps as an interferometer shows them, and the edge of the oil."""
     if view.frame is None:
         top, lines = 1.75 * float(view.dataset["H_c"].values[-1]), 16
     else:
-        top, lines = limits.top if limits else 1.5 * view.film_inside(), 10
+        top, lines = view.limits.top if view.limits else 1.5 * view.film_inside(), 10
     z = view.scale("H", top / 2)
     film = view.map("H")
-    _draw_map(axes, view, film, z, levels(top * z.factor, lines), "Film thickness", "YlGnBu_r", "P", limits)
+    _draw_map(axes, view, film, z, levels(top * z.factor, lines), "Film thickness", "YlGnBu_r", "P")
     gap = (film, view.map("void"))
     edge = draw_edge_of_oil(axes, view, *((each.T for each in gap) if view.is_turned else gap))
     draw_legend(axes, [*edge, *_draw_roughness(axes, view)], view.is_turned)
 
 
-def draw_pressure_map(axes: Axes, view: View, limits: Limits | None = None) -> None:
+def draw_pressure_map(axes: Axes, view: View) -> None:
     """Pressure, with contour lines at equal steps."""
     field = view.map("P")
-    top = limits.top if limits else max(float(field.max()), 0.01)  # p_h*: something to divide where nothing is carried
+    top = view.limits.top if view.limits else max(float(field.max()), 0.01)  # p_h*: something to divide if unloaded
     z = view.scale("P", top)
-    _draw_map(axes, view, field, z, levels(top * z.factor), "Pressure", "YlOrRd", "P", limits)
+    _draw_map(axes, view, field, z, levels(top * z.factor), "Pressure", "YlOrRd", "P")
     draw_legend(axes, _draw_roughness(axes, view), view.is_turned)
 
 
@@ -106,23 +99,15 @@ def draw_loss_map(axes: Axes, view: View) -> None:
 
 
 def _draw_map(
-    axes: Axes,
-    view: View,
-    field: xr.DataArray,
-    z: Scale,
-    steps: Values,
-    heading: str,
-    colours: str,
-    shown_where: str,
-    limits: Limits | None = None,
+    axes: Axes, view: View, field: xr.DataArray, z: Scale, steps: Values, heading: str, colours: str, shown_where: str
 ) -> None:
     """Draw a field with contour lines at `steps` (as shown), and the direction of the flow.
 
     Along x the map ends where `shown_where`, "P" or "loss", does; along y it reaches as far as suits the shape of the
     contact.  That of a contact that is long along y is turned by a quarter; a very flat map is enlarged across, and its
-    axis says so.  Values above the highest step have its colour.  With limits the colour bar of an earlier map stays.
+    axis says so.  Values above the highest step have its colour.  In a movie the colour bar of the first map stays.
     """
-    side = limits.side if limits else side_of(view, shown_where)
+    side = view.limits.side if view.limits else side_of(view, shown_where)
     top = side * view.stretch
     cut = field.sel(X=slice(-side, side), Y=slice(-top, top)) * z.factor
     cut = cut.T if view.is_turned else cut
@@ -140,9 +125,9 @@ def _draw_map(
         axes.yaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
     if view.is_turned:
         axes.invert_yaxis()
-    extend = "max" if limits or shown.max() > steps[-1] else "neither"
+    extend = "max" if view.limits or shown.max() > steps[-1] else "neither"
     place = "bottom" if shape < FLAT else "right"
-    if limits is None or len(axes.figure.axes) == 1:
+    if view.limits is None or len(axes.figure.axes) == 1:
         axes.figure.colorbar(image, ax=axes, label=z.label, extend=extend, location=place)
     axes.set_title(f"{heading}, a line every {steps[1]:.3g} {z.unit}")
     if view.flow:

@@ -233,7 +233,6 @@ def _heading(dataset: xr.Dataset) -> list[str]:
 
 POWERS = {"nodes": 1.0, "step": -1.0, "tolerance": -1.0 / 3.0}  # of what varies: the number of cells or steps goes so
 WIDTH_OF_ORDER = 2.4  # inches: of a column of the legend
-LONGEST_SYMBOL = 5  # letters: a longer name is a word
 
 
 def _convergence_figure(dataset: xr.Dataset, sheet: Sheet) -> Figure:
@@ -253,7 +252,8 @@ def _draw_distances(axes: Axes, dataset: xr.Dataset) -> None:
     shades = ORDERED_COLOURS(np.linspace(0.0, 1.0, len(limits)))
     for (name, one), shade, (marker, line) in zip(limits.items(), shades, cycle(LOOKS), strict=False):
         away = np.abs(dataset[name].where(dataset[name] != one.value).values / one.value - 1.0)
-        symbol = mathtext(name) if len(name.partition("_")[0]) <= LONGEST_SYMBOL else _spoken(dataset[name])
+        base = name.partition("_")[0]
+        symbol = mathtext(name) if len(base) <= 2 or base.lower() == "delta" else _spoken(dataset[name])
         label = f"{symbol}, {f'order {one.order:.2f}' if one.seen else 'order not seen'}"
         axes.loglog(
             along, away, marker + line, color=shade, markerfacecolor=shade if one.seen else "white", label=label

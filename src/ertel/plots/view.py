@@ -4,7 +4,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -77,6 +77,13 @@ def conditions_in_si(attributes: Mapping[str, Any], hidden: Sequence[str] = ()) 
     return [f"{symbol} = {with_prefix(attributes[key], unit)}" for symbol, key, unit in named if key not in hidden]
 
 
+class Limits(NamedTuple):
+    """The same for all maps of a movie: the value at the top of its colours, and how far it reaches along x (a*)."""
+
+    top: float
+    side: float
+
+
 @dataclass(frozen=True)
 class View:
     """A run, and the map of it that is shown.
@@ -91,12 +98,15 @@ class View:
         The name of the moment: maximum approach, thinnest film, last map, end of the run or chosen map.
     measured : tuple of Comparison
         Measured profiles that are drawn beside those of the run.
+    limits : Limits or None
+        Of the maps of a movie.
     """
 
     dataset: xr.Dataset
     frame: int | None = None
     moment: str = ""
     measured: tuple[Comparison, ...] = ()
+    limits: Limits | None = None
 
     @classmethod
     def of(cls, dataset: xr.Dataset, at: At = None) -> "View":
