@@ -113,6 +113,7 @@ class Page:
         field.click()
         self.until(lambda: self.driver.execute_script(CHOOSE, word))
         self.until(lambda: not self.driver.execute_script("return document.querySelectorAll('[role=option]').length"))
+        time.sleep(1.0)  # the form is built again
 
     def unfold(self, title):
         (fold,) = [each for each in self.all(".fold .q-item") if each.text.lower().startswith(title.lower())]
