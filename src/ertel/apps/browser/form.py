@@ -18,6 +18,7 @@ from ertel.case.records import inner_laws
 from ertel.inputs import materials, oils
 from ertel.inputs.case_files import apply_overrides, parse_case
 from ertel.inputs.layout import NEEDED, TOP, Key, keys_of, section, shape_keys, shape_place
+from ertel.inputs.templates import OIL
 from ertel.physics.registry import FLUIDITY_LAWS, SHAPES
 from ertel.physics.units import Meaning, Unit
 from ertel.runs.outlook import outlook
@@ -112,7 +113,7 @@ def _field(group: str, name: str, key: Key | None, is_filled: bool) -> Field:
     if key and key.choices and not options:
         options = {"": f"usual, {_typed(key.default)}", **{str(choice): str(choice) for choice in key.choices}}
     if key and is_filled:
-        value = _example(key)
+        value = OIL.get(last) or _example(key)
     return Field(group, label, next(iter(options)) if options else value, options, key)
 
 
