@@ -119,6 +119,11 @@ class Key(NamedTuple):
         return show(self.mark.example) if isinstance(self.mark, Unit) else ""
 
     @property
+    def title(self) -> str:
+        """Name, kind of value and default."""
+        return f"{self.name}  ({self.kind}{f'; default {self.default}' if self.default else ''})"
+
+    @property
     def options(self) -> Sequence[Any]:
         """The kinds of values that the annotation allows."""
         return get_args(self.hint) or (self.hint,)
