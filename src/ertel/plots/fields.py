@@ -107,7 +107,7 @@ def _draw_map(
     contact.  That of a contact that is long along y is turned by a quarter; a very flat map is enlarged across, and its
     axis says so.  Values above the highest step have its colour.  In a movie the colour bar of the first map stays.
     """
-    side = view.limits.side if view.limits else side_of(view, shown_where)
+    side = view.limits.side if view.limits else _side(view, shown_where)
     top = side * view.stretch
     cut = field.sel(X=slice(-side, side), Y=slice(-top, top)) * z.factor
     cut = cut.T if view.is_turned else cut
@@ -135,7 +135,7 @@ def _draw_map(
         axes.text(0.02, 0.97, f"flow {ways[int(view.flow < 0)]}", transform=axes.transAxes, va="top", fontsize="small")
 
 
-def side_of(view: View, name: str) -> float:
+def _side(view: View, name: str) -> float:
     """The distance from the centre up to which a map is shown along x."""
     profile = view.map(name).max("Y")
     if name == "loss":
