@@ -36,7 +36,9 @@ def test_nothing_outside_the_folder(tmp_path):
     for name in ("../other", str(other), "link", "a/../../other", "\0"):
         with pytest.raises(Outside):
             folder.inside(name)
-    assert folder.runs() == []
+    (inside / "film.toml").write_text("[unknowns]")
+    (inside / "fits").symlink_to(tmp_path)
+    assert folder.runs() == folder.fits() == folder.case_files() == []
     for name in (".", "nothing", "x" * 5000):
         with pytest.raises(ValueError, match="is not a run"):
             folder.run(name)
