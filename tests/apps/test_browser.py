@@ -170,7 +170,7 @@ def chosen(**choices):
     [
         {"given": "moes"},
         *({"bodies": bodies} for bodies in OPTIONS["bodies"]),
-        {"impact_given_by": "by-height"},
+        {"impact_by": "by-height"},
         {"roughness__shape": "waviness", "roughness__wavelength_x": "", "roughness__wavelength_y": "50 um"},
         {"roughness__shape": "self-affine", "roughness__surface": "2", "contact__slide_to_roll": "2"},
         {"thermal": "warm", "lubricant__oil": "squalane"},
@@ -183,7 +183,11 @@ def test_the_form_begins_with_a_case(kind, choices):
     assert case.contact.ratio == {"ellipse": 0.25}.get(choices.get("bodies"), case.contact.ratio)
     assert len(case.roughness) == ("roughness__shape" in choices)
     assert (case.thermal is not None) == (kind == "rolling" and "thermal" in choices)
-    assert (case.contact.drop_height is not None) == (kind == "impact" and "impact_given_by" in choices)
+    assert (case.contact.drop_height is not None) == (kind == "impact" and "impact_by" in choices)
+
+
+def test_the_first_case_has_no_warning(tmp_path):
+    assert form.outlook_of(Form().data(), Folder.at(tmp_path))["warnings"] == []
 
 
 def wrong_field(form):
@@ -233,7 +237,7 @@ def test_layer_of_oil(kind, given, layer, thickness, wrong):
     [
         ({"contact__radius": "10 furlong"}, "contact.radius"),
         ({"bodies": "ellipse", "contact__radius_y": "-1 mm"}, "contact.radius_y"),
-        ({"impact_given_by": "by-height", "contact__drop_height": "1"}, "contact.drop_height"),
+        ({"impact_by": "by-height", "contact__drop_height": "1"}, "contact.drop_height"),
         ({"roughness__shape": "spot", "roughness__depth": "deep"}, "roughness.depth"),
         ({"contact__kind": "rolling", "thermal": "warm"}, "thermal.temperature"),
         ({"contact__kind": "rolling", "roughness__shape": "spot"}, "roughness.surface"),
@@ -253,7 +257,7 @@ def test_each_key_of_the_form_has_the_help_of_the_command():
     told = " ".join(ertel_("run", "--help-keys").stdout.split())
     form = chosen(contact__kind="rolling", thermal="warm", roughness__shape="spot", given="moes")
     for name, field in {**form.shown(), **Form().shown()}.items():
-        assert (field.key is None) == (name in ("given", "bodies", "impact_given_by"))
+        assert (field.key is None) == (name in ("given", "bodies", "impact_by"))
         assert field.label and (field.key is None or field.key.meaning.text in told)
     assert form.hint("lubricant.layer_1") == "" and Form().hint("lubricant.layer_1") == "such as 1 um"
     assert form.hint("roughness.x") == "0.0"

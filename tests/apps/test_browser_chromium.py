@@ -8,6 +8,7 @@ import json
 import os
 import shutil
 import time
+from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
 from urllib.parse import urlsplit
@@ -96,7 +97,9 @@ class Page:
         return " ".join(element.text for element in self.all(selector))
 
     def click(self, word):
-        (button,) = [button for button in self.all("button, [role=tab]") if word in button.text]
+        (button,) = self.until(
+            lambda: [each for each in self.all("button, [role=tab]") if word in each.text and each.is_enabled()]
+        )
         button.click()
 
     def fill(self, label, text):
@@ -113,6 +116,7 @@ class Page:
         field.click()
         self.until(lambda: self.driver.execute_script(CHOOSE, word))
         self.until(lambda: not self.driver.execute_script("return document.querySelectorAll('[role=option]').length"))
+        time.sleep(1.0)  # the form is built again
 
     def unfold(self, title):
         (fold,) = [each for each in self.all(".fold .q-item") if each.text.lower().startswith(title.lower())]
@@ -121,9 +125,14 @@ class Page:
         time.sleep(0.5)  # it opens slowly
 
     def until(self, there, seconds=120):
-        """Wait for something to become true."""
-        deadline = time.monotonic() + seconds
-        while not (found := there()):
+        """Wait for something to become true; what is replaced while it is looked at is not there yet."""
+        from selenium.common.exceptions import StaleElementReferenceException
+
+        deadline, found = time.monotonic() + seconds, None
+        while not found:
+            with suppress(StaleElementReferenceException):
+                if found := there():
+                    break
             assert time.monotonic() < deadline, self.driver.find_element("tag name", "body").text
             time.sleep(0.1)
         return found

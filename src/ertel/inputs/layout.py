@@ -121,7 +121,8 @@ class Key(NamedTuple):
     @property
     def title(self) -> str:
         """Name, kind of value and default."""
-        return f"{self.name}  ({self.kind}{f'; default {self.default}' if self.default else ''})"
+        default = f"; default {self.default}" if self.default else ""
+        return f"{self.name}  ({self.kind}{'; needed' if self.default == NEEDED else default})"
 
     @property
     def options(self) -> Sequence[Any]:

@@ -18,6 +18,7 @@ from ertel.case.records import inner_laws
 from ertel.inputs import materials, oils
 from ertel.inputs.case_files import apply_overrides, parse_case
 from ertel.inputs.layout import NEEDED, TOP, Key, keys_of, section, shape_keys, shape_place
+from ertel.inputs.templates import OIL
 from ertel.physics.registry import FLUIDITY_LAWS, SHAPES
 from ertel.physics.units import Meaning, Unit
 from ertel.runs.outlook import outlook
@@ -35,7 +36,7 @@ OPTIONS: Mapping[str, Mapping[str, str]] = {  # with their labels, the first one
     "contact.kind": {"impact": "Impact", "rolling": "Rolling"},
     "given": {"si": "Quantities", "moes": "M and L"},
     "bodies": {"ball": "ball on a plane", "balls": "two balls", "ellipse": "ellipse", "four-radii": "four radii"},
-    "impact_given_by": {"by-speed": "its speed", "by-height": "the height of its fall"},
+    "impact_by": {"by-speed": "its speed", "by-height": "the height of its fall"},
     "contact.material_1": MATERIALS,
     "contact.material_2": MATERIALS,
     "lubricant.oil": {OWN: "by its viscosity", **{name: name for name in oils.names()}},
@@ -44,14 +45,7 @@ OPTIONS: Mapping[str, Mapping[str, str]] = {  # with their labels, the first one
     SHAPE: {"": "smooth", **{shape: shape for shape in SHAPES}},
     "time.until": {"max-approach": "maximum approach", "rebound": "rebound"},
 }
-CHOICES = (
-    "contact.kind",
-    "given",
-    "bodies",
-    "impact_given_by",
-    "solver.method",
-    "thermal",
-)  # whose values show other fields
+CHOICES = ("contact.kind", "given", "bodies", "impact_by", "solver.method", "thermal")  # whose values show other fields
 DECIDE = (*CHOICES, "lubricant.oil", SHAPE, LAW)  # fields on which others depend
 FOLDED = ("Layer of oil, for a starved contact", "Temperatures", "Roughness")  # groups that are open when one is used
 LAYER, HEAT, ROUGHNESS = FOLDED
@@ -66,7 +60,7 @@ ROWS = (  # group, the choices that show its fields, and these by their paths in
     ("Contact", "rolling elliptic", "contact.entrainment_angle"),
     ("Contact", "si impact round", "contact.ball_density"),
     ("Contact", "si impact elliptic", "contact.mass"),
-    ("Contact", "si impact", "impact_given_by"),
+    ("Contact", "si impact", "impact_by"),
     ("Contact", "si impact by-speed", "contact.speed"),
     ("Contact", "si impact by-height", "contact.drop_height"),
     ("Contact", "si rolling", "contact.load contact.mean_speed contact.slide_to_roll"),
@@ -119,13 +113,20 @@ def _field(group: str, name: str, key: Key | None, is_filled: bool) -> Field:
     if key and key.choices and not options:
         options = {"": f"usual, {_typed(key.default)}", **{str(choice): str(choice) for choice in key.choices}}
     if key and is_filled:
-        value = _typed(key.example)
+        value = OIL.get(last) or _example(key)
     return Field(group, label, next(iter(options)) if options else value, options, key)
 
 
 def _typed(written: str) -> str:
     """A value of a case file as it is typed here."""
     return written.strip('"')
+
+
+def _example(key: Key) -> str:
+    """An example as it is typed here, with a unit where there is one."""
+    if isinstance(key.mark, Unit) and not isinstance(key.meaning.example, str):
+        return key.mark.example
+    return _typed(key.example)
 
 
 def _keys_opened(name: str, value: str) -> Sequence[Key]:
@@ -171,7 +172,7 @@ class Form:
         is_amount = key is not None and isinstance(key.mark, Unit) and key.mark.scale
         if key is None or (is_amount and not key.default and self.values["given"] == "moes"):
             return ""
-        return f"such as {_typed(key.example)}" if key.default in ("", NEEDED) else _typed(key.default)
+        return f"such as {_example(key)}" if key.default in ("", NEEDED) else _typed(key.default)
 
     def shown(self) -> dict[str, Field]:
         """The fields that the choices so far leave to be filled in, by name.  Those that are new get their values."""
