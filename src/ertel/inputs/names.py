@@ -108,7 +108,10 @@ def oil_of(lubricant: Mapping[str, Any]) -> NamedOil:
         return oils.oil_of_sheet(READER.record(DataSheet, written, "oil"), "oil.")
     if not isinstance(file, str | None):
         raise ConfigError(f"oils = {show(file)}: must be the path of a file of oils")
-    return oils.get(written, file)
+    try:
+        return oils.get(written, file)
+    except ConfigError as error:  # of the name, or of the file
+        raise ConfigError(str(error) if str(error).startswith("oil = ") else f"oils: {error}") from error
 
 
 def _contact(written: Mapping[str, Any], data: Mapping[str, Any]) -> dict[str, Any]:

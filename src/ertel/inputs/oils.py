@@ -144,7 +144,9 @@ def _own_oil(name: str, table: Any, place: str) -> NamedOil:
     sheet = READER.record(DataSheet, table, place)
     if not sheet.reference:
         raise ConfigError(f"{place}.reference: missing; it is the source of the data")
-    return replace(oil_of_sheet(sheet, f"{place}."), name=name)
+    oil = oil_of_sheet(sheet, f"{place}.")
+    viscosity = replace(oil.viscosity, source=f"{sheet.reference}; ASTM D341.")
+    return replace(oil, name=name, text=sheet.reference, viscosity=viscosity)
 
 
 def material(name: str) -> Material:
