@@ -18,6 +18,7 @@ the run does not have.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Unpack
 
 import numpy as np
@@ -26,9 +27,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ertel.plots import fields, histories
-from ertel.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, NoFigure, Sheet, SheetOptions, compose
+from ertel.plots.drawing import (
+    BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, NoFigure, Sheet, SheetOptions, compose, share_limits,
+)  # fmt: skip
 from ertel.plots.fields import comparison
-from ertel.plots.interferograms import animation, interferogram
+from ertel.plots.interferograms import animation, interferogram, interferogram_of
 from ertel.plots.measurements import measured
 from ertel.plots.view import View
 from ertel.results.profiles import At
@@ -37,7 +40,7 @@ from ertel.results.variables import figures_of, is_steady
 __all__ = [
     "BLUE", "GREEN", "GREY", "NAMES", "ORANGE", "ORDERED_COLOURS", "NoFigure", "Sheet", "animation", "comparison",
     "convergence", "draw", "film", "friction", "front", "history", "interferogram", "maps", "measured", "midlines",
-    "names_of", "oil", "overview", "pressure", "profiles",
+    "names_of", "oil", "overview", "pressure", "profiles", "side_by_side",
 ]  # fmt: skip
 
 Rows = Sequence[Sequence[Callable[[Axes, View], None]]]
@@ -111,12 +114,45 @@ def draw(dataset: xr.Dataset, name: str, at: At = None, **sheet: Unpack[SheetOpt
     NoFigure
         The run does not have this figure or this moment, or there is nothing to draw yet.
     """
-    if name not in figures_of(dataset):
-        run = "a steady contact" if is_steady(dataset) else "a run in time"
-        raise NoFigure(f"{name}: {run} has no such figure; it has {', '.join(figures_of(dataset))}")
-    view, rows = View.of(dataset, at), PANELS[name]
+    return _draw(View.of(dataset, at), name, Sheet(**sheet))
+
+
+def _draw(view: View, name: str, sheet: Sheet) -> Figure:
+    if name not in (found := figures_of(view.dataset)):
+        run = "a steady contact" if is_steady(view.dataset) else "a run in time"
+        raise NoFigure(f"{name}: {run} has no such figure; it has {', '.join(found)}")
+    rows = PANELS[name]
     outcome = view.friction if name == "friction" and view.frame is None else view.outcome
-    return compose(view, rows(view) if callable(rows) else rows, [*view.title, *outcome], Sheet(**sheet))
+    return compose(view, rows(view) if callable(rows) else rows, [*view.title, *outcome], sheet)
+
+
+def side_by_side(
+    runs: Sequence[xr.Dataset], name: str, at: Sequence[At] = (None, None), **sheet: Unpack[SheetOptions]
+) -> list[Figure]:
+    """The same figure of two runs, with the same units, colours and limits of axes.
+
+    Parameters
+    ----------
+    runs : sequence of xarray.Dataset
+        Two runs; they are drawn in SI where both have SI scales.
+    name : str
+        The name of the figure, one of `NAMES`, or "interferogram" in green light.
+    at : sequence of float, str or Quantity
+        The moments of runs in time.
+    **sheet
+        A size, and whether there is a title: figsize, columns, title, see `Sheet`.
+
+    Raises
+    ------
+    NoFigure
+        A run does not have this figure or this moment, or there is nothing to draw yet.
+    """
+    one, two = fields.in_same_units([View.of(run, moment) for run, moment in zip(runs, at, strict=True)])
+    pair, size = (replace(one, beside=two), replace(two, beside=one)), Sheet(**sheet)
+    is_optical = name == "interferogram"
+    figures = [interferogram_of(view, size) if is_optical else _draw(view, name, size) for view in pair]
+    share_limits(figures)
+    return figures
 
 
 def overview(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:

@@ -13,7 +13,6 @@ from typing import Any, Literal, get_args
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
 
 from ertel.physics.units import Unit, in_si
 from ertel.results.columns import Columns
@@ -291,6 +290,8 @@ class Measurement:
         low, high = x.max() - there[-1], x.min() - there[0]
         if low >= high:  # the run is shorter than the measurement, of which the caller tells
             return 0.0
+
+        from scipy.optimize import minimize_scalar  # here: pictures do without its 16 MB
 
         def squares(centre: float) -> float:
             _, difference = self._straightened(self.values - np.interp(x - centre, there, values))

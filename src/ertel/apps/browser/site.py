@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
@@ -13,11 +14,15 @@ from nicegui import app, background_tasks, ui
 
 from ertel.apps.browser.folder import Folder, in_unicode, summary_of
 from ertel.apps.browser.pictures import PICTURES, PlotRequest, RunInfo, Worker
-from ertel.apps.browser.processes import Phase, Processes, RunStatus
-from ertel.apps.terminal import capital
+from ertel.apps.browser.processes import Phase, Processes, RunStatus, study_of
+from ertel.apps.browser.readout import Readout
+from ertel.apps.terminal import capital, reason_of
 from ertel.results.numbers import Number
 from ertel.results.variables import with_prefix
 
+LOOKS = {"As the system": None, "Light": False, "Dark": True}
+AHEAD = 3  # pictures that are drawn before the slider is moved to them
+PLACE = "(event) => emit(event.offsetX / event.target.clientWidth, event.offsetY / event.target.clientHeight)"
 TALL = ("history", "overview")  # figures of two rows
 SECONDS = 2.0  # between two looks at the folder
 LOGO = (
@@ -56,21 +61,22 @@ class Entry:
 
 @dataclass
 class Site:
-    """The app: one folder, for all pages."""
+    """The app: one folder, for all pages.  dark: whether they are; None as the system is."""
 
     folder: Folder
     processes: Processes
     worker: Worker
+    dark: bool | None = None
 
     def serve_pictures(self) -> None:
         """Answer requests for the pictures that pages were given the addresses of."""
 
         @app.get(PICTURES + "/{name}")
         def picture(name: str) -> Response:
-            content = self.worker.kept.get(f"{PICTURES}/{name}")
-            if content is None:
+            found = self.worker.kept.get(f"{PICTURES}/{name}")
+            if found is None:
                 return Response("no such picture", 404)
-            return Response(content, media_type="image/png", headers={"Cache-Control": "max-age=600"})
+            return Response(found.content, media_type="image/png", headers={"Cache-Control": "max-age=600"})
 
     def entries(self) -> list[Entry]:
         """The runs of the folder, those that go on first, then the latest."""
@@ -103,6 +109,7 @@ def frame(site: Site, pages: dict[str, Callable[..., Any]]) -> None:
     ui.add_css(Path(__file__).with_name("style.css"))
     with ui.left_drawer(value=None, bordered=False).props("width=284 breakpoint=1000").classes("runs") as drawer:
         _list(site)
+    ui.dark_mode().bind_value(site, "dark")
     with ui.header(elevated=False).classes("bar"):
         ui.button(icon="menu", on_click=drawer.toggle).props("flat round dense aria-label='Show or hide the runs'")
         with ui.link(target="/").classes("brand"):
@@ -115,6 +122,9 @@ def frame(site: Site, pages: dict[str, Callable[..., Any]]) -> None:
         ui.space()
         ui.button("New case", icon="add", on_click=lambda: ui.navigate.to("/new")).props("unelevated").mark("new")
         ui.button("Compare", icon="vertical_split", on_click=lambda: ui.navigate.to("/compare")).props("flat")
+        with ui.button(icon="contrast").props("flat round dense aria-label='Light or dark'").mark("looks"), ui.menu():
+            for text, dark in LOOKS.items():
+                ui.menu_item(text, lambda dark=dark: setattr(site, "dark", dark))
         close = ui.button(icon="power_settings_new", on_click=lambda: _closing(site)).tooltip("Close the app")
         close.props("flat round dense aria-label='Close the app'").mark("close")
     ui.sub_pages(pages, data={"site": site}).classes("page")
@@ -130,7 +140,7 @@ def _list(site: Site) -> None:
         if not known:
             ui.label("None yet in this folder. Start with a new case.").classes("hint")
         for entry in known:
-            _row(entry)
+            _row(site, entry)
 
     def look() -> None:
         found = site.entries()
@@ -142,15 +152,43 @@ def _list(site: Site) -> None:
     ui.timer(SECONDS, look)
 
 
-def _row(entry: Entry) -> None:
+def _row(site: Site, entry: Entry) -> None:
     phase = entry.status.phase
     word, icon = LABELS[phase]
-    with ui.link(target=entry.address).classes(f"run {phase.value}"):
-        ui.icon(icon).classes("state")
-        with ui.element("div").classes("text"):
-            ui.label(in_unicode(entry.path.name)).classes("name").tooltip(entry.name)
-            share = f"{word} {entry.status.done:.0%}" if phase in (Phase.RUNNING, Phase.INTERRUPTED) else word
-            ui.label(f"{share} · {entry.about}" if entry.about else share).classes("more")
+    with ui.element("div").classes("entry"):
+        with ui.link(target=entry.address).classes(f"run {phase.value}"):
+            ui.icon(icon).classes("state")
+            with ui.element("div").classes("text"):
+                ui.label(in_unicode(entry.path.name)).classes("name").tooltip(entry.name)
+                share = f"{word} {entry.status.done:.0%}" if phase in (Phase.RUNNING, Phase.INTERRUPTED) else word
+                ui.label(f"{share} · {entry.about}" if entry.about else share).classes("more")
+        if not phase.is_active:
+            delete = ui.button(icon="delete_outline", on_click=lambda: ask_to_delete(site, entry.path))
+            delete.props("flat round dense size=sm aria-label='Delete'").mark("delete")
+
+
+def ask_to_delete(site: Site, run: Path) -> None:
+    """Ask whether a run, or the study that it belongs to, is to be deleted, and delete it."""
+
+    def delete(place: Path) -> None:
+        dialog.close()
+        try:
+            site.processes.delete(place)
+        except ValueError as error:
+            ui.notify(sentence(str(error)))
+        except OSError as error:
+            ui.notify(f"{site.folder.name_of(place)} cannot be deleted: {reason_of(error)}.")
+
+    name, study = site.folder.name_of(run), study_of(run, site.folder.root)
+    with ui.dialog(value=True) as dialog, ui.card().classes("dialog"):
+        ui.label(f"Delete {name}?").classes("title")
+        ui.label("Its data are removed from the disk for good. Case files outside of its directory stay.")
+        with ui.row().classes("actions"):
+            ui.button("Cancel", on_click=dialog.close).props("flat")
+            if study:
+                text = f"Delete the study {site.folder.name_of(study)} with all its runs"
+                ui.button(text, on_click=lambda: delete(study)).props("outline color=negative").mark("delete-study")
+            ui.button("Delete", on_click=lambda: delete(run)).props("unelevated color=negative").mark("delete-it")
 
 
 def _closing(site: Site) -> None:
@@ -212,43 +250,70 @@ def _offer(icon: str, title: str, text: str, target: str) -> None:
 # -- elements of the pages ---------------------------------------------------------------------------------------------
 
 
+def when_narrow(tell: Callable[[], Any]) -> None:
+    """Call a function where the window is as narrow as that of a phone."""
+    ui.on("narrow", tell)
+    ui.run_javascript("if (innerWidth < 600) emitEvent('narrow')")
+
+
 class Canvas:
-    """A picture.  While one is drawn, only the last request waits; those in between are left out."""
+    """A picture, with the film and pressure under the pointer.
+
+    While one is drawn, the one before is pale and only the last request waits; those in between are left out.  Then
+    come the pictures that may be wanted next.
+    """
 
     def __init__(self, worker: Worker):
         self._worker = worker
         self._wanted: PlotRequest | None = None
         self._shown: PlotRequest | None = None
+        self._ahead: list[PlotRequest] = []
+        self._readout: Readout | None = None
         self._drawing: asyncio.Task[None] | None = None
         with ui.element("div").classes("canvas"):
             self._image = ui.element("img").props('alt="picture of the run"').mark("picture")
+            self._image.on("pointermove", lambda event: self._read(*event.args), throttle=0.05, js_handler=PLACE)
+            self._image.on("pointerleave", lambda: self._under_pointer.set_text(""))
             self._message = ui.label().classes("said")
             self._waits = ui.linear_progress(show_value=False).props("indeterminate size=2px").classes("waits")
+        self._under_pointer: ui.label = ui.label().classes("readout").mark("readout")
         self._image.set_visibility(False)
         self._waits.set_visibility(False)
 
-    def show(self, request: PlotRequest) -> None:
-        """Show a picture as soon as it is drawn."""
-        self._wanted = request
+    def show(self, request: PlotRequest, ahead: Sequence[PlotRequest] = ()) -> None:
+        """Show a picture as soon as it is drawn, then draw others ahead."""
+        self._wanted, self._ahead = request, list(ahead)
         if self._drawing is None or self._drawing.done():
             self._drawing = background_tasks.create(self._draw())
 
     async def _draw(self) -> None:
-        self._waits.set_visibility(True)
-        while self._wanted is not None and self._wanted != self._shown:
-            request, message = self._wanted, ""
-            self._shown = request
-            try:
-                await self._worker.draw(request)
-            except ValueError as error:
-                message = str(error)
-            if self._image.is_deleted:  # the page was left
+        while not self._image.is_deleted:  # the page was not left
+            if self._wanted is not None and self._wanted != self._shown:
+                await self._draw_wanted(self._wanted)
+            elif self._ahead:
+                with suppress(ValueError):  # said when it is wanted
+                    await self._worker.draw(self._ahead.pop(0))
+            else:
                 return
-            if not message:
-                self._image.props["src"] = request.address
-                self._image.classes(replace="tall" if request.figure in TALL else "")
-            self.say(message)
+
+    async def _draw_wanted(self, request: PlotRequest) -> None:
+        self._shown, message = request, ""
+        self._waits.set_visibility(True)
+        self._image.classes("old")
+        try:
+            self._readout = (await self._worker.draw(request)).readout
+        except ValueError as error:
+            message = str(error)
+        if self._image.is_deleted:
+            return
+        if not message:
+            self._image.props["src"] = request.address
+            self._image.classes(replace="tall" if request.figure in TALL else "")
+        self.say(message)
         self._waits.set_visibility(False)
+
+    def _read(self, across: float, down: float) -> None:
+        self._under_pointer.set_text(self._readout.at(across, down) if self._readout else "")
 
     def say(self, message: str) -> None:
         """Show a message of ertel in place of the picture; an empty one shows the picture."""
@@ -261,6 +326,7 @@ class Slider:
 
     def __init__(self, changed: Callable[[], Any]):
         self._changed, self._info = changed, RunInfo()
+        self._before, self._way = 0, 1
         with ui.row().classes("moment") as self._row:
             self._play = ui.button(icon="play_arrow", on_click=self._toggle).props("flat round dense").mark("play")
             self._play.props("aria-label='Play'")
@@ -271,21 +337,26 @@ class Slider:
         self._row.set_visibility(False)
         self._timer = ui.timer(0.8, self._next, active=False)
 
-    @property
-    def at(self) -> float | str | None:
-        """The moment: the name of an event, or the time of the map; None of a steady contact."""
-        named = [event for event, index in self._info.events.items() if index == self.index]
-        return named[0] if named else self.T
+    def at(self, index: int) -> float | str | None:
+        """The moment of a map: the name of an event, or its time; None of a steady contact."""
+        named = [event for event, map_ in self._info.events.items() if map_ == index]
+        return named[0] if named else self.T(index)
 
-    @property
-    def T(self) -> float | None:
-        """The time of the map; None of a steady contact."""
-        return self._info.T[self.index] if self._info.T else None
+    def T(self, index: int) -> float | None:
+        """The time of a map; None of a steady contact."""
+        return self._info.T[index] if self._info.T else None
 
     @property
     def index(self) -> int:
         """The number of the map."""
         return min(int(self._slider.value), max(len(self._info.T) - 1, 0))
+
+    @property
+    def ahead(self) -> Sequence[int]:
+        """The numbers of the maps that come next, the way that the slider was moved."""
+        last = len(self._info.T) - 1
+        places = (self.index + self._way * step for step in range(1, AHEAD + 1))
+        return [place for place in places if 0 <= place <= last]
 
     @property
     def at_end(self) -> bool:
@@ -306,11 +377,12 @@ class Slider:
         self._label_time()
 
     def _label_time(self) -> None:
-        if self.T is not None:
-            in_seconds = f"{with_prefix(self.T * self._info.t0, 's')}  ·  " if self._info.t0 else ""
-            self._label.set_text(f"{in_seconds}T = {self.T:.3f}")
+        if (T := self.T(self.index)) is not None:
+            in_seconds = f"{with_prefix(T * self._info.t0, 's')}  ·  " if self._info.t0 else ""
+            self._label.set_text(f"{in_seconds}T = {T:.3f}")
 
     def _moved(self) -> None:
+        self._way, self._before = (1 if self.index >= self._before else -1), self.index
         self._label_time()
         self._changed()
 
