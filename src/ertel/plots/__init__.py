@@ -26,10 +26,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ertel.plots import fields, histories
-from ertel.plots.drawing import (
-    BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, NoFigure, Sheet, SheetOptions, compose, share_limits,
-)  # fmt: skip
+from ertel.plots import drawing, fields, histories
+from ertel.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, NoFigure, Sheet, SheetOptions, compose
 from ertel.plots.fields import comparison
 from ertel.plots.interferograms import animation, interferogram, interferogram_of
 from ertel.plots.measurements import measured
@@ -114,13 +112,17 @@ def draw(dataset: xr.Dataset, name: str, at: At = None, **sheet: Unpack[SheetOpt
     NoFigure
         The run does not have this figure or this moment, or there is nothing to draw yet.
     """
+    _require(dataset, name)
     return _draw(View.of(dataset, at), name, Sheet(**sheet))
 
 
-def _draw(view: View, name: str, sheet: Sheet) -> Figure:
-    if name not in (found := figures_of(view.dataset)):
-        run = "a steady contact" if is_steady(view.dataset) else "a run in time"
+def _require(dataset: xr.Dataset, name: str) -> None:
+    if name not in (found := figures_of(dataset)):
+        run = "a steady contact" if is_steady(dataset) else "a run in time"
         raise NoFigure(f"{name}: {run} has no such figure; it has {', '.join(found)}")
+
+
+def _draw(view: View, name: str, sheet: Sheet) -> Figure:
     rows = PANELS[name]
     outcome = view.friction if name == "friction" and view.frame is None else view.outcome
     return compose(view, rows(view) if callable(rows) else rows, [*view.title, *outcome], sheet)
@@ -150,8 +152,10 @@ def side_by_side(
     one, two = fields.in_same_units([View.of(run, moment) for run, moment in zip(runs, at, strict=True)])
     pair, size = (replace(one, beside=two), replace(two, beside=one)), Sheet(**sheet)
     is_optical = name == "interferogram"
+    for run in () if is_optical else runs:
+        _require(run, name)
     figures = [interferogram_of(view, size) if is_optical else _draw(view, name, size) for view in pair]
-    share_limits(figures)
+    drawing.share_limits(figures)
     return figures
 
 

@@ -8,6 +8,7 @@ import ctypes
 import gc
 import os
 import signal
+import sys
 import threading
 from collections import OrderedDict
 from collections.abc import Callable
@@ -46,7 +47,7 @@ LATEST = ("H_c", "H_min", "P_max", "F", "mu_sliding")  # shown of a run that goe
 HEAVY = ("ertel.plots", "ertel.runs.arrays", "ertel.runs.outlook")  # imported before they are needed
 PICTURES = "/pictures"  # where pages get them
 MEMORY = {-3: 2**17, -1: 2**17, -8: 1}  # M_MMAP_THRESHOLD, M_TRIM_THRESHOLD, M_ARENA_MAX of glibc's malloc.h
-KEPT = 40  # pictures, of some 0.4 MB each with the fields under the pointer
+KEPT = 24  # pictures, of some 0.4 MB each with the fields under the pointer
 KEPT_OPEN = 3  # Datasets
 
 
@@ -199,6 +200,7 @@ def _begin() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     keep_small()
     os.environ["JAX_PLATFORMS"] = "cpu"  # or the outlook would ask the accelerator for its memory
+    sys.modules["dask"] = None  # type: ignore[assignment] # xarray would import it, which takes 20 MB, and use it for nothing
     for name in HEAVY:
         import_module(name)
 

@@ -14,11 +14,10 @@ from ertel.results.variables import unit_of, with_prefix
 
 if TYPE_CHECKING:  # imported in the process that draws
     from matplotlib.figure import Figure
-    from matplotlib.transforms import BboxBase
 
     from ertel.plots.view import View
 
-MOST_NODES = 160  # along a side of a map
+MOST_NODES = 128  # along a side of a map
 NAMES = {"x": "X", "y": "X", "h": "H", "p": "P"}  # the variables that have their units
 
 
@@ -31,7 +30,7 @@ class Readout:
     by their symbols; in SI all values are in SI.
     """
 
-    boxes: Sequence[tuple[Sequence[float], Sequence[float]]]
+    boxes: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]]
     is_turned: bool
     x: NDArray[np.float64]
     y: NDArray[np.float64]
@@ -68,22 +67,20 @@ def readout_of(figure: "Figure", view: "View") -> Readout | None:
         return None
     about = {symbol: view.variable(name).attrs for symbol, name in NAMES.items()}
     one = {symbol: each.get("si_factor", 1.0) for symbol, each in about.items()}
+    boxes = [axes.get_position().get_points().T.ravel() for axes in maps]
     edges = [np.array([*axes.get_xlim(), *axes.get_ylim()]) / view.across.factor for axes in maps]
     sides = dict(zip("YX" if view.is_turned else "XY", np.abs(edges).reshape(-1, 2, 2).max(axis=(0, 2)), strict=True))
     fields = [view.map(name).sel({axis: slice(-side, side) for axis, side in sides.items()}) for name in ("H", "P")]
     every = {axis: slice(None, None, -(-nodes // MOST_NODES)) for axis, nodes in fields[0].sizes.items()}
     film, pressure = (each.isel(every) for each in fields)
     kind = view.dataset.attrs["kind"]
+    units = {symbol: each.get("si_units") or unit_of(kind, each["in_units_of"]) for symbol, each in about.items()}
     return Readout(
-        [(_sides(axes.get_position()), edge * one["x"]) for axes, edge in zip(maps, edges, strict=True)],
+        [(box, edge * one["x"]) for box, edge in zip(boxes, edges, strict=True)],
         view.is_turned,
         film["X"].values * one["x"],
         film["Y"].values * one["x"],
         [(each.values * one[symbol]).astype(np.float32) for symbol, each in (("h", film), ("p", pressure))],
-        {symbol: each.get("si_units") or unit_of(kind, each["in_units_of"]) for symbol, each in about.items()},
+        units,
         view.in_si,
     )
-
-
-def _sides(box: "BboxBase") -> Sequence[float]:
-    return box.x0, box.x1, box.y0, box.y1

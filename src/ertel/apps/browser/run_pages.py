@@ -5,16 +5,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from time import monotonic
-from typing import Literal
 
 from nicegui import ui
 
 from ertel.apps.browser.folder import summary_of
 from ertel.apps.browser.pictures import FIGURES, INTERFEROGRAM, PlotRequest, RunInfo, stamp_of
 from ertel.apps.browser.processes import Phase
-from ertel.apps.browser.site import (
-    LABELS, Canvas, Site, Slider, address_of, ask_to_delete, show_line, show_notes, show_number, when_narrow,
-)  # fmt: skip
+from ertel.apps.browser.site import LABELS, Canvas, Site, Slider, address_of, show_line, show_notes, show_number
 from ertel.apps.terminal import reason_of
 from ertel.results.numbers import key_numbers
 from ertel.runs.directory import CASE
@@ -39,7 +36,6 @@ class RunPage:
         self.name = site.folder.name_of(self.path)
         self._info = RunInfo()
         self._stamp, self._drawn, self._is_there = 0, 0.0, self.path.exists()
-        self._columns: Literal[1] | None = None
         self._status = site.processes.status(self.path)
         with ui.row().classes("head"):
             with ui.element("div"):
@@ -63,7 +59,6 @@ class RunPage:
             self._slider = Slider(self._show)
         with ui.element("div").classes("notes"):
             self._show_warnings()
-        when_narrow(self._become_narrow)
         ui.timer(1.0, self._look)
 
     def _downloads(self) -> None:
@@ -79,7 +74,7 @@ class RunPage:
         with ui.button(icon="more_vert").props("flat round aria-label='More'"), ui.menu():
             ui.menu_item("New case from this one", lambda: ui.navigate.to(new))
             ui.menu_item("Compare with another run", lambda: ui.navigate.to(compare))
-            ui.menu_item("Delete", lambda: ask_to_delete(self.site, self.path)).mark("delete-run")
+            ui.menu_item("Delete", lambda: self.site.ask_to_delete(self.path)).mark("delete-run")
 
     # -- asked for ----------------------------------------------------------------------------------------------------
 
@@ -173,12 +168,7 @@ class RunPage:
     def _request(self, kind: str = "png", dots: int = 130) -> PlotRequest:
         light = self._light.value if self._tabs.value == INTERFEROGRAM else "mono"
         figure = self._tabs.value or "overview"
-        at = self._slider.at(self._slider.index)
-        return PlotRequest(self.path, figure, at, light, kind, dots, self._stamp, self._columns)
-
-    def _become_narrow(self) -> None:
-        self._columns = 1
-        self._show()
+        return PlotRequest(self.path, figure, self._slider.at(self._slider.index), light, kind, dots, self._stamp)
 
     def _renew(self) -> None:
         before, self._status = self._status, self.site.processes.status(self.path)

@@ -3,10 +3,10 @@
 import asyncio
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from html import escape
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 from urllib.parse import quote, urlencode
 
 from fastapi import Response
@@ -89,6 +89,29 @@ class Site:
         path = self.folder.inside(name)
         return path if self.processes.knows(path) else self.folder.run(name)
 
+    def ask_to_delete(self, run: Path) -> None:
+        """Ask whether a run, or the study that it belongs to, is to be deleted, and delete it."""
+
+        def delete(place: Path) -> None:
+            dialog.close()
+            try:
+                self.processes.delete(place)
+            except ValueError as error:
+                ui.notify(sentence(str(error)))
+            except OSError as error:
+                ui.notify(f"{self.folder.name_of(place)} cannot be deleted: {reason_of(error)}.")
+
+        name, study = self.folder.name_of(run), study_of(run, self.folder.root)
+        with ui.dialog(value=True) as dialog, ui.card().classes("dialog"):
+            ui.label(f"Delete {name}?").classes("title")
+            ui.label("Its data are removed from the disk for good. Case files outside of its directory stay.")
+            with ui.row().classes("actions"):
+                ui.button("Cancel", on_click=dialog.close).props("flat")
+                if study:
+                    text = f"Delete the study {self.folder.name_of(study)} with all its runs"
+                    ui.button(text, on_click=lambda: delete(study)).props("outline color=negative").mark("delete-study")
+                ui.button("Delete", on_click=lambda: delete(run)).props("unelevated color=negative").mark("delete-it")
+
 
 def _about(run: Path) -> str:
     summary = summary_of(run)
@@ -163,32 +186,8 @@ def _row(site: Site, entry: Entry) -> None:
                 share = f"{word} {entry.status.done:.0%}" if phase in (Phase.RUNNING, Phase.INTERRUPTED) else word
                 ui.label(f"{share} · {entry.about}" if entry.about else share).classes("more")
         if not phase.is_active:
-            delete = ui.button(icon="delete_outline", on_click=lambda: ask_to_delete(site, entry.path))
+            delete = ui.button(icon="delete_outline", on_click=lambda: site.ask_to_delete(entry.path))
             delete.props("flat round dense size=sm aria-label='Delete'").mark("delete")
-
-
-def ask_to_delete(site: Site, run: Path) -> None:
-    """Ask whether a run, or the study that it belongs to, is to be deleted, and delete it."""
-
-    def delete(place: Path) -> None:
-        dialog.close()
-        try:
-            site.processes.delete(place)
-        except ValueError as error:
-            ui.notify(sentence(str(error)))
-        except OSError as error:
-            ui.notify(f"{site.folder.name_of(place)} cannot be deleted: {reason_of(error)}.")
-
-    name, study = site.folder.name_of(run), study_of(run, site.folder.root)
-    with ui.dialog(value=True) as dialog, ui.card().classes("dialog"):
-        ui.label(f"Delete {name}?").classes("title")
-        ui.label("Its data are removed from the disk for good. Case files outside of its directory stay.")
-        with ui.row().classes("actions"):
-            ui.button("Cancel", on_click=dialog.close).props("flat")
-            if study:
-                text = f"Delete the study {site.folder.name_of(study)} with all its runs"
-                ui.button(text, on_click=lambda: delete(study)).props("outline color=negative").mark("delete-study")
-            ui.button("Delete", on_click=lambda: delete(run)).props("unelevated color=negative").mark("delete-it")
 
 
 def _closing(site: Site) -> None:
@@ -250,12 +249,6 @@ def _offer(icon: str, title: str, text: str, target: str) -> None:
 # -- elements of the pages ---------------------------------------------------------------------------------------------
 
 
-def when_narrow(tell: Callable[[], Any]) -> None:
-    """Call a function where the window is as narrow as that of a phone."""
-    ui.on("narrow", tell)
-    ui.run_javascript("if (innerWidth < 600) emitEvent('narrow')")
-
-
 class Canvas:
     """A picture, with the film and pressure under the pointer.
 
@@ -279,10 +272,18 @@ class Canvas:
         self._under_pointer: ui.label = ui.label().classes("readout").mark("readout")
         self._image.set_visibility(False)
         self._waits.set_visibility(False)
+        self._columns: Literal[1] | None = None
+        ui.on("narrow", self._become_narrow)
+        ui.run_javascript("if (innerWidth < 600) emitEvent('narrow')")  # as that of a phone
+
+    def _become_narrow(self) -> None:
+        self._columns = 1
+        if self._wanted:
+            self.show(self._wanted, self._ahead)
 
     def show(self, request: PlotRequest, ahead: Sequence[PlotRequest] = ()) -> None:
         """Show a picture as soon as it is drawn, then draw others ahead."""
-        self._wanted, self._ahead = request, list(ahead)
+        self._wanted, *self._ahead = (replace(each, columns=self._columns) for each in (request, *ahead))
         if self._drawing is None or self._drawing.done():
             self._drawing = background_tasks.create(self._draw())
 
