@@ -104,6 +104,13 @@ class Page:
         field.click()
         field.send_keys("\b" * len(field.get_attribute("value")) + text)
 
+    def type(self, text):
+        """Write at the end of the case file, and wait for the answer to it."""
+        (area,) = self.until(lambda: self.all("textarea"))
+        before = self.text(".answer")
+        area.send_keys(text)
+        self.until(lambda: "roughly" in self.text(".answer") != before)
+
     def until(self, there, seconds=120):
         """Wait for something to become true; what is replaced while it is looked at is not there yet."""
         from selenium.common.exceptions import StaleElementReferenceException
@@ -138,6 +145,7 @@ class Page:
         return {part.netloc for part in parts if part.scheme in ("http", "https", "ws", "wss")}
 
 
+FINE_STEPS = "step = 2e-4\n"  # of [time], the last section: a run that lasts long enough to be watched
 PAGES = {
     "first-page": "/", "new-case": "/new", "run": "/run?name=runs/mine",
     "compare": "/compare?a=runs/mine&b=runs/before",
@@ -175,6 +183,8 @@ def test_a_session(server, driver, folder):
     page.keep("new-case")
 
     page.fill("Name of the run", "mine")
+    page.click("Case file")
+    page.type(FINE_STEPS)
     page.click("Run")
     run = folder / "runs" / "mine"
     page.until(lambda: "compiling" in page.text(".chip"))
@@ -251,9 +261,7 @@ def test_closing_the_app_leaves_the_run_going(server, driver, folder):
     page.until(lambda: "Ready" in page.text(".answer"))
     page.fill("Name of the run", "long")
     page.click("Case file")
-    (text,) = page.until(lambda: page.all("textarea"))
-    text.send_keys("\n[output]\ninterval = 0.02\n")
-    page.until(lambda: "roughly" in page.text(".answer"))
+    page.type(FINE_STEPS + "[output]\ninterval = 0.02\n")
     page.click("Run")
     page.until(lambda: "running" in page.text(".chip"))
     process.terminate()

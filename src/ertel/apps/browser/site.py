@@ -186,7 +186,7 @@ def _row(site: Site, entry: Entry) -> None:
                 share = f"{word} {entry.status.done:.0%}" if phase in (Phase.RUNNING, Phase.INTERRUPTED) else word
                 ui.label(f"{share} · {entry.about}" if entry.about else share).classes("more")
         if not phase.is_active:
-            delete = ui.button(icon="delete_outline", on_click=lambda: site.ask_to_delete(entry.path))
+            delete = ui.button(icon="delete_outline", color="grey", on_click=lambda: site.ask_to_delete(entry.path))
             delete.props("flat round dense size=sm aria-label='Delete'").mark("delete")
 
 
