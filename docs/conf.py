@@ -120,7 +120,7 @@ html_theme_options = {
     "footer_start": ["copyright"],
     "footer_end": [],
 }
-html_sidebars = {f"docs/{page}": [] for page in ("index", "first_steps", "theory")}  # they have no pages below
+html_sidebars = {f"docs/{page}": [] for page in ("index", "first_steps", "install")}  # they have no pages below
 
 
 def write_commands(app: Sphinx) -> None:

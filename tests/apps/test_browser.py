@@ -16,7 +16,7 @@ from cases import ertel_, python
 from ertel.apps import browser
 from ertel.apps.browser import form, pictures
 from ertel.apps.browser.folder import Folder, Outside
-from ertel.apps.browser.form import Form, field_of
+from ertel.apps.browser.form import OPTIONS, Form
 from ertel.apps.browser.pictures import PlotRequest, Worker, stamp_of
 from ertel.apps.browser.processes import Phase, Processes, study_of
 from ertel.inputs.case_files import ConfigError, parse_case
@@ -183,33 +183,63 @@ def test_runs_and_studies_are_deleted_whole_and_never_while_they_run(tmp_path):
 # -- the form ---------------------------------------------------------------------------------------------------------
 
 
+def chosen(**choices):
+    """The form after some choices, one after the other; of a path without its dots."""
+    form = Form()
+    for name, value in choices.items():
+        form.choose(name.replace("__", "."), value)
+    return form
+
+
 @pytest.mark.parametrize("kind", ["impact", "rolling"])
-@pytest.mark.parametrize("given", ["si", "moes"])
-def test_the_form_begins_with_a_case(kind, given):
-    filled = Form(given=given)
-    filled.choose("kind", kind)
-    assert parse_case(filled.data()).kind == kind
+@pytest.mark.parametrize(
+    "choices",
+    [
+        {"given": "moes"},
+        *({"bodies": bodies} for bodies in OPTIONS["bodies"]),
+        {"impact_by": "by-height"},
+        {"roughness__shape": "waviness", "roughness__wavelength_x": "", "roughness__wavelength_y": "50 um"},
+        {"roughness__shape": "self-affine", "roughness__surface": "2", "contact__slide_to_roll": "2"},
+        {"thermal": "warm", "lubricant__oil": "squalane"},
+    ],
+)
+def test_the_form_begins_with_a_case(kind, choices):
+    """Whatever is chosen; a method that the other kind does not have goes with the kind."""
+    case = parse_case(chosen(**choices, contact__kind=kind).data())
+    assert case.kind == kind
+    assert case.contact.ratio == {"ellipse": 0.25}.get(choices.get("bodies"), case.contact.ratio)
+    assert len(case.roughness) == ("roughness__shape" in choices)
+    assert (case.thermal is not None) == (kind == "rolling" and "thermal" in choices)
+    assert (case.contact.drop_height is not None) == (kind == "impact" and "impact_by" in choices)
+
+
+def test_the_first_case_has_no_warning(tmp_path):
+    assert form.outlook_of(Form().data(), Folder.at(tmp_path))["warnings"] == []
 
 
 def wrong_field(form):
     """The field that the message about a case names."""
     with pytest.raises(ConfigError) as error:
         parse_case(form.data())
-    return field_of(str(error.value))
+    return form.field_of(str(error.value))
 
 
 def test_a_named_oil_takes_a_temperature():
-    form = Form(oil="squalane", temperature="60 degC", eta0="nonsense that is not asked for")
+    form = chosen(
+        lubricant__oil="squalane", lubricant__temperature="60 degC", lubricant__eta0="nonsense, not asked for"
+    )
     assert form.data()["lubricant"] == {"oil": "squalane", "temperature": "60 degC"}
     assert parse_case(form.data()).oil.eta0 < 0.012
 
 
 def test_a_sliding_contact_may_thin_its_oil():
-    form = Form(slide_to_roll="0.1", rheology="ree-eyring", tau0="-3 MPa")
+    form = chosen(
+        contact__slide_to_roll="0.1", lubricant__rheology__law="ree-eyring", lubricant__rheology__tau0="-3 MPa"
+    )
     assert "rheology" not in form.data()["lubricant"]  # an impact does not slide
-    form.choose("kind", "rolling")
-    assert wrong_field(form) == "tau0"
-    form.choose("tau0", "3 MPa")
+    form.choose("contact.kind", "rolling")
+    assert wrong_field(form) == "lubricant.rheology.tau0"
+    form.choose("lubricant.rheology.tau0", "3 MPa")
     assert not parse_case(form.data()).oil.is_newtonian
 
 
@@ -219,25 +249,49 @@ def test_a_sliding_contact_may_thin_its_oil():
 )
 def test_layer_of_oil(kind, given, layer, thickness, wrong):
     """In both kinds of units; left empty, the contact is flooded."""
-    form = Form(given=given)
-    form.choose("kind", kind)
+    form = chosen(given=given, contact__kind=kind)
     assert "lubricant.layer" not in str(form.data()) and parse_case(form.data()).layer is None
-    form.choose("layer", layer)
+    form.choose("lubricant.layer", layer)
     case = parse_case(form.data())
     assert case.layer == pytest.approx(thickness / (case.scales.film if case.scales else 1.0))
     for value in (wrong, "[[0, 0]]"):
-        form.choose("layer", value)
-        assert wrong_field(form) == "layer"
+        form.choose("lubricant.layer", value)
+        assert wrong_field(form) == "lubricant.layer"
 
 
-def test_messages_name_their_field():
-    assert wrong_field(Form(radius="10 furlong")) == "radius"
-    assert field_of("lubricant.temperature: missing") == "temperature"
-    assert field_of("solver.radius = 1: unknown key") is None
+@pytest.mark.parametrize(
+    ("choices", "field"),
+    [
+        ({"contact__radius": "10 furlong"}, "contact.radius"),
+        ({"bodies": "ellipse", "contact__radius_y": "-1 mm"}, "contact.radius_y"),
+        ({"impact_by": "by-height", "contact__drop_height": "1"}, "contact.drop_height"),
+        ({"roughness__shape": "spot", "roughness__depth": "deep"}, "roughness.depth"),
+        ({"contact__kind": "rolling", "thermal": "warm"}, "thermal.temperature"),
+        ({"contact__kind": "rolling", "roughness__shape": "spot"}, "roughness.surface"),
+    ],
+)
+def test_messages_name_their_field(choices, field):
+    assert wrong_field(chosen(**choices)) == field
+
+
+def test_messages_on_what_is_not_in_the_form():
+    assert Form().field_of("solver.radius = 1: unknown key") is None
+    assert Form().field_of("lubricant.temperature: missing") is None  # that of a named oil
+    assert chosen(lubricant__oil="squalane").field_of("lubricant.temperature: missing") == "lubricant.temperature"
+
+
+def test_each_key_of_the_form_has_the_help_of_the_command():
+    told = " ".join(ertel_("run", "--help-keys").stdout.split())
+    form = chosen(contact__kind="rolling", thermal="warm", roughness__shape="spot", given="moes")
+    for name, field in {**form.shown(), **Form().shown()}.items():
+        assert (field.key is None) == (name in ("given", "bodies", "impact_by"))
+        assert field.label and (field.key is None or field.key.meaning.text in told)
+    assert form.hint("lubricant.layer_1") == "" and Form().hint("lubricant.layer_1") == "such as 1 um"
+    assert form.hint("roughness.x") == "0.0"
 
 
 def test_the_outlook_is_that_of_ertel_check(tmp_path):
-    data, folder = Form(M="500", given="moes").data(), Folder.at(tmp_path)
+    data, folder = chosen(contact__M="500", given="moes").data(), Folder.at(tmp_path)
     (tmp_path / "case.toml").write_text(tomli_w.dumps(data))
     checked = json.loads(ertel_("check", str(tmp_path / "case.toml"), "--json").stdout)
     assert {**form.outlook_of(data, folder), "name": "case"} == checked

@@ -35,6 +35,16 @@ FLAGS = (
 )  # fmt: skip
 LAPTOP, TABLET, PHONE = (1280, 800), (820, 1180), (390, 844)
 LARGEST = 250  # MB, of the web process and of the one that draws together
+FIELD = """
+const fields = [...document.querySelectorAll('.q-field')];
+const labelled = fields.find(field => field.querySelector('.q-field__label')?.innerText === arguments[0]);
+return labelled && labelled.offsetHeight ? labelled.querySelector('.q-field__control') : null;
+"""
+CHOOSE = """
+const option = [...document.querySelectorAll('[role=option]')].find(each => each.innerText.includes(arguments[0]));
+option?.click();
+return Boolean(option);
+"""
 
 
 @pytest.fixture
@@ -100,9 +110,26 @@ class Page:
         button.click()
 
     def fill(self, label, text):
-        (field,) = self.all(f"input[aria-label='{label}']")
+        from selenium.webdriver import Keys
+
+        (field,) = self.until(lambda: self.all(f"input[aria-label='{label}']"))
         field.click()
-        field.send_keys("\b" * len(field.get_attribute("value")) + text)
+        field.send_keys(Keys.CONTROL, "a")
+        field.send_keys(text)
+
+    def choose(self, label, word):
+        field = self.until(lambda: self.driver.execute_script(FIELD, label))
+        self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", field)
+        field.click()
+        self.until(lambda: self.driver.execute_script(CHOOSE, word))
+        self.until(lambda: not self.driver.execute_script("return document.querySelectorAll('[role=option]').length"))
+        time.sleep(1.0)  # the form is built again
+
+    def unfold(self, title):
+        (fold,) = [each for each in self.all(".fold .q-item") if each.text.lower().startswith(title.lower())]
+        self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", fold)
+        fold.click()
+        time.sleep(0.5)  # it opens slowly
 
     def type(self, text):
         """Write at the end of the case file, and wait for the answer to it."""
@@ -174,13 +201,32 @@ def test_a_session(server, driver, folder):
     page.keep("first-page")
 
     page.click("New case")
-    page.until(lambda: page.all("input[aria-label='Ball radius']"))
-    page.fill("Ball radius", "10 furlong")
+    page.until(lambda: page.all("input[aria-label='Radius']"))
+    page.fill("Radius", "10 furlong")
     page.until(lambda: 'contact.radius = "10 furlong"' in page.text(".answer"))
+    assert page.text(".q-field--error [role=alert]") == "must be between 1e-06 and 100 m"
     page.keep("bad-input")
-    page.fill("Ball radius", "10 mm")
+    page.fill("Radius", "10 mm")
     page.until(lambda: "roughly" in page.text(".answer"))
     page.keep("new-case")
+    page.choose("Bodies", "ellipse")
+    page.fill("Radius y", "30 mm")
+    page.unfold("Roughness")
+    page.choose("Shape", "waviness")
+    page.fill("Amplitude", "50 furlong nm")
+    page.until(lambda: "roughness[1].amplitude" in page.text(".answer"))
+    page.fill("Amplitude", "50 nm")
+    page.until(lambda: "roughly" in page.text(".answer") and "nodes, spacing" in page.text(".answer"))
+    for name, size in (("ellipse", LAPTOP), ("ellipse-phone", PHONE)):
+        page.resize(size)
+        page.keep(name)
+        assert page.driver.execute_script("return document.documentElement.scrollWidth") <= size[0]
+    page.resize(LAPTOP)
+    page.choose("Shape", "smooth")
+    page.choose("Bodies", "ball on a plane")
+    page.choose("Method", "radial")
+    page.fill("Nodes", "513")
+    page.until(lambda: "513 nodes along the radius" in page.text(".answer"))
 
     page.fill("Name of the run", "mine")
     page.click("Case file")

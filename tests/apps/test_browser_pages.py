@@ -11,7 +11,7 @@ import pytest
 
 pytest.importorskip("nicegui")
 import pytest_asyncio
-from app_runs import make_run, stand_in
+from app_runs import make_fit, make_run, stand_in
 from nicegui import ElementFilter, app, ui
 from nicegui.testing import user_simulation
 
@@ -99,22 +99,36 @@ async def test_the_first_page_lists_the_runs_and_a_page_of_no_run_says_so(user):
 async def test_bad_input_is_answered_in_the_words_of_ertel(user):
     await user.open("/new")
     await until(lambda: one(user, "run").enabled)
-    one(user, "speed").set_value("10 m/s")
+    one(user, "contact.speed").set_value("10 m/s")
     await user.should_see("and steel of the hardness", retries=50)
-    one(user, "radius").set_value("10 furlong")
+    one(user, "contact.radius").set_value("10 furlong")
     await user.should_see('contact.radius = "10 furlong": must be between', retries=50)
-    assert one(user, "radius").props["error"]
+    field = one(user, "contact.radius")
+    assert field.props["error"] and field.props["error-message"] == "must be between 1e-06 and 100 m"
     assert not one(user, "run").enabled
-    one(user, "radius").set_value("12 mm")
+    one(user, "contact.radius").set_value("12 mm")
     await user.should_see(marker="ready", retries=50)
-    assert "error" not in one(user, "radius").props
+    assert not one(user, "contact.radius").props["error"]
+
+
+async def test_a_wrong_value_unfolds_its_group(user):
+    await user.open("/new")
+    fold = one(user, f"fold-{form.LAYER}")
+    assert not fold.value
+    one(user, "lubricant.layer").set_value("-1 um")
+    await until(lambda: fold.value)
+    assert "above zero" in one(user, "lubricant.layer").props["error-message"]
+    await user.should_not_see(marker="roughness.depth")
+    one(user, "roughness.shape").set_value("spot")
+    await until(lambda: one(user, "roughness.depth"))
+    assert one(user, f"fold-{form.ROUGHNESS}").value and one(user, "solver.method").value == "2d"
 
 
 async def test_the_form_follows_its_choices_and_makes_a_case_file(user):
     await user.open("/new")
-    one(user, "kind").set_value("rolling")
-    one(user, "oil").set_value("squalane")
-    one(user, "slide_to_roll").set_value("0.1")
+    one(user, "contact.kind").set_value("rolling")
+    one(user, "lubricant.oil").set_value("squalane")
+    one(user, "contact.slide_to_roll").set_value("0.1")
     user.find(marker="tab-text").click()
     await until(lambda: one(user, "run").enabled)
     text = one(user, "text").value
@@ -213,6 +227,41 @@ async def test_a_run_is_deleted_after_a_question(user, site):
     assert not run.exists() and site.folder.runs() == [other]
     user.find(marker="delete").click()  # in the list
     await user.should_see("Delete runs/other?")
+
+
+async def test_a_fit_is_started_stopped_and_goes_on_to_its_values(user, site, tmp_path):
+    root = site.folder.root
+    make_fit(root, tmp_path / "aside" / "fit")
+    await user.open("/")
+    await user.should_see("not started · fit")
+    await user.open("/fit?name=fits/film")
+    assert "[[measurements]]" in one(user, "listing").text and one(user, "phase").text == "not started"
+    user.find(marker="start").click()
+    await until(lambda: one(user, "phase").text == "running")
+    await user.should_see("point 2 of the search")
+    user.find(marker="stop").click()
+    await until(lambda: one(user, "phase").text == "interrupted")
+    await user.should_not_see(marker="values")
+    user.find(marker="start").click()
+    await until(lambda: all_of(user, "values"))
+    assert one(user, "phase").text == "finished"
+    (eta0, alpha) = one(user, "values").rows
+    assert eta0["value"] == "97.6 mPa*s" and alpha["unknown"] == "alpha" and float(eta0["alpha"]) < -0.99
+    for text in ("The data fix alpha*eta0", "3 data, chi square", "Hardly decided"):
+        await user.should_see(text)
+    assert site.folder.run("fits/film/runs/best") not in site.folder.runs()  # it is that of the fit
+
+
+async def test_a_fit_of_files_outside_is_not_started(user, site, tmp_path):
+    make_fit(site.folder.root, tmp_path / "aside" / "fit")
+    file = site.folder.root / "film.toml"
+    file.write_text(file.read_text().replace("film.csv", "../film.csv"))
+    await user.open("/fit?name=fits/film")
+    user.find(marker="start").click()
+    await user.should_see("../film.csv: lies outside")
+    assert site.processes.ours() == []
+    await user.open("/fit?name=fits/ball")
+    await user.should_see("fits/ball is not a fit")
 
 
 # -- names ------------------------------------------------------------------------------------------------------------

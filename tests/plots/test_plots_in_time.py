@@ -221,6 +221,27 @@ def test_the_front_and_its_speed(ball):
     np.testing.assert_allclose(shown.get_ydata()[late], same, atol=0.02 * SCALES.front_speed)
 
 
+def test_paths_through_time_have_the_mean_speed_of_the_surfaces(moes):
+    data = in_time(MOES_ROLLS)
+    data["U"].values *= -0.5
+    axes, *_ = panels(plots.spacetime(data))
+    path = line(axes, "path with the mean speed")
+    np.testing.assert_allclose(np.diff(path.get_xdata()), -0.5 * np.diff(path.get_ydata()), rtol=1e-12)
+    (image,) = axes.collections
+    film = data["H"].sel(Y=0, method="nearest").where(data["P"].sel(Y=0, method="nearest") > 0.02 * data["P"].max())
+    np.testing.assert_array_equal(np.ma.filled(image.get_array(), np.nan), film)
+    axes, *_ = panels(plots.spacetime(moes))
+    edge = line(axes, "edge of the dry contact").get_xdata()
+    assert np.nanmax(edge) == pytest.approx(1.0, abs=0.01)
+
+
+def test_a_run_that_carries_nothing_can_be_drawn():
+    data = dry_impact(MOES_FALLS)
+    data["P"].values[:] = 0.0
+    for name in ("maps", "profiles", "spacetime"):
+        plots.draw(data, name).draw_without_rendering()
+
+
 def test_thinnest_film_is_shown_first():
     data = in_time(BALL_ROLLS)
     data["H_min"][:] = 0.05 + 0.01 * np.abs(data["time"] - 1.5)

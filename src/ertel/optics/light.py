@@ -7,7 +7,7 @@ Spectra are summed with the CIE 1931 functions of the 2 degree observer every 5 
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from math import log, pi, sqrt
 from typing import NamedTuple, Protocol
@@ -354,3 +354,26 @@ class Chart:
         down, across = np.gradient(np.array([path, void]), axis=(1, 2))
         change, void_change = down + 1j * across
         return self.shown(film, density, change, void, void_change)
+
+
+@dataclass(frozen=True)
+class Interferometer:
+    """A rig and its light before a detector of intensity.
+
+    Attributes
+    ----------
+    rig, light : Rig, Light
+        The layers, and what they are lit with.
+    """
+
+    rig: Rig = field(default_factory=Rig)
+    light: Light = field(default_factory=Monochromatic)
+
+    def intensity(self, film: Array, density: Array, void: ArrayLike = 0.0) -> Array:
+        """The share of the light that comes back, of white light its luminance.
+
+        film, density, void : as of `Chart.linear`; of the shape of the film.
+        """
+        chart = Chart(self.rig, self.light, float(np.max(film)), float(np.max(density)))
+        light = chart.linear(film, density, void=void)
+        return light @ LUMINANCE if light.shape[-1] == 3 else light[..., 0]

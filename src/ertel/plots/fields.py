@@ -30,7 +30,9 @@ from ertel.plots.drawing import (
     compose,
     levels,
 )
-from ertel.plots.view import LOADED, NOT_FULL, WIDEST, View
+from ertel.plots.measurements import draw_measured
+from ertel.plots.view import LOADED, WIDEST, View
+from ertel.results.alignment import NOT_FULL
 from ertel.results.dataset import largest_of
 from ertel.results.profiles import At, events_of
 
@@ -52,7 +54,7 @@ LOOKS = ((BLUE, "-"), (ORANGE, "--"))  # of two runs
 
 def draw_film_map(axes: Axes, view: View) -> None:
     """Film thickness, with contour lines at equal steps as an interferometer shows them, and the edge of the oil."""
-    top = view.largest("H", _top_of_film)
+    top = view.limits.top if view.limits else view.largest("H", _top_of_film)
     is_steady = all(each.frame is None for each in (view, view.beside) if each)
     z = view.scale("H", top / 2)
     film = view.map("H")
@@ -70,7 +72,8 @@ def _top_of_film(view: View) -> float:
 def draw_pressure_map(axes: Axes, view: View) -> None:
     """Pressure, with contour lines at equal steps."""
     field = view.map("P")
-    top = max(view.largest("P", lambda each: float(each.values("P").max())), 0.01)  # p_h*: something to divide
+    top = view.limits.top if view.limits else view.largest("P", lambda each: float(each.values("P").max()))
+    top = max(top, 0.01)  # p_h*: something to divide if unloaded
     z = view.scale("P", top)
     _draw_map(axes, view, field, z, levels(top * z.factor), "Pressure", "YlOrRd", "P")
     draw_legend(axes, _draw_roughness(axes, view), view.is_turned)
@@ -111,18 +114,18 @@ def _draw_map(
 
     Along x the map ends where `shown_where`, "P" or "loss", does; along y it reaches as far as suits the shape of the
     contact.  That of a contact that is long along y is turned by a quarter; a very flat map is enlarged across, and its
-    axis says so.  Values above the highest step have its colour.
+    axis says so.  Values above the highest step have its colour.  In a movie the colour bar of the first map stays.
     """
-    side = view.largest("X", partial(_side, name=shown_where))
+    side = view.limits.side if view.limits else view.largest("X", partial(_side, name=shown_where))
     top = side * view.stretch
     cut = field.sel(X=slice(-side, side), Y=slice(-top, top)) * z.factor
     cut = cut.T if view.is_turned else cut
     y, x = (cut[name].values * view.across.factor for name in cut.dims)
     shown = cut.values
-    limits = Normalize(0.0, steps[-1])
+    colour_range = Normalize(0.0, steps[-1])
     half_x, half_y = (x[1] - x[0]) / 2, (y[1] - y[0]) / 2
     edges = (x[0] - half_x, x[-1] + half_x, y[0] - half_y, y[-1] + half_y)  # of the cells around the nodes
-    image = axes.imshow(shown, colours, limits, extent=edges, origin="lower", interpolation="bilinear")
+    image = axes.imshow(shown, colours, colour_range, extent=edges, origin="lower", interpolation="bilinear")
     axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
     if shown.min() < steps[-1] and shown.max() > steps[1]:
         axes.contour(x, y, shown, levels=steps[1:], colors="black", linewidths=0.4, alpha=0.6)
@@ -134,9 +137,10 @@ def _draw_map(
         axes.yaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
     if view.is_turned:
         axes.invert_yaxis()
-    extend = "max" if shown.max() > steps[-1] else "neither"
+    extend = "max" if view.limits or shown.max() > steps[-1] else "neither"
     place = "bottom" if shape < FLAT else "right"
-    axes.figure.colorbar(image, ax=axes, label=z.label, extend=extend, location=place)
+    if view.limits is None or len(axes.figure.axes) == 1:
+        axes.figure.colorbar(image, ax=axes, label=z.label, extend=extend, location=place)
     axes.set_title(f"{heading}, a line every {steps[1]:.3g} {z.unit}")
     if view.flow:
         ways = "\N{DOWNWARDS ARROW}\N{UPWARDS ARROW}" if view.is_turned else ARROWS
@@ -201,6 +205,7 @@ def draw_film_profiles(axes: Axes, view: View) -> None:
     top = view.largest("H", lambda each: 2.0 * each.film_inside())
     z = view.scale("H", top / 2)
     rough = _draw_profiles(axes, view, view.midlines("H") * z.factor, top * z.factor)
+    draw_measured(axes, view, "H", z)
     axes.set(ylabel=z.label)
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, FOOT if rough else 0.0), edgecolor="none", fontsize="small")
 
@@ -211,6 +216,7 @@ def draw_pressure_profiles(axes: Axes, view: View) -> None:
     top = view.largest("P", lambda each: float(each.midlines("P").max()))
     z = view.scale("P", top)
     _draw_profiles(axes, view, P * z.factor, 1.35 * top * z.factor)
+    draw_measured(axes, view, "P", z)
     axes.set(ylabel=z.label)
     axes.legend(loc="upper center", frameon=False, fontsize="small")
 
@@ -244,7 +250,7 @@ def _draw_profiles(axes: Axes, view: View, values: Values, top: float) -> bool:
 def _loaded(view: View) -> NDArray[np.intp]:
     """The maps that carry load."""
     P = view.midlines("P")
-    return np.flatnonzero(P.max(axis=1) > LOADED * P.max())
+    return np.flatnonzero(P.max(axis=1) >= LOADED * P.max())
 
 
 # -- a steady contact -------------------------------------------------------------------------------------------------
@@ -273,6 +279,12 @@ def _draw_section(axes: Axes, view: View, along: str, heading: str) -> None:
     right.plot(x * across, dry * p.factor, color=GREY, linewidth=0.8, linestyle="--")
     right.plot(x * across, P * p.factor, color=ORANGE)
     axes.plot(x * across, H * h.factor, color=BLUE)
+    draw_measured(axes, view, "H", h, along)
+    draw_measured(right, view, "P", p, along, ORANGE)
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="upper left", fontsize="small", framealpha=0.85)
+    if right.get_legend_handles_labels()[0]:
+        right.legend(loc="upper right", fontsize="small", framealpha=0.85)
     side = view.extent(view.x, view.values("P").max(axis=0)) * (1.0 if along == "x" else view.stretch) * across
     axes.set(xlim=(-side, min(side, x[-1] * across)), xlabel=view.axis_label(along), title=heading)
     rough = _draw_roughness_below(axes, view, x, 4.0 * central * h.factor, along)
@@ -313,7 +325,7 @@ def _draw_roughness_below(axes: Axes, view: View, x: Values, top: float, along: 
 
 def _set_height(axes: Axes, top: float, rough: bool) -> None:
     """Limit a profile to zero and `top`, with room below for the roughness where there is any."""
-    axes.set_ylim(0.0, top)
+    axes.set_ylim(0.0, top or 1.0)
     if rough:
         axes.set_yticks([tick for tick in axes.get_yticks() if 0.0 <= tick <= top])
         axes.set_ylim(-BAND * top, top)

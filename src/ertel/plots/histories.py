@@ -6,11 +6,12 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.colors import Normalize
 from matplotlib.ticker import LogLocator, MaxNLocator
 
 from ertel.physics import hertz
 from ertel.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, NoFigure, Values, plain_ticks
-from ertel.plots.view import LOADED, View, on_grids
+from ertel.plots.view import LOADED, WIDEST, View
 from ertel.results import fronts
 from ertel.results.profiles import LAST, events_of
 
@@ -27,6 +28,11 @@ def _draw_series(axes: Axes, view: View, lines: Iterable[tuple[Values, Look]], f
     if view.moment != LAST:
         axes.axvline(view.time * time.factor, color="black", linewidth=0.8, linestyle=":")
     axes.set(xlabel=time.label, xlim=(0.0, T[-1]) if T[-1] > 0 else None)
+
+
+def _integral(values: Values, T: Values) -> Values:
+    """The integral over time from the beginning, by trapezia."""
+    return np.append(0.0, np.cumsum(np.diff(T) * (values[1:] + values[:-1]) / 2))
 
 
 def _stored(view: View, looks: Mapping[str, Look]) -> list[tuple[Values, Look]]:
@@ -138,6 +144,40 @@ def draw_film_history(axes: Axes, view: View) -> None:
     plain_ticks(axes.yaxis)
 
 
+def draw_film_through_time(axes: Axes, view: View) -> None:
+    """Film along the mid-line, time upwards, where there is pressure; of an impact with the edge of the dry contact.
+
+    What is frozen into the film moves with the mean speed of the surfaces, as the dotted lines do.
+    """
+    data, across, time = view.dataset, view.across, view.scale("time")
+    P, T, history = view.midlines("P"), data["frame"].values, data["time"].values
+    loaded = LOADED * P.max() <= P  # all of it where nothing carries load
+    top = 1.5 * view.film_inside()
+    z = view.scale("H", top / 2)
+    film = np.where(loaded, view.midlines("H"), np.nan) * z.factor
+    x, shades = view.x * across.factor, Normalize(0.0, top * z.factor)
+    image = axes.pcolormesh(x, T * time.factor, film, cmap="YlGnBu_r", norm=shades, rasterized=True)
+    axes.figure.colorbar(image, ax=axes, label=z.label, extend="max")
+    lines = []
+    if data.attrs["kind"] == "impact":
+        edge = _dry_edge(view, history) * across.factor
+        lines = axes.plot(np.transpose([edge, -edge]), history * time.factor, "k--", linewidth=0.8)[:1]
+        lines[0].set_label("edge of the dry contact")
+    moved = _integral(data["U"].values, history)
+    if np.any(moved):
+        starts = np.arange(-WIDEST - moved.max(), WIDEST - moved.min(), 0.5) * across.factor
+        paths = starts + moved[:, None] * across.factor
+        lines += axes.plot(paths, history * time.factor, "k:", linewidth=0.8)[:1]
+        lines[-1].set_label("path with the mean speed")
+    axes.legend(handles=lines, loc="lower left", fontsize="small")
+    if view.moment != LAST:
+        axes.axhline(view.time * time.factor, color="black", linewidth=0.4)
+    side = view.extent(view.x, P.max(axis=0)) * across.factor
+    span = T[loaded.any(axis=1)][[0, -1]] * time.factor
+    axes.set(xlim=(-side, side), ylim=span, xlabel=view.axis_label("x"), ylabel=time.label)
+    axes.set_title("Film along the middle through time")
+
+
 def draw_pressure_history(axes: Axes, view: View) -> None:
     """Central and maximum pressure through time; the last spike of a rebound, of the grid, is cut off."""
     data, T = view.dataset, view.dataset["time"].values * view.scale("time").factor
@@ -211,7 +251,7 @@ def _without_teeth(view: View, power: Values) -> Values | None:
         return None
     begin, x = float(T[late][0]), data["r" if view.is_radial else "X"].values
     half = 0.5 * (T[-1] - begin) * float(x[1] - x[0]) / front
-    lost = np.append(0.0, np.cumsum(np.diff(T) * (power[1:] + power[:-1]) / 2))
+    lost = _integral(power, T)
     before, after = np.maximum(T - half, begin), np.minimum(T + half, T[-1])
     with np.errstate(invalid="ignore", divide="ignore"):  # before the rebound
         mean = (np.interp(after, T, lost) - np.interp(before, T, lost)) / (after - before)
@@ -240,7 +280,7 @@ def draw_grids(axes: Axes, view: View) -> None:
     names = _grid_names(view)
     z, place, top = view.scale("H_c", float(view.dataset["H_c"].values[-1])), np.arange(len(names) + 1), 0.0
     for name, colour, marker in (("H_c", BLUE, "o"), ("H_min", ORANGE, "s")):
-        shown, errors, (*_, limit) = z.factor * np.transpose(on_grids(view.dataset, name))
+        shown, errors, (*_, limit) = z.factor * np.transpose(view.on_grids(name))
         axes.errorbar(
             place[:-1], shown, errors, color=colour, marker=marker, markersize=4.0, capsize=4.0, label=view.legend(name)
         )

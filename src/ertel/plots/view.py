@@ -4,8 +4,7 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -13,11 +12,12 @@ from numpy.typing import ArrayLike
 
 from ertel.case.case import Case
 from ertel.case.height_map import HeightMap
-from ertel.numerics.grid import Extrapolation, extrapolate
+from ertel.numerics.grid import Extrapolation, on_grids
 from ertel.physics import surfaces
 from ertel.physics.geometry import Geometry
 from ertel.physics.geometry import geometry as geometry_of
 from ertel.plots.drawing import NoFigure, Scale, Values
+from ertel.results.alignment import NOT_FULL, Comparison
 from ertel.results.dataset import maps_of
 from ertel.results.numbers import plus_minus
 from ertel.results.profiles import At, mirrored, moment_of
@@ -25,7 +25,6 @@ from ertel.results.variables import FILMS, FRICTION, is_steady, with_prefix
 
 MARGIN, WIDEST = 1.3, 2.0  # of what is shown round the contact, at most so many half widths from its centre
 LOADED = 0.02  # of the maximum pressure or load: with less the film carries nothing
-NOT_FULL = 0.01  # void, as a share of the gap, from which on the gap is not full
 LONG = 2.0  # ratio of the sides from which a contact is long
 THINNER = 0.9  # of the film at the ends of a run: a thinner film between them is worth the picture
 NOTHING = 1e-6  # of the scale of a load or a speed
@@ -78,6 +77,13 @@ def conditions_in_si(attributes: Mapping[str, Any], hidden: Sequence[str] = ()) 
     return [f"{symbol} = {with_prefix(attributes[key], unit)}" for symbol, key, unit in named if key not in hidden]
 
 
+class Limits(NamedTuple):
+    """The same for all maps of a movie: the value at the top of its colours, and how far it reaches along x (a*)."""
+
+    top: float
+    side: float
+
+
 @dataclass(frozen=True)
 class View:
     """A run, and the map of it that is shown.
@@ -92,11 +98,17 @@ class View:
         The name of the moment: maximum approach, thinnest film, last map, end of the run or chosen map.
     beside : View or None
         Another run: the panels of both have equal scales.
+    measured : tuple of Comparison
+        Measured profiles that are drawn beside those of the run.
+    limits : Limits or None
+        Of the maps of a movie.
     """
 
     dataset: xr.Dataset
     frame: int | None = None
     moment: str = ""
+    measured: tuple[Comparison, ...] = ()
+    limits: Limits | None = None
     beside: "View | None" = None
 
     @classmethod
@@ -224,13 +236,19 @@ class View:
         """The films of a steady contact with their errors; of a run in time the moment, its load and its speed."""
         if self.frame is None:
             return [self._film_with_error(name) for name in FILMS]
-        data, time = self.dataset, self.scale("time")
-        parts = [f"{self.moment} at {time.symbol} = {self.time * time.factor:.4g} {time.unit}"]
+        data = self.dataset
+        parts = [f"{self.moment} at {self.clock}"]
         if "F" in data:
             parts.append(f"load {self.with_unit('F', self._value('F'))}")
         if "U" in data and np.any(data["U"].values):
             parts.append(f"speed {self.with_unit('U', self.flow)}")
         return parts
+
+    @property
+    def clock(self) -> str:
+        """The time of the map, as t = 60 µs."""
+        time = self.scale("time")
+        return f"{time.symbol} = {self.time * time.factor:.4g} {time.unit}"
 
     @property
     def friction(self) -> list[str]:
@@ -244,9 +262,13 @@ class View:
 
     def _film_with_error(self, name: str) -> str:
         """A film on the finest grid as h_c = 146 ± 10 nm: as many digits as the error deserves."""
-        film = on_grids(self.dataset, name)[-1]
+        film = self.on_grids(name)[-1]
         z = self.scale(name, film.value)
         return f"{z.symbol} = {plus_minus(film.value * z.factor, film.error * z.factor)} {z.unit}"
+
+    def on_grids(self, name: str) -> list[Extrapolation]:
+        """A value of a steady contact on every grid with its estimated error, which the coarsest does not have."""
+        return on_grids(self.dataset[name].values.tolist(), regular=not self.case.layer)
 
     # -- values at the moment -----------------------------------------------------------------------------------------
 
@@ -351,9 +373,3 @@ def reach(x: Values, P: Values) -> float:
     loaded = x[LOADED * P.max() < P]
     farthest = float(np.abs(loaded).max()) if len(loaded) else float(x.max())
     return max(farthest, 0.2 * float(x.max()))  # something to see even at first touch
-
-
-def on_grids(dataset: xr.Dataset, name: str) -> list[Extrapolation]:
-    """A value of a steady contact on every grid with its estimated error, which the coarsest does not have."""
-    values = dataset[name].values.tolist()
-    return [Extrapolation(values[0], np.nan, np.nan), *(extrapolate(*pair) for pair in pairwise(values))]

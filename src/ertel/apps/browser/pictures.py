@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from ertel.apps.browser.readout import Readout, readout_of
-from ertel.apps.looking import optics
+from ertel.inputs.rigs import interferometer
 from ertel.results.numbers import Number, number, scales_in
 from ertel.results.variables import figures_of, is_steady
 from ertel.runs.directory import DATA
@@ -142,7 +142,8 @@ def draw_picture(request: PlotRequest) -> Picture:
             moments = request.at, other.at
             figure = plots.side_by_side(runs, request.figure, moments, columns=request.columns)[0]
         elif request.figure == INTERFEROGRAM:
-            figure = plots.interferogram(data, request.at, *optics(request.light), columns=request.columns)
+            rig = interferometer(request.light)
+            figure = plots.interferogram(data, request.at, rig.light, rig.rig, columns=request.columns)
         else:
             figure = plots.draw(data, request.figure, request.at, columns=request.columns)
         file = BytesIO()

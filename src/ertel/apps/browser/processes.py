@@ -20,16 +20,25 @@ from typing import IO, Any
 from uuid import uuid4
 
 from ertel.apps.browser.folder import RUNS, Folder, fault_of, summary_of
-from ertel.apps.terminal import capital, duration
+from ertel.apps.terminal import capital
 from ertel.case.status import Status
+from ertel.results.numbers import duration
 from ertel.runs import files
 from ertel.runs.directory import ask_to_stop, find_runs, is_asked_to_stop, is_run, read_progress
 
 ERTEL = (sys.executable, "-P", "-m", "ertel")  # -P: a file typer.py in the folder is none of ours
 STOPPED = (0, 130, 143, -signal.SIGTERM)  # exit codes of a run that ended or was asked to
 KILLED = -9
-FLUSH = "2"  # seconds between what a live picture can show
-OF_STUDIES = (RUNS, "stop", "sweep", "traction", "fit")  # names in the directory of a study, without their endings
+FLUSH = ("--flush", "2")  # seconds between what a live picture can show
+OF_STUDIES = (
+    RUNS,
+    "stop",
+    "progress",
+    "sweep",
+    "traction",
+    "fit",
+    "converge",
+)  # in the directory of a study, without endings
 SAID = "ertel: "  # how a message begins
 
 COMPILING = (
@@ -39,8 +48,9 @@ COMPILING = (
 
 
 class Phase(Enum):
-    """The phases of a run."""
+    """The phases of a run, or of a fit."""
 
+    NEW = "unstarted"
     COMPILING = "compiling"
     RUNNING = "running"
     STOPPING = "stopping"
@@ -83,11 +93,13 @@ class RunStatus:
         place = f"grid {progress.get('step', 0)}, the coarse ones first"
         if progress.get("T") is not None:
             place = f"T = {progress['T']:.3f}, step {progress['step']}"
+        place = progress.get("message", place)
         if self.phase is Phase.INTERRUPTED:
             return f"Interrupted at {place}; it can be resumed." if progress else "Interrupted before its first step."
         seconds_left = progress.get("seconds_left")
         left = "" if seconds_left is None else f", about {duration(seconds_left)} left"
-        return f"{self.done:.0%} · {place} · {duration(progress.get('seconds', 0.0))}{left}"
+        share = f"{self.done:.0%} · " if self.done else ""  # which a fit does not know
+        return f"{share}{place} · {duration(progress.get('seconds', 0.0))}{left}"
 
 
 @dataclass
@@ -131,23 +143,27 @@ class Processes:
         Raises OSError where the folder cannot be written.
         """
         file, run = self.folder.write_case(name, case)
-        self._launch(run, ["run", str(file), "--out", str(run)])
+        self._launch(run, ["run", str(file), "--out", str(run), *FLUSH])
         return run
 
     def resume(self, run: Path) -> None:
-        """Continue a run, or begin again where it was stopped before it made its directory.
+        """Continue a run, or begin again where it was stopped before it made its directory; begin or continue a fit.
 
         Raises ValueError where a process works on it.
         """
         if self.status(run).phase.is_active:
             raise ValueError(f"{self.folder.name_of(run)}: is running; there is nothing to resume")
-        begun = run.exists() or run not in self._started
-        self._launch(run, ["resume", str(run)] if begun else self._started[run].arguments)
+        arguments = ["resume", str(run), *FLUSH]
+        if self.folder.is_fit(run):
+            arguments = ["fit", str(self.folder.file_of(run)), "--out", str(run)]
+        elif not run.exists() and run in self._started:
+            arguments = [*self._started[run].arguments]
+        self._launch(run, arguments)
 
     def _launch(self, run: Path, arguments: Sequence[str]) -> None:
         messages = tempfile.TemporaryFile()  # noqa: SIM115 - open as long as the process writes
         process = subprocess.Popen(
-            [*self._command, *arguments, "--quiet", "--flush", FLUSH],
+            [*self._command, *arguments, "--quiet"],
             cwd=self.folder.root,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
@@ -209,6 +225,8 @@ class Processes:
 
     def status(self, run: Path) -> RunStatus:
         """The phase and the progress of a run."""
+        if not run.exists() and run not in self._started:
+            return RunStatus(Phase.NEW)
         progress, ours, summary = read_progress(run), self._started.get(run), summary_of(run)
         outcome = str(summary["status"]) if summary else None
         if ours and ours.is_alive:

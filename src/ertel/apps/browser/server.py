@@ -29,6 +29,7 @@ from starlette.requests import HTTPConnection
 from starlette.responses import HTMLResponse, PlainTextResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from ertel.apps.browser.fit_page import FitPage
 from ertel.apps.browser.folder import Folder
 from ertel.apps.browser.new_page import NewCase
 from ertel.apps.browser.pictures import Worker, keep_small
@@ -48,7 +49,13 @@ HEADERS = {
 # No redirection: browsers send no strict cookie after one that another page began, such as that of `doorway`.
 ENTRANCE = '<!doctype html><title>ertel</title><meta http-equiv="refresh" content="0; url=/"><a href="/">ertel</a>'
 DOORWAY = '<!doctype html><title>ertel</title><meta http-equiv="refresh" content="0; url={address}">'
-PAGES: dict[str, Callable[..., Any]] = {"/": home_page, "/new": NewCase, "/run": RunPage, "/compare": Comparison}
+PAGES: dict[str, Callable[..., Any]] = {
+    "/": home_page,
+    "/new": NewCase,
+    "/run": RunPage,
+    "/compare": Comparison,
+    "/fit": FitPage,
+}
 
 
 # -- who is answered --------------------------------------------------------------------------------------------------

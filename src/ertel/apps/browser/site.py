@@ -31,6 +31,7 @@ LOGO = (
     '<path class="thin" d="M3 36 H37"/></svg>'
 )
 LABELS = {
+    Phase.NEW: ("not started", "insights"),
     Phase.COMPILING: ("compiling", "hourglass_top"),
     Phase.RUNNING: ("running", "play_circle"),
     Phase.STOPPING: ("stopping", "pause_circle"),
@@ -46,17 +47,18 @@ ui.button.default_props("no-caps")
 
 @dataclass(frozen=True)
 class Entry:
-    """A run in the list.  about: kind, M and L, if they are known."""
+    """A run or a fit in the list.  about: kind, M and L, if they are known."""
 
     name: str
     path: Path
     status: RunStatus
     about: str = ""
+    page: str = "/run"
 
     @property
     def address(self) -> str:
         """The address of its page."""
-        return address_of("/run", name=self.name)
+        return address_of(self.page, name=self.name)
 
 
 @dataclass
@@ -80,9 +82,15 @@ class Site:
 
     def entries(self) -> list[Entry]:
         """The runs of the folder, those that go on first, then the latest."""
-        paths = dict.fromkeys([*self.processes.ours(), *self.folder.runs()])
+        ours = [path for path in self.processes.ours() if not self.folder.is_fit(path)]
+        paths = dict.fromkeys([*ours, *self.folder.runs()])
         found = [Entry(self.folder.name_of(path), path, self.processes.status(path), _about(path)) for path in paths]
         return sorted(found, key=lambda entry: not entry.status.phase.is_active)
+
+    def fits(self) -> list[Entry]:
+        """The fits of the folder, by name."""
+        named = {path: self.folder.name_of(path) for path in self.folder.fits()}
+        return [Entry(name, path, self.processes.status(path), "fit", "/fit") for path, name in named.items()]
 
     def find(self, name: str) -> Path:
         """The directory of a run, which may not be there yet if it was just started.  Raises ValueError."""
@@ -155,7 +163,7 @@ def frame(site: Site, pages: dict[str, Callable[..., Any]]) -> None:
 
 def _list(site: Site) -> None:
     """The list of runs, which is renewed when something changes."""
-    known = site.entries()
+    known = [*site.entries(), *site.fits()]
 
     @ui.refreshable
     def rows() -> None:
@@ -166,7 +174,7 @@ def _list(site: Site) -> None:
             _row(site, entry)
 
     def look() -> None:
-        found = site.entries()
+        found = [*site.entries(), *site.fits()]
         if found != known:
             known[:] = found
             rows.refresh()
@@ -183,9 +191,10 @@ def _row(site: Site, entry: Entry) -> None:
             ui.icon(icon).classes("state")
             with ui.element("div").classes("text"):
                 ui.label(in_unicode(entry.path.name)).classes("name").tooltip(entry.name)
-                share = f"{word} {entry.status.done:.0%}" if phase in (Phase.RUNNING, Phase.INTERRUPTED) else word
+                is_part = phase in (Phase.RUNNING, Phase.INTERRUPTED) and entry.status.done
+                share = f"{word} {entry.status.done:.0%}" if is_part else word
                 ui.label(f"{share} · {entry.about}" if entry.about else share).classes("more")
-        if not phase.is_active:
+        if entry.path.exists() and not phase.is_active:
             delete = ui.button(icon="delete_outline", color="grey", on_click=lambda: site.ask_to_delete(entry.path))
             delete.props("flat round dense size=sm aria-label='Delete'").mark("delete")
 
@@ -235,6 +244,8 @@ def home_page(site: Site) -> None:
             runs = [entry for entry in site.entries() if entry.status.phase is not Phase.DAMAGED]
             for entry in runs[:4]:
                 _offer("blur_circular", entry.path.name, entry.about or "Run in this folder", entry.address)
+            for fit in site.fits()[:4]:
+                _offer("insights", fit.path.name, f"Fit in this folder, {LABELS[fit.status.phase][0]}", fit.address)
             if len(runs) > 1:
                 _offer("vertical_split", "Compare", "Two runs side by side", "/compare")
 
