@@ -33,7 +33,7 @@ from ertel.plots.fields import comparison
 from ertel.plots.interferograms import animation, interferogram, interferogram_of
 from ertel.plots.measurements import Overlay, measured, measured_view
 from ertel.plots.movies import movie
-from ertel.plots.view import View
+from ertel.plots.view import View, in_same_units
 from ertel.results.profiles import At
 from ertel.results.variables import figures_of, is_steady
 
@@ -162,7 +162,7 @@ def side_by_side(
     NoFigure
         A run does not have this figure or this moment, or there is nothing to draw yet.
     """
-    one, two = fields.in_same_units([View.of(run, moment) for run, moment in zip(runs, at, strict=True)])
+    one, two = in_same_units([View.of(run, moment) for run, moment in zip(runs, at, strict=True)])
     pair, size = (replace(one, beside=two), replace(two, beside=one)), Sheet(**sheet)
     is_optical = name == "interferogram"
     for run in () if is_optical else runs:

@@ -31,7 +31,7 @@ from ertel.plots.drawing import (
     levels,
 )
 from ertel.plots.measurements import draw_measured
-from ertel.plots.view import LOADED, WIDEST, View
+from ertel.plots.view import LOADED, WIDEST, View, in_same_units
 from ertel.results.alignment import NOT_FULL
 from ertel.results.dataset import largest_of
 from ertel.results.profiles import At, events_of
@@ -362,13 +362,6 @@ def comparison(
     return compose(views, [[partial(_compare, names=names, x=x, y=y) for x, y in panels]], [], Sheet(**sheet))
 
 
-def in_same_units(views: Sequence[View]) -> Sequence[View]:
-    """Views of runs in SI, or without their SI scales where one has none."""
-    if all(view.in_si for view in views):
-        return views
-    return [replace(view, dataset=_without_si(view.dataset)) for view in views]
-
-
 def _compare(axes: Axes, views: Sequence[View], names: Sequence[str], x: str, y: str) -> None:
     """Draw one variable of two runs over another."""
     curves = [(_curve(view, x), _curve(view, y)) for view in views]
@@ -395,11 +388,3 @@ def _curve(view: View, name: str) -> xr.DataArray:
     else:
         values = view.midline(name) if name in ("H", "P") else np.asarray(view.dataset[name].values)
     return xr.DataArray(values * about.get("si_factor", 1.0), attrs={**about, "si_factor": 1.0})
-
-
-def _without_si(dataset: xr.Dataset) -> xr.Dataset:
-    """A run whose variables have no SI scales."""
-    bare = dataset.copy()
-    for variable in bare.variables.values():
-        variable.attrs = {key: value for key, value in variable.attrs.items() if not key.startswith("si_")}
-    return bare

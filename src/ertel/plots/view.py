@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
@@ -373,3 +373,18 @@ def reach(x: Values, P: Values) -> float:
     loaded = x[LOADED * P.max() < P]
     farthest = float(np.abs(loaded).max()) if len(loaded) else float(x.max())
     return max(farthest, 0.2 * float(x.max()))  # something to see even at first touch
+
+
+def in_same_units(views: Sequence[View]) -> Sequence[View]:
+    """Views of runs in SI, or without their SI scales where one has none."""
+    if all(view.in_si for view in views):
+        return views
+    return [replace(view, dataset=_without_si(view.dataset)) for view in views]
+
+
+def _without_si(dataset: xr.Dataset) -> xr.Dataset:
+    """A run whose variables have no SI scales."""
+    bare = dataset.copy()
+    for variable in bare.variables.values():
+        variable.attrs = {key: value for key, value in variable.attrs.items() if not key.startswith("si_")}
+    return bare

@@ -8,10 +8,11 @@ from time import monotonic
 
 from nicegui import ui
 
+from ertel.apps.browser.canvas import Canvas, Slider
 from ertel.apps.browser.folder import summary_of
 from ertel.apps.browser.pictures import FIGURES, INTERFEROGRAM, PlotRequest, RunInfo, stamp_of
 from ertel.apps.browser.processes import Phase
-from ertel.apps.browser.site import LABELS, Canvas, Site, Slider, address_of, show_line, show_notes, show_number
+from ertel.apps.browser.site import LABELS, Site, address_of, show_line, show_notes, show_number
 from ertel.apps.terminal import reason_of
 from ertel.results.numbers import key_numbers
 from ertel.runs.directory import CASE
