@@ -40,7 +40,9 @@ def test_nothing_outside_the_folder(tmp_path):
     for name in ("../other", str(other), "link", "a/../../other", "\0"):
         with pytest.raises(Outside):
             folder.inside(name)
-    assert folder.runs() == []
+    (inside / "film.toml").write_text("[unknowns]")
+    (inside / "fits").symlink_to(tmp_path)
+    assert folder.runs() == folder.fits() == folder.case_files() == []
     for name in (".", "nothing", "x" * 5000):
         with pytest.raises(ValueError, match="is not a run"):
             folder.run(name)
@@ -213,8 +215,9 @@ def test_the_form_begins_with_a_case(kind, choices):
     assert (case.contact.drop_height is not None) == (kind == "impact" and "impact_by" in choices)
 
 
-def test_the_first_case_has_no_warning(tmp_path):
-    assert form.outlook_of(Form().data(), Folder.at(tmp_path))["warnings"] == []
+@pytest.mark.parametrize("kind", ["impact", "rolling"])
+def test_the_first_case_has_no_warning(tmp_path, kind):
+    assert form.outlook_of(chosen(contact__kind=kind).data(), Folder.at(tmp_path))["warnings"] == []
 
 
 def wrong_field(form):

@@ -250,6 +250,9 @@ async def test_a_fit_is_started_stopped_and_goes_on_to_its_values(user, site, tm
     for text in ("The data fix alpha*eta0", "3 data, chi square", "Hardly decided"):
         await user.should_see(text)
     assert site.folder.run("fits/film/runs/best") not in site.folder.runs()  # it is that of the fit
+    (root / "fits" / "film" / "fit.zarr" / "zarr.json").write_text("{")
+    await user.open("/fit?name=fits/film")
+    await user.should_see("The outcome of this fit cannot be read", retries=50)
 
 
 async def test_a_fit_of_files_outside_is_not_started(user, site, tmp_path):

@@ -31,7 +31,7 @@ METHODS: Mapping[str, dict[str, str]] = {
     "impact": {"radial": "radial: seconds", "2d": "plane: minutes"},
     "rolling": {"steady": "steady", "transient": "in time"},
 }
-NODES = {"radial": "257", "2d": "129", "steady": "129", "transient": "129"}  # that answer within a minute
+NODES = {"radial": "257", "2d": "129", "steady": "257", "transient": "129"}  # that answer within a minute
 OPTIONS: Mapping[str, Mapping[str, str]] = {  # with their labels, the first one first
     "contact.kind": {"impact": "Impact", "rolling": "Rolling"},
     "given": {"si": "Quantities", "moes": "M and L"},
@@ -81,7 +81,7 @@ EMPTY = ("radius_ratio", "entrainment_angle", "slide_to_roll", "layer", "layer_1
 ONE_OF = ("wavelength_x", "depth")  # keys of shapes that are filled at first besides those that are needed
 KEYS = {f"{name}.{key.name}": key for name in SECTIONS for key in section(name).keys} | {
     LAW: next(key for key in section("lubricant").keys if key.name == "rheology"),
-    "thermal": Key("thermal", Meaning(SECTIONS["thermal"][2]), bool),
+    "thermal": Key("thermal", Meaning(SECTIONS["thermal"][2]), None),
     SHAPE: shape_keys()[0]._replace(meaning=TOP["roughness"]),
 }
 
@@ -102,7 +102,9 @@ class Field(NamedTuple):
     @property
     def help(self) -> str:
         """Name, kind of value, default and meaning, as `ertel run --help-keys` says them."""
-        return f"{self.key.title}: {self.key.meaning.text}" if self.key else ""
+        if self.key is None:
+            return ""
+        return f"{self.key.title}: {self.key.meaning.text}" if self.key.hint else self.key.meaning.text
 
 
 def _field(group: str, name: str, key: Key | None, is_filled: bool) -> Field:

@@ -49,13 +49,7 @@ HEADERS = {
 # No redirection: browsers send no strict cookie after one that another page began, such as that of `doorway`.
 ENTRANCE = '<!doctype html><title>ertel</title><meta http-equiv="refresh" content="0; url=/"><a href="/">ertel</a>'
 DOORWAY = '<!doctype html><title>ertel</title><meta http-equiv="refresh" content="0; url={address}">'
-PAGES: dict[str, Callable[..., Any]] = {
-    "/": home_page,
-    "/new": NewCase,
-    "/run": RunPage,
-    "/compare": Comparison,
-    "/fit": FitPage,
-}
+PAGES: dict[str, Any] = {"/": home_page, "/new": NewCase, "/run": RunPage, "/fit": FitPage, "/compare": Comparison}
 
 
 # -- who is answered --------------------------------------------------------------------------------------------------
