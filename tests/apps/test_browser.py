@@ -5,7 +5,9 @@ import json
 import os
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
+import numpy as np
 import pytest
 import tomli_w
 from app_runs import CASE, make_run, stand_in, until, write_progress
@@ -16,10 +18,12 @@ from ertel.apps.browser import form, pictures
 from ertel.apps.browser.folder import Folder, Outside
 from ertel.apps.browser.form import OPTIONS, Form
 from ertel.apps.browser.pictures import PlotRequest, Worker, stamp_of
-from ertel.apps.browser.processes import Phase, Processes
+from ertel.apps.browser.processes import Phase, Processes, study_of
 from ertel.inputs.case_files import ConfigError, parse_case
+from ertel.results.variables import PREFIXES
 from ertel.runs.directory import is_asked_to_stop
 from ertel.runs.files import locked
+from ertel.runs.store import RunStore
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="no locks")
 
@@ -163,6 +167,29 @@ def test_a_run_that_does_not_hear_is_ended(tmp_path):
             assert is_asked_to_stop(run)
         until(lambda: not processes.ours(), 5)
     assert processes.status(run).phase is Phase.INTERRUPTED
+
+
+def test_runs_and_studies_are_deleted_whole_and_never_while_they_run(tmp_path):
+    folder = Folder.at(tmp_path)
+    processes, study = Processes(folder), tmp_path / "speeds"
+    runs = [make_run(study / "runs" / name) for name in ("0123456789abcdef", "fedcba9876543210")]
+    alone = make_run(tmp_path / "runs" / "0123456789abcdef")
+    assert [study_of(run, folder.root) for run in (*runs, alone)] == [study, study, None]
+    assert study_of(make_run(tmp_path / "sub" / "runs" / "ball"), folder.root) is None
+    for place in (runs[1], study):
+        with locked(place), pytest.raises(ValueError, match=f"{folder.name_of(place)}: is running; stop it"):
+            processes.delete(place)
+    with locked(runs[1]), pytest.raises(ValueError, match="speeds: is running"):
+        processes.delete(study)
+    (study / "sweep.csv").touch(), (study / "notes.txt").touch()
+    with pytest.raises(ValueError, match=r"speeds: holds other files \(notes.txt\)"):
+        processes.delete(study)
+    (study / "notes.txt").unlink()
+    processes.delete(runs[0])
+    assert not runs[0].exists() and runs[1].exists()
+    processes.delete(study)
+    processes.delete(alone)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["runs", "sub"]
 
 
 # -- the form ---------------------------------------------------------------------------------------------------------
@@ -323,9 +350,34 @@ def test_pictures_are_drawn_once(tmp_path, plots, monkeypatch):
     run = make_run(tmp_path / "run")
     request = PlotRequest(run, "front", "max-approach", kind="svg", stamp=stamp_of(run))
     first = asyncio.run(plots.draw(request))
-    assert first.startswith(b"<?xml")
+    assert first.content.startswith(b"<?xml") and first.readout is None
     monkeypatch.setattr(pictures, "draw_picture", None)
     assert asyncio.run(plots.draw(request)) is first
+
+
+def test_readout_of_a_picture(tmp_path, plots):
+    """Film and pressure of the run at the place that a map shows, also where equal scales make the map wider."""
+    run = make_run(tmp_path / "run")
+    data, stamp = RunStore.open(run).dataset(), stamp_of(run)
+    request = PlotRequest(run, "maps", "max-approach", dots=20, stamp=stamp)
+    for figure in ("maps", "film", "interferogram"):
+        beside = PlotRequest(run, figure, 0.05, stamp=stamp) if figure == "film" else None
+        found = asyncio.run(plots.draw(replace(request, figure=figure, beside=beside))).readout
+        assert len(found.boxes) == (2 if figure == "maps" else 1)
+        (left, right, low, high), edges = found.boxes[-1]
+        x, y = edges[0] + 0.7 * (edges[1] - edges[0]), edges[2] + 0.4 * (edges[3] - edges[2])
+        at = data.isel(frame=8).interp(r=np.hypot(x, y) / data["r"].si_factor)
+        film, pressure = (float(at[name]) * data[name].si_factor for name in ("H", "P"))
+        text = found.at(left + 0.7 * (right - left), 1.0 - low - 0.4 * (high - low))
+        read = {
+            name: in_base_units(*shown.split()) for name, shown in (each.split(" = ") for each in text.split(",  "))
+        }
+        assert read == pytest.approx({"x": x, "y": y, "h": film, "p": pressure}, rel=5e-3)
+
+
+def in_base_units(value, unit):
+    powers = {prefix: power for power, prefix in PREFIXES.items()}
+    return float(value) * 10.0 ** powers[unit.removesuffix("m").removesuffix("Pa")]
 
 
 def test_errors_are_plain(tmp_path, plots):
@@ -349,19 +401,19 @@ from ertel.apps.browser.processes import Processes
 from ertel.results.numbers import key_numbers
 
 folder = Folder.at(Path(sys.argv[1]))
-outlook_of(Form().data(), folder)
 (run,) = folder.runs()
 key_numbers(summary_of(run))
 Processes(folder).status(run)
-print([name for name in ("jax", "matplotlib", "xarray") if name in sys.modules])
+heavy = "jax", "matplotlib", "xarray", "zarr", "pandas", "scipy", "pint"
+print([name for name in heavy if name in sys.modules])
 run_info(run, stamp_of(run))
-for figure in ("front", "interferogram"):
-    draw_picture(PlotRequest(run, figure, "max-approach", dots=20, stamp=stamp_of(run)))
-print("jax" in sys.modules)
+outlook_of(Form().data(), folder)
+draw_picture(PlotRequest(run, "maps", "max-approach", dots=20, stamp=stamp_of(run)))
+print([name for name in ("jax", "scipy.optimize", "scipy.interpolate") if name in sys.modules])
 """
 
 
 def test_neither_process_of_the_app_imports_jax(tmp_path):
-    """The web process imports no matplotlib and no xarray either."""
+    """The web process imports nothing else that is heavy; the other one not what maps do without."""
     make_run(tmp_path / "run")
-    assert python("-c", LIGHT, str(tmp_path)).stdout.splitlines()[-2:] == ["[]", "False"]
+    assert python("-c", LIGHT, str(tmp_path)).stdout.splitlines()[-2:] == ["[]", "[]"]

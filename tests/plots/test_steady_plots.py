@@ -92,8 +92,8 @@ def test_error_bars_of_a_starved_contact_are_those_of_its_summary():
 def test_horseshoe(ball):
     (axes,) = panels(plots.film(ball))
     assert axes.get_xlabel() == "$x$ (µm)"
-    (mesh,), (contours, _) = of_type(axes, "QuadMesh"), of_type(axes, "QuadContourSet")
-    assert np.asarray(mesh.get_array()).min() == pytest.approx(ball["H"].values.min() * C1.film * 1e9)
+    (image,), (contours, _) = axes.images, of_type(axes, "QuadContourSet")
+    assert np.asarray(image.get_array()).min() == pytest.approx(ball["H"].values.min() * C1.film * 1e9)
     np.testing.assert_allclose(np.diff(contours.levels), float(axes.get_title().split()[-2]))
     assert axes.get_aspect() == 1.0
     cavity = ball["X"].values[(ball["oil"] < 0.99 * ball["H"]).any("Y").values].min()

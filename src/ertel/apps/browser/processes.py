@@ -5,6 +5,7 @@ a run comes from its directory, so that the app also shows, stops and resumes ru
 another machine too.  Signals go to child processes of the app only, never to a number that a file holds.
 """
 
+import shutil
 import signal
 import subprocess
 import sys
@@ -13,20 +14,31 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from pathlib import Path
+from string import hexdigits
 from time import monotonic
 from typing import IO, Any
+from uuid import uuid4
 
-from ertel.apps.browser.folder import Folder, fault_of, summary_of
+from ertel.apps.browser.folder import RUNS, Folder, fault_of, summary_of
 from ertel.apps.terminal import capital
 from ertel.case.status import Status
 from ertel.results.numbers import duration
 from ertel.runs import files
-from ertel.runs.directory import ask_to_stop, is_asked_to_stop, read_progress
+from ertel.runs.directory import ask_to_stop, find_runs, is_asked_to_stop, is_run, read_progress
 
 ERTEL = (sys.executable, "-P", "-m", "ertel")  # -P: a file typer.py in the folder is none of ours
 STOPPED = (0, 130, 143, -signal.SIGTERM)  # exit codes of a run that ended or was asked to
 KILLED = -9
 FLUSH = ("--flush", "2")  # seconds between what a live picture can show
+OF_STUDIES = (
+    RUNS,
+    "stop",
+    "progress",
+    "sweep",
+    "traction",
+    "fit",
+    "converge",
+)  # in the directory of a study, without endings
 SAID = "ertel: "  # how a message begins
 
 COMPILING = (
@@ -181,6 +193,26 @@ class Processes:
         if computes:
             ask_to_stop(run)
 
+    def delete(self, place: Path) -> None:
+        """Delete a run, or a study with all its runs.
+
+        It is moved to a hidden name first, so that it is gone as a whole.  Raises ValueError where a process works on
+        it, and where a study's directory has files that are not of the study; OSError where the system refuses.
+        """
+        name = self.folder.name_of(place)
+        runs = list(find_runs(place))
+        if any(files.is_locked(each) for each in (place, *runs)) or {place, *runs} & {*self.ours()}:
+            raise ValueError(f"{name}: is running; stop it before you delete it")
+        others = [] if is_run(place) else [path.name for path in place.glob("[!.]*") if path.stem not in OF_STUDIES]
+        if others:
+            raise ValueError(f"{name}: holds other files ({', '.join(sorted(others)[:5])}); move them away first")
+        hidden = place.with_name(f".{place.name}-{uuid4().hex[:8]}")
+        with files.locked(place):
+            place.rename(hidden)
+        for run in runs:
+            self._started.pop(run, None)
+        shutil.rmtree(hidden)
+
     def knows(self, run: Path) -> bool:
         """True if this app started a run, the directory of which may not be there yet."""
         return run in self._started
@@ -208,6 +240,16 @@ class Processes:
         if fault := fault_of(run):
             return RunStatus(Phase.DAMAGED, progress, fault)
         return _ended(outcome or (progress or {}).get("status"), progress)
+
+
+def study_of(run: Path, root: Path) -> Path | None:
+    """The directory of the study that has a run, which is named by the digest of its case; None of other runs.
+
+    root: the folder of the app, which is none.
+    """
+    study = run.parent.parent
+    is_in_study = run.parent.name == RUNS and len(run.name) == 16 and set(run.name) <= set(hexdigits)
+    return study if is_in_study and root in study.parents else None
 
 
 def _active(begun: bool, asked_to_stop: bool) -> Phase:
