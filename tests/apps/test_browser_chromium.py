@@ -220,7 +220,8 @@ def test_a_session(server, driver, folder):
     for name, size in (("ellipse", LAPTOP), ("ellipse-phone", PHONE)):
         page.resize(size)
         page.keep(name)
-        assert page.driver.execute_script("return document.documentElement.scrollWidth") <= size[0]
+        width = "return document.documentElement.scrollWidth"  # when things have moved into place
+        page.until(lambda size=size, width=width: page.driver.execute_script(width) <= size[0], 10)
     page.resize(LAPTOP)
     page.choose("Shape", "smooth")
     page.choose("Bodies", "ball on a plane")
