@@ -11,9 +11,11 @@ that noise is 1e-6 of films and restitution, up to 7e-5 of contact times (`valid
 0.01 leaves 0.5 % by curvature, and 0.03 % (contact times on 33 rings: 2 %) by noise.
 
 Each run is a run directory, runs/DIGEST of its case, as in a study.  The search has no randomness: the same call takes
-the same path, finds the runs that are done, and goes on where it was.
+the same path, finds the runs that are done, and goes on where it was.  How far it is stands in progress.json, as that
+of a run: step is the number of points, and message says the rest.
 """
 
+import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -36,7 +38,7 @@ from ertel.results.measurements import NUMBER, READ, Measurement
 from ertel.results.result import Result
 from ertel.runs import studies
 from ertel.runs.compile import check_jax
-from ertel.runs.directory import CASE
+from ertel.runs.directory import CASE, read_progress, write_progress
 from ertel.runs.drive import warn
 from ertel.runs.store import RunStore
 from ertel.runs.tasks import Engine
@@ -245,15 +247,18 @@ def fit_problem(case: Case, measurements: Measurement | Sequence[Given], unknown
 
 
 class Search:
-    """The least squares of a problem.  runner: gives the results of cases in their order."""
+    """The least squares of a problem.
 
-    def __init__(self, problem: FitProblem, runner: Runner):
-        self.problem, self._runner = problem, runner
+    runner: gives the results of cases in their order.  note: called before a point is computed.
+    """
+
+    def __init__(self, problem: FitProblem, runner: Runner, note: Callable[["Search"], object]):
+        self.problem, self._runner, self._note = problem, runner, note
         self.columns = problem.columns()
         self.measured, self.sigma = self.columns["measured"][0], self.columns["sigma"][0]
         self.runs: set[str] = set()  # digests of their cases
         self._failures: list[str] = []
-        self._points: dict[bytes, FitPoint] = {}
+        self.points: dict[bytes, FitPoint] = {}
 
     def solve(self) -> tuple[FitPoint, bool]:
         """Where the search ends, and whether it has converged.  Raises FitError where it cannot begin."""
@@ -284,9 +289,10 @@ class Search:
     def at(self, values: Values) -> FitPoint:
         """The point with these values; its residuals are nan where a run failed, from which the search steps back."""
         key = values.tobytes()
-        if key not in self._points:
-            self._points[key] = self._computed(values)
-        return self._points[key]
+        if key not in self.points:
+            self._note(self)
+            self.points[key] = self._computed(values)
+        return self.points[key]
 
     def _computed(self, values: Values) -> FitPoint:
         unknowns, size = self.problem.unknowns, len(values)
@@ -322,9 +328,9 @@ class Search:
             return np.full((len(places), len(self.measured)), np.nan)
 
 
-def solve_fit(problem: FitProblem, runner: Runner) -> FitResult:
-    """The result of a fit.  runner: gives the results of cases in their order.  Raises FitError."""
-    search = Search(problem, runner)
+def solve_fit(problem: FitProblem, runner: Runner, note: Callable[[Search], object] = lambda _: None) -> FitResult:
+    """The result of a fit.  runner, note: see `Search`.  Raises FitError."""
+    search = Search(problem, runner, note)
     solution, converged = search.solve()
     unfinished = [] if converged else [f"the search has not converged after {MOST_POINTS} points; start nearer"]
     predicted = solution.residuals * search.sigma + search.measured
@@ -350,10 +356,27 @@ def store_fit(
     """
     batch = len(problem.conditions) * (1 + len(problem.unknowns))
     with engine.workers(batch) as workers, studies.alone(directory):
-        result = solve_fit(problem, partial(_stored_runs, directory, workers, asked, progress))
+        note = partial(_note_progress, directory, time.monotonic())
+        result = solve_fit(problem, partial(_stored_runs, directory, workers, asked, progress), note)
         result = replace(result, directory=directory)
         studies.write_study(result, directory, NAME)
+        so_far = read_progress(directory) or {}
+        write_progress(directory, **{**so_far, "status": Status.CONVERGED.value, "done": 1.0})
     return result
+
+
+def _note_progress(directory: Path, started: float, search: Search) -> None:
+    """Write how far a search is, with the best point so far."""
+    message = f"point {len(search.points) + 1} of the search, {len(search.runs)} runs done"
+    points = [point for point in search.points.values() if np.isfinite(point.residuals).all()]
+    if points:
+        best = min(points, key=lambda point: point.chi_square)
+        off = (best.chi_square / len(best.rows[0])) ** 0.5
+        texts = zip(best.names, best.values, best.units, strict=True)
+        values = ", ".join(f"{name} = {amount(value, unit)}" for name, value, unit in texts)
+        message += f", residuals {off:.2g} times their sigma at {values}"
+    so_far = {"status": Status.RUNNING.value, "T": None, "step": len(search.points), "done": 0.0, "message": message}
+    write_progress(directory, **so_far, seconds=round(time.monotonic() - started, 1), seconds_left=None)
 
 
 def _stored_runs(
