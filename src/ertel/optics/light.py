@@ -14,7 +14,6 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.ndimage import map_coordinates
 
 from ertel.optics.rig import NM, ORDERS, Rig, Visibility, data_table
 
@@ -222,6 +221,14 @@ FAINT = 3e-4  # share of the light: fainter orders of fringes beside air are lef
 BLUR = 0.8  # pixels: the standard deviation of a microscope's own blur
 
 
+def _between(channel: Array, places: Sequence[Array]) -> Array:
+    """A channel at places between its entries."""
+    from scipy.ndimage import map_coordinates  # here: other pictures do without it
+
+    found: Array = map_coordinates(channel, places, order=1, mode="nearest")
+    return found
+
+
 @dataclass(frozen=True)
 class Chart:
     """The colours of films, computed once for many pictures.
@@ -283,7 +290,7 @@ class Chart:
         light: Array = np.zeros(())
         for m, k, channels in self._beside_air:
             place = (m * path + (k - m) * air) / SPACING + channels.shape[1] // 2
-            order = [map_coordinates(channel, [place], order=1, mode="nearest") for channel in channels]
+            order = [_between(channel, [place]) for channel in channels]
             light = light + np.stack(order, axis=-1) * self._fading(m * change + (k - m) * air_change)
         return light
 
@@ -322,7 +329,7 @@ class Chart:
         first, last = self._indices[0], self._indices[-1]
         places = [film * n / SPACING, (n - first) / (last - first) * (INDICES - 1)]
         channels = np.moveaxis(self._colours, -1, 0)
-        seen = np.stack([map_coordinates(c, places, order=1, mode="nearest") for c in channels], axis=-1)
+        seen = np.stack([_between(c, places) for c in channels], axis=-1)
         means = self.light.mean(self.rig, self._indices)  # of films without fringes
         mean: Array = np.stack([np.interp(n, self._indices, channel) for channel in means.T], axis=-1)
         light: Array = mean + (seen - mean) * self._fading(change)

@@ -17,7 +17,6 @@ from matplotlib.animation import FuncAnimation
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from scipy.interpolate import CubicSpline, RectBivariateSpline
 
 from ertel.optics import Chart, Interferometer, Light, Monochromatic, Rig, White
 from ertel.plots.drawing import ORANGE, NoFigure, Scale, Sheet, SheetOptions, Values, compose
@@ -39,7 +38,7 @@ TICKS = 6  # along the longer side of a picture
 def pixels_around(views: Sequence[View]) -> tuple[Values, Values]:
     """The pixels round the contact, x and y in a*, as wide as all moments of a run need."""
     view = views[0]
-    side = max(_side(each) for each in views)
+    side = max(each.largest("X", _side) for each in views)
     x, top = view.x, float(view.dataset["r" if view.is_radial else "Y"].values[-1])
     x0, x1, y1 = max(-side, float(x[0])), min(side, float(x[-1])), min(side * view.stretch, top)
     spacing = max(x1 - x0, 2.0 * y1) / PIXELS
@@ -95,6 +94,8 @@ def _without_grey_axis(picture: Values) -> Values:
 
 def _on_pixels(view: View, name: str, x: Values, y: Values, smooth: bool) -> Values:
     """A field on the pixels: by cubic splines, or linear where it has edges."""
+    from scipy.interpolate import CubicSpline, RectBivariateSpline  # here: other pictures do without it
+
     values, data = view.values(name), view.dataset
     if not view.is_radial:
         order = 3 if smooth else 1
@@ -198,23 +199,25 @@ def interferogram(
         There is nothing to draw; a dimensionless run without a film_scale; a light that is none.
     """
     interferometer = Interferometer(rig or Rig(), _light(light))
-    scaled, view = (
-        _film_scale(dataset, film_scale),
-        measured_view(dataset, at, measured, ("h", INTENSITY), interferometer),
-    )
+    view = measured_view(dataset, at, measured, ("h", INTENSITY), interferometer)
+    return interferogram_of(view, Sheet(**sheet), interferometer, film_scale)
+
+
+def interferogram_of(
+    view: View, sheet: Sheet, interferometer: Interferometer | None = None, film_scale: float | None = None
+) -> Figure:
+    """The interferogram of a view, see `interferogram`."""
+    scaled = _film_scale(view.dataset, film_scale)
+    interferometer = interferometer or Interferometer(Rig(), _light(None))
     pixels = pixels_around([view])
     middle = np.linspace(pixels[0][0], pixels[0][-1], PIXELS), np.zeros(1)
     seen = seen_on(view, pixels, scaled)
     chart = Chart(interferometer.rig, interferometer.light, float(seen["film"].max()), float(seen["density"].max()))
     scene, row = (Scene(view, each, chart) for each in (seen, seen_on(view, middle, scaled)))
-    panels = [draw_interferogram, lambda axes, _: draw_chart(axes, row), lambda axes, _: draw_light(axes, view)]
-    seen_too = any(each.measurement.quantity == INTENSITY for each in view.measured)
-    return compose(
-        scene,
-        [panels if seen_too else panels[:2]],
-        [*view.title, *view.outcome],
-        Sheet(**sheet),
-    )
+    panels = [draw_interferogram, lambda axes, _: draw_chart(axes, row)]
+    if any(each.measurement.quantity == INTENSITY for each in view.measured):
+        panels.append(lambda axes, _: draw_light(axes, view))
+    return compose(scene, [panels], [*view.title, *view.outcome], sheet)
 
 
 def _light(given: Light | str | None) -> Light:

@@ -16,8 +16,6 @@ from typing import Any, Protocol
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
-from scipy.optimize import minimize_scalar
 
 from ertel.results.numbers import IN_SI
 from ertel.results.variables import OUTCOME, VARIABLES, Variable, with_prefix
@@ -47,6 +45,8 @@ def light_along(line: xr.Dataset, case: Any, optics: Optics) -> xr.DataArray:
     void = np.maximum(h - line["h_oil"].values, 0.0) if "h_oil" in line else np.zeros_like(h)
     x = np.linspace(there[0], there[-1], PLACES)
     density = np.asarray(case.lubricant.density(np.interp(x, there, p) / case.scales.p_h), dtype=np.float64)
+    from scipy.interpolate import CubicSpline  # here and below: pictures do without 30 MB
+
     film = np.maximum(CubicSpline(there, h)(x), 0.0)
     missing = np.minimum(np.interp(x, there, np.where(void > NOT_FULL * h, void, 0.0)), film)
     about = {"long_name": "intensity", "symbol": "I", "units": "1"}
@@ -83,6 +83,7 @@ class Unaligned:
         low, high = self.x.max() - there[-1], self.x.min() - there[0]
         if low >= high:  # the run is shorter than the measurement, of which the caller tells
             return 0.0
+        from scipy.optimize import minimize_scalar
 
         def squares(centre: float) -> float:
             _, shown = self.shown(np.interp(self.x - centre, there, values))

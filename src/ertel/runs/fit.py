@@ -11,9 +11,10 @@ that noise is 1e-6 of films and restitution, up to 7e-5 of contact times (`valid
 0.01 leaves 0.5 % by curvature, and 0.03 % (contact times on 33 rings: 2 %) by noise.
 
 Each run is a run directory, runs/DIGEST of its case, as in a study.  The search has no randomness: the same call takes
-the same path, finds the runs that are done, and goes on where it was.
+the same path, finds the runs that are done, and goes on where it was.  progress.json tells how far it is.
 """
 
+import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -36,7 +37,7 @@ from ertel.results.measurements import NUMBER, READ, Measurement
 from ertel.results.result import Result
 from ertel.runs import studies
 from ertel.runs.compile import check_jax
-from ertel.runs.directory import CASE
+from ertel.runs.directory import CASE, read_progress, write_progress
 from ertel.runs.drive import warn
 from ertel.runs.store import RunStore
 from ertel.runs.tasks import Engine
@@ -45,8 +46,7 @@ from ertel.runs.workers import Condition, Failure, Workers, never
 NAME = "fit"  # of the files with the outcome
 STEP = 0.01  # of a logarithm, for derivatives
 FINE_STEP = 1e-3  # the same, where the standard errors are smaller than STEP
-NEAR_ERROR = 0.1  # of the smallest standard error, then: a step of the search that is smaller is the last one
-NEAR = 1e-3  # a step of the search that is smaller, in the logarithms, is the last one
+NEAR = 1e-3  # a step of the search that is smaller, in the logarithms, is the last one; with FINE_STEP less
 FLAT = 0.01  # a change of chi square that does not matter
 MOST_POINTS = 40  # of a search
 
@@ -190,8 +190,7 @@ class FitProblem:
 def load_fit_problem(path: str | Path, overrides: Sequence[str] = ()) -> FitProblem:
     """The problem in the file of a fit, see `inputs.fits`.  Raises ConfigError."""
     case, tables, unknowns = load_fit(path, overrides)
-    folder = Path(path).parent
-    given: list[Given] = [(_measurement(place, table, folder), table["set"]) for place, table in tables]
+    given: list[Given] = [(_measurement(place, table, Path(path).parent), table["set"]) for place, table in tables]
     return fit_problem(case, given, unknowns)
 
 
@@ -204,8 +203,7 @@ def _measurement(place: str, table: Mapping[str, Any], folder: Path) -> Measurem
         if not file:
             return Measurement.number(**content)
         rig = {name: content.pop(name) for name in rigs.KEYS if name in content and name != "index"}
-        optics = rigs.interferometer(**rig, index=content.get("index"))
-        return Measurement.read(folder / file, **content, optics=optics)
+        return Measurement.read(folder / file, **content, optics=rigs.interferometer(**rig, index=content.get("index")))
     except TypeError as error:
         raise ConfigError(f"{place} = {show(table)}: must have a file, or quantity, value and sigma") from error
     except ValueError as error:
@@ -217,19 +215,19 @@ def fit_problem(case: Case, measurements: Measurement | Sequence[Given], unknown
     found = parse_unknowns(unknowns, case)
     conditions: list[Settings] = []
     data = []
-    if isinstance(measurements, Measurement):
-        measurements = [measurements]
-    elif not isinstance(measurements, Sequence) or isinstance(measurements, str):
+    given = [measurements] if isinstance(measurements, Measurement) else measurements
+    if not isinstance(given, list | tuple):
         raise ConfigError(f"measurements = {written(measurements)}: must be a Measurement, or a list of them")
-    for number, item in enumerate(measurements, 1):
+    for number, item in enumerate(given, 1):
         each, settings = item if isinstance(item, tuple) and len(item) == 2 else (item, {})
         if not (isinstance(each, Measurement) and isinstance(settings, Mapping)):
             allowed = "must be a Measurement, or a pair of one and its conditions by path"
             raise ConfigError(f"measurements[{number}] = {written(item)}: {allowed}")
         place = f"measurements[{number}], {each.name}"
         if each.sigma is None:
-            allowed = "must be given: a fit weighs the data by their standard deviation"
-            raise ConfigError(f"{place}: sigma = None: {allowed}")
+            raise ConfigError(
+                f"{place}: sigma = None: must be given: a fit weighs the data by their standard deviation"
+            )
         if both := {unknown.field for unknown in found} & set(settings):
             raise ConfigError(f"{place}: {min(both)} is an unknown and cannot be a condition")
         if settings not in conditions:
@@ -247,16 +245,19 @@ def fit_problem(case: Case, measurements: Measurement | Sequence[Given], unknown
 
 
 class Search:
-    """The least squares of a problem.  runner: gives the results of cases in their order."""
+    """The least squares of a problem.
 
-    def __init__(self, problem: FitProblem, runner: Runner):
-        self.problem, self._runner = problem, runner
+    runner: gives the results of cases in their order.  note: called before a point is computed.
+    """
+
+    def __init__(self, problem: FitProblem, runner: Runner, note: Callable[["Search"], object]):
+        self.problem, self._runner, self._note = problem, runner, note
         self.columns = problem.columns()
         self.measured, self.sigma = self.columns["measured"][0], self.columns["sigma"][0]
         self.runs: set[str] = set()  # digests of their cases
         self._failures: list[str] = []
         self._step = STEP
-        self._points: dict[bytes, FitPoint] = {}
+        self.points: dict[bytes, FitPoint] = {}
 
     def solve(self) -> tuple[FitPoint, bool]:
         """Where the search ends, and whether it has converged.  Raises FitError where it cannot begin."""
@@ -272,31 +273,29 @@ class Search:
             """Here one is added to the logarithms, so that scipy's xtol is a relative change of values."""
             return self.at(start * np.exp(u - 1.0))
 
-        def searched(begin: Values, near: float) -> Any:
-            return least_squares(
-                lambda u: point(u).rows[0],
-                begin,
-                lambda u: point(u).rows[1],
-                (np.log(lower / start) + 1.0, np.log(upper / start) + 1.0),
-                xtol=near,
-                ftol=FLAT / len(self.measured),
-                gtol=None,
-                max_nfev=MOST_POINTS,
-            )
-
-        found = searched(np.ones_like(start), NEAR)
+        search = partial(
+            least_squares,
+            lambda u: point(u).rows[0],
+            jac=lambda u: point(u).rows[1],
+            bounds=(np.log(lower / start) + 1.0, np.log(upper / start) + 1.0),
+            ftol=FLAT / len(self.measured),
+            gtol=None,
+            max_nfev=MOST_POINTS,
+        )
+        found = search(np.ones_like(start), xtol=NEAR)
         finest = float(np.sqrt(np.diag(point(found.x).covariance)).min())
-        if found.status > 0 and finest < STEP:  # many fringes decide better than steps of this size are straight
-            self._step, self._points = FINE_STEP, {}
-            found = searched(found.x, min(NEAR, NEAR_ERROR * finest))
+        if found.status > 0 and finest < STEP:  # data that decide better than the model is straight over a step
+            self._step = FINE_STEP
+            found = search(found.x, xtol=NEAR * finest / STEP)
         return point(found.x), found.status > 0
 
     def at(self, values: Values) -> FitPoint:
         """The point with these values; its residuals are nan where a run failed, from which the search steps back."""
-        key = values.tobytes()
-        if key not in self._points:
-            self._points[key] = self._computed(values)
-        return self._points[key]
+        key = np.append(values, self._step).tobytes()
+        if key not in self.points:
+            self._note(self)
+            self.points[key] = self._computed(values)
+        return self.points[key]
 
     def _computed(self, values: Values) -> FitPoint:
         unknowns, size = self.problem.unknowns, len(values)
@@ -332,9 +331,9 @@ class Search:
             return np.full((len(places), len(self.measured)), np.nan)
 
 
-def solve_fit(problem: FitProblem, runner: Runner) -> FitResult:
-    """The result of a fit.  runner: gives the results of cases in their order.  Raises FitError."""
-    search = Search(problem, runner)
+def solve_fit(problem: FitProblem, runner: Runner, note: Callable[[Search], object] = lambda _: None) -> FitResult:
+    """The result of a fit.  runner, note: see `Search`.  Raises FitError."""
+    search = Search(problem, runner, note)
     solution, converged = search.solve()
     unfinished = [] if converged else [f"the search has not converged after {MOST_POINTS} points; start nearer"]
     predicted = solution.residuals * search.sigma + search.measured
@@ -360,10 +359,27 @@ def store_fit(
     """
     batch = len(problem.conditions) * (1 + len(problem.unknowns))
     with engine.workers(batch) as workers, studies.alone(directory):
-        result = solve_fit(problem, partial(_stored_runs, directory, workers, asked, progress))
+        note = partial(_note_progress, directory, time.monotonic())
+        result = solve_fit(problem, partial(_stored_runs, directory, workers, asked, progress), note)
         result = replace(result, directory=directory)
         studies.write_study(result, directory, NAME)
+        so_far = read_progress(directory) or {}
+        write_progress(directory, **{**so_far, "status": Status.CONVERGED.value, "done": 1.0})
     return result
+
+
+def _note_progress(directory: Path, started: float, search: Search) -> None:
+    """Write how far a search is, with the best point so far."""
+    message = f"point {len(search.points) + 1} of the search, {len(search.runs)} runs done"
+    points = [point for point in search.points.values() if np.isfinite(point.residuals).all()]
+    if points:
+        best = min(points, key=lambda point: point.chi_square)
+        off = (best.chi_square / len(best.rows[0])) ** 0.5
+        texts = zip(best.names, best.values, best.units, strict=True)
+        values = ", ".join(f"{name} = {amount(value, unit)}" for name, value, unit in texts)
+        message += f", residuals {off:.2g} times their sigma at {values}"
+    so_far = {"status": Status.RUNNING.value, "T": None, "step": len(search.points), "done": 0.0, "message": message}
+    write_progress(directory, **so_far, seconds=round(time.monotonic() - started, 1), seconds_left=None)
 
 
 def _stored_runs(
