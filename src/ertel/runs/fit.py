@@ -6,9 +6,8 @@
 Least squares in the logarithms of the unknowns (`scipy.optimize.least_squares`).  A point of the search is one run, and
 one more for each unknown, whose logarithm is then larger by `STEP`; these are independent of each other and go to the
 workers of `studies` at once.  STEP: a derivative by a difference has an error of the curvature, half of STEP where the
-number goes as a power of the unknown, and of the noise of the time steps over STEP.  In impacts by the radial method
-that noise is 1e-6 of films and restitution, up to 7e-5 of contact times (`validation/fit/validate.py noise`): a STEP of
-0.01 leaves 0.5 % by curvature, and 0.03 % (contact times on 33 rings: 2 %) by noise.
+number goes as a power of the unknown, and of the noise of the time steps over STEP: with 0.01, in impacts by the radial
+method, 0.5 % and 0.03 % (contact times on 33 rings: 2 %), see `validation/fit/validate.py noise`.
 
 Each run is a run directory, runs/DIGEST of its case, as in a study.  The search has no randomness: the same call takes
 the same path, finds the runs that are done, and goes on where it was.  progress.json tells how far it is.
@@ -263,10 +262,9 @@ class Search:
         """Where the search ends, and whether it has converged.  Raises FitError where it cannot begin."""
         from scipy.optimize import least_squares  # slow to import
 
-        unknowns = self.problem.unknowns
-        start, lower, upper = np.array([(u.start, u.lower, u.upper) for u in unknowns]).T
+        start, lower, upper = np.array([(u.start, u.lower, u.upper) for u in self.problem.unknowns]).T
         if not np.isfinite(self.at(start).residuals).all():
-            where = ", ".join(f"{u.field} = {amount(u.start, u.unit)}" for u in unknowns)
+            where = ", ".join(f"{u.field} = {amount(u.start, u.unit)}" for u in self.problem.unknowns)
             raise FitError(f"the fit cannot begin: a run at {where}, or next to it, failed: {self._failures[0]}")
 
         def point(u: Values) -> FitPoint:
