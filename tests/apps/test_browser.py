@@ -51,17 +51,27 @@ def test_nothing_outside_the_folder(tmp_path):
             Folder.at(place)
 
 
-def test_files_of_a_case_outside_the_folder(tmp_path):
+@pytest.mark.parametrize(
+    "named",
+    [
+        {"roughness": [{"shape": "measured", "file": "/etc/passwd"}]},
+        {"lubricant": {"oil": "mine", "oils": "/etc/passwd", "temperature": "40 degC"}},
+    ],
+)
+def test_files_of_a_case_outside_the_folder(tmp_path, named):
     folder = Folder.at(tmp_path)
-    data = {**CASE, "roughness": [{"shape": "measured", "file": "/etc/passwd"}]}
     with pytest.raises(Outside, match="/etc/passwd"):
-        form.outlook_of(data, folder)
+        form.outlook_of({**CASE, **named}, folder)
 
 
 def test_files_of_a_case_keep_their_place(tmp_path):
-    data = {"roughness": [{"shape": "spot"}, {"shape": "measured", "file": "disc.npz"}]}
+    data = {
+        "lubricant": {"oils": "mine.toml"},
+        "roughness": [{"shape": "spot"}, {"shape": "measured", "file": "disc.npz"}],
+    }
     moved = form.relocated(data, tmp_path / "runs" / "a", tmp_path)
     assert moved["roughness"] == [{"shape": "spot"}, {"shape": "measured", "file": "runs/a/disc.npz"}]
+    assert moved["lubricant"] == {"oils": "runs/a/mine.toml"}
     assert data["roughness"][1]["file"] == "disc.npz"
 
 

@@ -253,6 +253,9 @@ async def test_a_fit_is_started_stopped_and_goes_on_to_its_values(user, site, tm
     (root / "fits" / "film" / "fit.zarr" / "zarr.json").write_text("{")
     await user.open("/fit?name=fits/film")
     await user.should_see("The outcome of this fit cannot be read", retries=50)
+    fit = root / "fits" / "film"
+    site.processes.delete(fit)
+    assert not fit.exists() and site.processes.status(fit).phase is Phase.NEW
 
 
 async def test_a_fit_of_files_outside_is_not_started(user, site, tmp_path):

@@ -47,8 +47,8 @@ def require_inside(folder: Folder, file: Path) -> None:
             if isinstance(table, dict) and isinstance(table.get(key), str):
                 folder.inside(table[key])
     case = folder.inside(str(data.get("case")))
-    for table in with_files(read_toml(case)):
-        folder.inside(str(case.parent / table["file"]))
+    for table, key in with_files(read_toml(case)):
+        folder.inside(str(case.parent / table[key]))
 
 
 class FitPage:

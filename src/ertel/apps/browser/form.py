@@ -216,22 +216,24 @@ class Form:
 
 def outlook_of(data: Mapping[str, Any], folder: Folder) -> dict[str, Any]:
     """The answer of `ertel check` to a case.  Raises ConfigError, and Outside for files outside the folder."""
-    for table in with_files(data):
-        folder.inside(table["file"])
+    for table, key in with_files(data):
+        folder.inside(table[key])
     return outlook(parse_case(data, folder.root))
 
 
 def relocated(data: Mapping[str, Any], before: Path, now: Path) -> dict[str, Any]:
     """The plain data of a case whose files were named relative to one folder: now relative to another."""
     moved = deepcopy(dict(data))
-    for table in with_files(moved):
-        table["file"] = os.path.relpath(os.path.realpath(before / table["file"]), now)
+    for table, key in with_files(moved):
+        table[key] = os.path.relpath(os.path.realpath(before / table[key]), now)
     return moved
 
 
-def with_files(data: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """The tables of a case that name a file."""
-    tables = data.get("roughness")
-    if not isinstance(tables, list):
-        return []
-    return [table for table in tables if isinstance(table, dict) and isinstance(table.get("file"), str)]
+def with_files(data: Mapping[str, Any]) -> list[tuple[dict[str, Any], str]]:
+    """The tables of a case that name a file, each with its key: roughness and oils of one's own."""
+    roughness = data.get("roughness")
+    tables = [
+        (data.get("lubricant"), "oils"),
+        *((one, "file") for one in (roughness if isinstance(roughness, list) else ())),
+    ]
+    return [(table, key) for table, key in tables if isinstance(table, dict) and isinstance(table.get(key), str)]

@@ -209,8 +209,8 @@ class Processes:
         hidden = place.with_name(f".{place.name}-{uuid4().hex[:8]}")
         with files.locked(place):
             place.rename(hidden)
-        for run in runs:
-            self._started.pop(run, None)
+        for each in (place, *runs):
+            self._started.pop(each, None)
         shutil.rmtree(hidden)
 
     def knows(self, run: Path) -> bool:
