@@ -176,7 +176,7 @@ class Page:
         return {part.netloc for part in parts if part.scheme in ("http", "https", "ws", "wss")}
 
 
-FINE_STEPS = "step = 2e-4\n"  # of [time], the last section: a run that lasts long enough to be watched
+FINE_STEPS = "step = 5e-4\n"  # of [time], the last section: a run that lasts long enough to be watched
 PAGES = {
     "first-page": "/", "new-case": "/new", "run": "/run?name=runs/mine",
     "compare": "/compare?a=runs/mine&b=runs/before",
