@@ -224,7 +224,7 @@ def test_a_session(server, driver, folder):
     for name, size in (("ellipse", LAPTOP), ("ellipse-phone", PHONE)):
         page.resize(size)
         page.keep(name)
-        page.until(lambda: page.width() <= size[0], 5)  # noqa: B023
+        page.until(lambda size=size: page.width() <= size[0], 10)
     page.resize(LAPTOP)
     page.choose("Shape", "smooth")
     page.choose("Bodies", "ball on a plane")
@@ -279,7 +279,7 @@ def test_a_session(server, driver, folder):
             page.open(address + path)
             page.until(lambda: page.picture() or "roughly" in page.text(".answer") or page.text(".welcome"))
             page.keep(f"{name}-{size[0]}-{look}")
-            page.until(lambda: page.width() <= size[0], 5)  # noqa: B023
+            page.until(lambda size=size: page.width() <= size[0], 10)
             ground = page.driver.execute_script("return getComputedStyle(document.body).backgroundColor")
             assert (min(map(int, re.findall(r"\d+", ground))) > 200) == (look == "light")
 
