@@ -128,7 +128,8 @@ html_theme_options = {
     "footer_start": ["copyright"],
     "footer_end": [],
 }
-html_sidebars = {f"docs/{page}": [] for page in ("index", "first_steps", "theory")}  # they have no pages below
+WIDE = ("index", "first_steps", "install", "developers", "theory", "theory/*")  # no pages below, formulas, code
+html_sidebars = {f"docs/{page}": [] for page in WIDE}
 
 
 def write_commands(app: Sphinx) -> None:

@@ -86,10 +86,14 @@ class Grid:
         """Y of the nodes, shape (nodes_y,)."""
         return _axis(self.nodes_y, self.spacing, self.centre_y)
 
+    def middle(self) -> "Grid":
+        """The nodes in the middle of this grid: half as many cells a side, of the same size (`stencils.middle`)."""
+        nodes_x, nodes_y = ((nodes - 1) // 2 + 1 for nodes in (self.nodes_x, self.nodes_y))
+        return replace(self, nodes_x=nodes_x, nodes_y=nodes_y)
+
     def coarser(self) -> "Grid":
         """Every second node of this grid."""
-        nodes_x, nodes_y = ((nodes - 1) // 2 + 1 for nodes in (self.nodes_x, self.nodes_y))
-        return replace(self, nodes_x=nodes_x, nodes_y=nodes_y, spacing=2.0 * self.spacing)
+        return replace(self.middle(), spacing=2.0 * self.spacing)
 
     def hierarchy(self) -> tuple["Grid", ...]:
         """This grid and its coarser grids, down to the coarsest useful one that has nodes on the axes of symmetry."""
