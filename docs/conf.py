@@ -105,6 +105,7 @@ sphinx_gallery_conf = {
     "thumbnail_size": (320, 224),
     "plot_gallery": RUN,
     "abort_on_example_error": True,
+    "capture_repr": (),
     "download_all_examples": False,
     "remove_config_comments": True,
     "show_memory": False,
