@@ -17,7 +17,7 @@ import ertel
 rings = ertel.Feature(ertel.RingWaviness(amplitude=0.03, wavelength=0.5))
 impact = ertel.impact(M=200, L=10, nodes=161, half_width=2, roughness=[rings], interval=0.02)
 fallen = ertel.simulate(impact)
-fallen.plot.spacetime()
+figure = fallen.plot.spacetime()
 
 # %%
 # A wavy ball rolls into its contact and slides there; it is the faster surface.  The waves of the film do not go with
@@ -34,7 +34,7 @@ rolling = ertel.rolling(
     until=2.5,
 )
 rolled = ertel.simulate(rolling)
-rolled.plot.spacetime()
+figure = rolled.plot.spacetime()
 
 # %%
 # In numbers: how much the film of the impact changes in the last half of t0, inside and at the edge.

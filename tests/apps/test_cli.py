@@ -81,7 +81,7 @@ def test_error_estimate(here):
     radial = ("run", "small.toml", "--json", "--set", "solver.method=radial", "--set")
     fine = json.loads(ertel_(*radial, "solver.nodes=33", "--out", "fine", "--error").stdout)
     half = json.loads(ertel_(*radial, "solver.nodes=17", "--out", "half").stdout)
-    assert list(fine["error_estimate"]) == ["H_c", "H_min", "Delta_max", "P_c", "F", "power_loss"]
+    assert list(fine["error_estimate"]) == ["H_c", "H_min", "T", "Delta_max", "P_c", "F", "power_loss"]
     estimate, films = fine["error_estimate"]["H_c"], [run["max_approach"]["H_c"] for run in (fine, half)]
     assert estimate["grid"] == pytest.approx((films[0] - films[1]) / 3, rel=1e-12)
     shown = ertel_("show", "fine").stdout

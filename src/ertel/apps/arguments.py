@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from typer.core import TyperCommand
 
 from ertel.apps.terminal import local_path
 
@@ -54,6 +55,22 @@ def _entries(incomplete: str) -> Iterator[tuple[Path, str]]:
         if path.name.startswith(start) and (start or not path.name.startswith(".")):
             is_open = path.is_dir() and not (path / CASE).exists()
             yield path, f"{folder}{slash}{path.name}{'/' if is_open else ''}"
+
+
+# -- a flag without its value -----------------------------------------------------------------------------------------
+
+USUAL = "-"  # the file of a picture at its usual place
+
+
+class PlotCommand(TyperCommand):
+    """A command whose --plot may stand without a file: the picture is then at its usual place."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Read the arguments, with `USUAL` after a --plot that the next flag or the end follows."""
+        whole = []
+        for word, following in zip(args, [*args[1:], USUAL], strict=True):
+            whole += [word, USUAL] if word == "--plot" and following.startswith("-") else [word]
+        return super().parse_args(ctx, whole)
 
 
 # -- arguments and flags ----------------------------------------------------------------------------------------------

@@ -20,6 +20,7 @@ from ertel.apps.arguments import (
     Flush,
     Jobs,
     Json,
+    PlotCommand,
     Quiet,
     RunDirectory,
     Scheduler,
@@ -290,7 +291,7 @@ for command in (
     *(looking.show, looking.plot, looking.ls, looking.compare, looking.export),
     *(cases.params, cases.film, cases.new, cases.check, cases.schema, cases.oils),
 ):
-    app.command()(command)
+    app.command(cls=PlotCommand if command is looking.compare else None)(command)
 
 
 # -- ertel itself -----------------------------------------------------------------------------------------------------

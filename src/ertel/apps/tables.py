@@ -116,6 +116,10 @@ def _print_values(out: PlainConsole, case: "Case", summary: Mapping[str, Any]) -
     for part in sorted({parts["dominant"] for parts in estimate.values()}):
         names = ", ".join(name for name, parts in estimate.items() if parts["dominant"] == part)
         out.print(f"The largest error is that of the {part} in {names}.")
+    if estimate:
+        out.print(
+            "An error is the change expected on endlessly fine grids, in small steps, on a wide domain, by its order."
+        )
     whole = [number for name, number in numbers(summary).items() if name in WHOLE]
     if whole:
         out.print()
@@ -232,8 +236,10 @@ def print_library() -> None:
     rows = [["oil", "eta0 at 40", "at 100", "alpha at 40", "at 100", "valid"]]
     for name in oils.names():
         oil = oils.get(name)
-        viscosities = [f"{1e3 * oil.viscosity_at(T):.3g}" for T in (WARM, HOT)]
-        alphas = [f"{1e9 * (oil.pressure_laws_at(T).alpha or 0.0):.3g}" for T in (WARM, HOT)]
+        coldest, hottest = oil.temperatures
+        there = [T if coldest <= T <= hottest else None for T in (WARM, HOT)]
+        viscosities = [f"{1e3 * oil.viscosity_at(T):.3g}" if T else "-" for T in there]
+        alphas = [f"{1e9 * (oil.pressure_laws_at(T).alpha or 0.0):.3g}" if T else "-" for T in there]
         rows.append([name, *viscosities, *alphas, _range(*oil.temperatures)])
     print_rows(rows)
     print(f"{CAPTION}\n")

@@ -246,16 +246,12 @@ def convergence_series(case: Case, grids: int = FEWEST_GRIDS, along: str = "grid
     if along == "time" and case.time is None:
         raise ConfigError('along = "time": a steady contact has no time steps; use along = "grid"')
     cells, coarsening = case.solver.nodes - 1, 2 ** (grids - 1)
-    if along == "grid" and cells % coarsening:
-        nodes = [coarsening * count + 1 for count in (cells // coarsening, cells // coarsening + 1)]
+    if along == "grid" and (cells % coarsening or cells // coarsening + 1 < FEWEST_NODES):
+        coarsest = max(cells // coarsening, FEWEST_NODES - 1)
+        allowed = " or ".join(str(coarsening * each + 1) for each in (coarsest, coarsest + 1))
         raise ConfigError(
-            f"solver.nodes = {cells + 1}: {grids} grids need a multiple of {coarsening} cells; "
-            f"the nearest are {nodes[0]} and {nodes[1]} nodes"
-        )
-    if along == "grid" and cells // coarsening + 1 < FEWEST_NODES:
-        raise ConfigError(
-            f"grids = {grids}: the coarsest of them would have {cells // coarsening + 1} nodes; must have "
-            f"{FEWEST_NODES} or more, so take fewer grids, or solver.nodes >= {coarsening * (FEWEST_NODES - 1) + 1}"
+            f"solver.nodes = {cells + 1}: has no {grids} grids of {FEWEST_NODES} nodes or more, each the half of the "
+            f"next; use solver.nodes = {allowed}, or another number of grids"
         )
     cases = [case] * grids
     for number in reversed(range(grids - 1)) if along == "grid" else ():

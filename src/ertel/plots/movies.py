@@ -7,7 +7,7 @@ the part of the surface that is shown are the same in all frames.
 """
 
 from collections.abc import Callable, Mapping
-from functools import partial
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,8 +16,8 @@ from matplotlib.animation import FuncAnimation
 from matplotlib.figure import Figure
 
 from ertel.plots.drawing import NoFigure, compose
-from ertel.plots.fields import Limits, draw_film_map, draw_pressure_map, side_of
-from ertel.plots.view import View
+from ertel.plots.fields import draw_film_map, draw_pressure_map
+from ertel.plots.view import Limits, View
 from ertel.results.profiles import between
 from ertel.results.variables import is_steady
 
@@ -55,15 +55,15 @@ def movie(dataset: xr.Dataset, what: str = "film", rate: float = PER_SECOND) -> 
     if not 1.0 <= rate <= FASTEST:
         raise NoFigure(f"rate = {rate:g}: must be from 1 to {FASTEST:g} frames a second")
     dataset = in_motion(dataset)
-    maps = [View(dataset, frame) for frame in range(dataset.sizes["frame"])]
+    first, T = View(dataset, 0), dataset["frame"].values
     top = 1.5 * View.of(dataset).film_inside() if what == "film" else max(float(dataset["P"].max()), 0.01)
-    draw = partial(MOVIES[what], limits=Limits(top, max(side_of(view, "P") for view in maps)))
-    times = np.linspace(maps[0].time, maps[-1].time, round(rate * SECONDS))
-    figure = laid_out(compose(maps[0], [[draw]], maps[0].title))
+    limits = Limits(top, first.extent(first.x, first.midlines("P").max(axis=0)))
+    draw, times = MOVIES[what], np.linspace(T[0], T[-1], round(rate * SECONDS))
+    figure = laid_out(compose(replace(first, limits=limits), [[draw]], first.title))
     axes = figure.axes[0]
 
     def update(T: float) -> list[Any]:
-        view = View(between(dataset, T), 0)
+        view = View(between(dataset, T), 0, limits=limits)
         axes.clear()
         draw(axes, view)
         axes.set_title(f"{axes.get_title().partition(',')[0]}, {view.clock}")

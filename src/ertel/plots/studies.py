@@ -31,7 +31,7 @@ from ertel.plots.drawing import (
     plain_ticks,
 )
 from ertel.plots.view import case_of, conditions_in_si, name_of
-from ertel.results.convergence import limits_of
+from ertel.results.convergence import SEEN, limits_of
 from ertel.results.dataset import largest_of
 from ertel.results.variables import name_in_si, with_prefix
 
@@ -233,7 +233,6 @@ def _heading(dataset: xr.Dataset) -> list[str]:
 
 POWERS = {"nodes": 1.0, "step": -1.0, "tolerance": -1.0 / 3.0}  # of what varies: the number of cells or steps goes so
 WIDTH_OF_ORDER = 2.4  # inches: of a column of the legend
-LONGEST_SYMBOL = 5  # letters: a longer name is a word
 
 
 def _convergence_figure(dataset: xr.Dataset, sheet: Sheet) -> Figure:
@@ -253,10 +252,12 @@ def _draw_distances(axes: Axes, dataset: xr.Dataset) -> None:
     shades = ORDERED_COLOURS(np.linspace(0.0, 1.0, len(limits)))
     for (name, one), shade, (marker, line) in zip(limits.items(), shades, cycle(LOOKS), strict=False):
         away = np.abs(dataset[name].where(dataset[name] != one.value).values / one.value - 1.0)
-        symbol = mathtext(name) if len(name.partition("_")[0]) <= LONGEST_SYMBOL else _spoken(dataset[name])
-        label = f"{symbol}, {f'order {one.order:.2f}' if one.seen else 'order not seen'}"
+        base = name.partition("_")[0]
+        symbol = mathtext(name) if len(base) <= 2 or base.lower() == "delta" else _spoken(dataset[name])
+        has_order = one.order >= SEEN[0]
+        label = f"{symbol}, {f'order {one.order:.2f}' if has_order else 'order not seen'}"
         axes.loglog(
-            along, away, marker + line, color=shade, markerfacecolor=shade if one.seen else "white", label=label
+            along, away, marker + line, color=shade, markerfacecolor=shade if has_order else "white", label=label
         )
     slope = along.values ** -(dataset.attrs["assumed_order"] * POWERS[str(along.name)])
     middle = np.sqrt(np.prod(axes.get_ylim()) / (slope[0] * slope[-1]))
@@ -264,8 +265,8 @@ def _draw_distances(axes: Axes, dataset: xr.Dataset) -> None:
     axes.set_xticks(along.values, [f"{value:.3g}" for value in along.values])
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set(xlabel=_spoken(along), ylabel="relative distance from the limit")
-    if slope[-1] > slope[0]:
-        axes.invert_xaxis()
+    if along.values[-1] < along.values[0]:
+        axes.invert_xaxis()  # what is refined stands to the right
 
 
 # -- axes -------------------------------------------------------------------------------------------------------------

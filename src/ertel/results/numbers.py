@@ -14,17 +14,7 @@ from typing import Any, NamedTuple
 from ertel.case.status import Status
 from ertel.physics.scales import Scales
 from ertel.physics.temperature_laws import ZERO_CELSIUS
-from ertel.results.variables import (
-    COEFFICIENT,
-    FILMS,
-    FRICTION,
-    MEASURED,
-    VARIABLES,
-    WHOLE,
-    Variable,
-    unit_of,
-    with_prefix,
-)
+from ertel.results.variables import COEFFICIENT, FILMS, FRICTION, MEASURED, VARIABLES, Variable, unit_of, with_prefix
 
 Outcome = Mapping[str, Any]  # of a run, as `results.summary` and `summary.json` have it
 
@@ -84,7 +74,7 @@ def numbers(summary: Outcome) -> dict[str, Number]:
     """
     values = {"M": summary["M"], "L": summary["L"], **values_of(summary)}
     values |= {f"{name}_extreme": one["value"] for name, one in summary.get("extremes", {}).items()}
-    values |= {name: summary.get(name) for name in WHOLE}
+    values |= {name: summary.get(name) for name in ("restitution", "contact_time", "F_max")}
     thermal = summary.get("thermal") or {}
     values |= {f"{key.removesuffix('_m').removesuffix('_K')}_warm": thermal.get(key) for key in WARM}
     values |= {name: summary.get(key) for key, name in WORK.items()}

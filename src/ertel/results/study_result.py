@@ -226,7 +226,10 @@ def column(head: str, values: xr.DataArray) -> list[str]:
 
 # -- convergence series -----------------------------------------------------------------------------------------------
 
-UNSEEN = "value of the finest grid, and as error the largest difference between grids, thrice where they do not fall"
+EXPLAINED = (
+    "second order is assumed; where it is not seen the value is that of the finest grid, and the error the largest "
+    "difference between grids, thrice where they do not fall; faster: the error that the grid before lets expect"
+)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -240,44 +243,29 @@ class ConvergenceResult(StudyResult):
 
     def as_data(self) -> dict[str, Any]:
         """The series as plain data for JSON."""
-        limits = {
-            name: each._asdict() | {"order": None if isnan(each.order) else each.order}
-            for name, each in self.limits.items()
-        }
+        limits = {name: each._asdict() for name, each in self.limits.items()}
+        for each in limits.values():
+            each["order"] = None if isnan(each["order"]) else each["order"]
         return {**super().as_data(), "assumed_order": ORDER, "limits": limits}
 
     def table(self) -> list[list[str]]:
         """The columns of a table to read: a row for each number, a column for each grid, then the limit."""
-        rows = [
-            [str(name), *(f"{each:.4g}" for each in axis.values), "", "", ""]
-            for name, axis in self.dataset.coords.items()
-        ]
-        rows[0][-3:] = ["order", "extrapolated", "error"]
+        axes = self.dataset.coords.values()
+        rows = [[str(axis.name), *(f"{each:.4g}" for each in axis.values), *[""] * 4] for axis in axes]
+        rows[0][-4:] = ["order", "second order", "value", "error"]
         for name, one in self.limits.items():
             variable = self.dataset[name]
             scale, unit = prefixed(variable.attrs["units"], one.value)
             *shown, last = [f"{value / scale:.5g}" for value in (*variable.values, one.value)]
             order = "-" if isnan(one.order) else f"{one.order:.2f}"
-            rows.append([f"{name} ({unit})" if unit else name, *shown, order, last, f"{one.error / scale:.2g}"])
+            seen = "seen" if one.seen else "faster" if one.order > SEEN[1] else "not seen"
+            rows.append([f"{name} ({unit})" if unit else name, *shown, order, seen, last, f"{one.error / scale:.2g}"])
         return [list(column) for column in zip(*rows, strict=True)]
 
     @property
     def remarks(self) -> list[str]:
-        """Lines below the table: where the order is seen and what the errors are, then those of a study."""
-        limits = self.limits.items()
-        seen = ", ".join(name for name, one in limits if one.seen)
-        faster = ", ".join(name for name, one in limits if one.order > SEEN[1])
-        unseen = ", ".join(name for name, one in limits if not one.order >= SEEN[0])
-        return [
-            *([f"second order, which the extrapolation assumes, is seen in {seen}"] if seen else []),
-            *(
-                [f"faster than second order, with the error that the grid before lets expect: {faster}"]
-                if faster
-                else []
-            ),
-            *([f"second order is not seen in {unseen}: {UNSEEN}"] if unseen else []),
-            *super().remarks,
-        ]
+        """Lines below the table: what the errors are, then those of a study."""
+        return [EXPLAINED, *super().remarks]
 
 
 # -- traction curves --------------------------------------------------------------------------------------------------

@@ -302,7 +302,7 @@ def with_error(case: Case, fine: Mapping[str, Any], others: Mapping[str, Mapping
     estimates = {
         name: error_estimate(values[key], {part: one[key] for part, one in zip(others, compared, strict=True)})
         for name, key in names.items()
-        if all(each.get(key) for each in (values, *compared))
+        if all(known := [each.get(key) for each in (values, *compared)]) and len(set(known)) > 1  # else given, or zero
     }
     content = {**fine, "error_estimate": estimates}
     for name in FILMS:

@@ -173,7 +173,7 @@ VARIABLES: Mapping[str, Variable] = {
 FILMS = ("H_c", "H_min")
 WHOLE = ("restitution", "contact_time", "F_max")  # of an impact as a whole
 # with an error under --error and in a convergence series; P_max and places are values of single nodes
-ESTIMATED = (*FILMS, "Delta", "P_c", "F", *FRICTION, *WHOLE)
+ESTIMATED = (*FILMS, "T", "Delta", "P_c", "F", *FRICTION, *WHOLE)
 MEASURED = ("H_c", "H_min", "X_min", "Y_min", "Delta", "P_c", "P_max", "load")  # of a rolling contact's summary
 FIGURES_IN_TIME = (
     "overview", "film", "pressure", "oil", "maps", "profiles", "history", "friction", "front", "spacetime",

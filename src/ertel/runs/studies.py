@@ -37,7 +37,7 @@ from ertel.results.numbers import scalars
 from ertel.results.study_result import MISSING, ConvergenceResult, StudyResult, StudyRun, grouped, study_dataset
 from ertel.runs.batch import STEPS, program_of
 from ertel.runs.compile import check_jax
-from ertel.runs.directory import CASE, STOP, Taken, heeding_stop, is_asked_to_stop, read_progress, status_of
+from ertel.runs.directory import CASE, PROGRESS, STOP, Taken, heeding_stop, is_asked_to_stop, read_progress, status_of
 from ertel.runs.drive import bars
 from ertel.runs.files import StoreError, locked
 from ertel.runs.store import RunStore, compute
@@ -201,7 +201,7 @@ def require_place(directory: str | Path, name: str = NAME, option: str = "direct
     """
     place = Path(directory).absolute()
     visible = {path.name for path in place.glob("[!.]*")}
-    own = {RUNS, STOP, *(f"{name}.{ending}" for ending in ENDINGS)}
+    own = {RUNS, STOP, PROGRESS, *(f"{name}.{ending}" for ending in ENDINGS)}
     is_own = f"{name}.zarr" in visible or (RUNS in visible and visible <= own)
     if visible and not is_own:
         some = ", ".join(sorted(visible)[:LISTED])
