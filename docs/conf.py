@@ -6,10 +6,12 @@ they lie, and their links hold.  The command reference is written from the progr
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
+from PIL import Image
 from sphinx.application import Sphinx
 
 HERE = Path(__file__).parent
@@ -60,6 +62,7 @@ exclude_patterns = [
     "docs/_templates",
     "docs/inventories",
     "docs/gallery/*.ipynb",
+    "docs/tutorials/*.ipynb",
     "**/.*",
 ]
 
@@ -91,12 +94,18 @@ intersphinx_mapping = {
 
 # -- the gallery ------------------------------------------------------------------------------------------------------
 
+GALLERIES = ("gallery", "tutorials")
+RUN = os.environ.get("ERTEL_GALLERY", "run") == "run"  # otherwise the pages have the kept thumbnails, and no pictures
+THUMBNAILS = HERE / "thumbnails"
+COLOURS = 48  # of a kept thumbnail
 sphinx_gallery_conf = {
     "image_scrapers": ("matplotlib", "scraper.ertel_figure"),
-    "examples_dirs": str(ROOT / "examples/gallery"),
-    "gallery_dirs": "docs/gallery",
-    "plot_gallery": os.environ.get("ERTEL_GALLERY", "run") == "run",
+    "examples_dirs": [str(ROOT / "examples" / name) for name in GALLERIES],
+    "gallery_dirs": [f"docs/{name}" for name in GALLERIES],
+    "thumbnail_size": (320, 224),
+    "plot_gallery": RUN,
     "abort_on_example_error": True,
+    "capture_repr": (),
     "download_all_examples": False,
     "remove_config_comments": True,
     "show_memory": False,
@@ -120,7 +129,8 @@ html_theme_options = {
     "footer_start": ["copyright"],
     "footer_end": [],
 }
-html_sidebars = {f"docs/{page}": [] for page in ("index", "first_steps", "theory")}  # they have no pages below
+WIDE = ("index", "first_steps", "install", "developers", "theory", "theory/*")  # no pages below, formulas, code
+html_sidebars = {f"docs/{page}": [] for page in WIDE}
 
 
 def write_commands(app: Sphinx) -> None:
@@ -149,6 +159,22 @@ def with_whole_sentences(text: str) -> str:
     return re.sub(r"^\* `(\S+)`: .*\.\.\.$", lambda cut: f"* `{cut[1]}`: {first[cut[1]]}", text, flags=re.MULTILINE)
 
 
+def put_thumbnails(app: Sphinx) -> None:
+    """Where no script runs: the kept thumbnails, which the gallery does not replace."""
+    for name in () if RUN else GALLERIES:
+        shutil.copytree(THUMBNAILS / name, HERE / name / "images/thumb", dirs_exist_ok=True)
+
+
+def keep_thumbnails(app: Sphinx, failure: Exception | None) -> None:
+    """Where the scripts ran: their thumbnails with fewer colours, to be committed."""
+    for name in GALLERIES if RUN and failure is None else ():
+        (THUMBNAILS / name).mkdir(parents=True, exist_ok=True)
+        for drawn in (HERE / name / "images/thumb").glob("*.png"):
+            with Image.open(drawn) as picture:
+                small = picture.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+            small.save(THUMBNAILS / name / drawn.name, optimize=True)
+
+
 def keep_bars(app: Sphinx, what: str, name: str, found: object, options: object, lines: list[str]) -> None:
     """The size |T| in a docstring is no substitution."""
     lines[:] = [line.replace("|", "\\|") for line in lines]
@@ -156,4 +182,6 @@ def keep_bars(app: Sphinx, what: str, name: str, found: object, options: object,
 
 def setup(app: Sphinx) -> None:
     app.connect("builder-inited", write_commands, priority=1)
+    app.connect("builder-inited", put_thumbnails, priority=1)
+    app.connect("build-finished", keep_thumbnails)
     app.connect("autodoc-process-docstring", keep_bars)

@@ -16,12 +16,14 @@ from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any
 
+import numpy as np
 from cases import SMALL_IMPACT, ertel_
 from made_up import BALL_FALLS, dry_impact
 from zarr.storage import LocalStore
 
 import ertel
 from ertel.inputs.case_files import parse_case, to_toml
+from ertel.results.fit_result import FitPoint, fit_dataset
 from ertel.runs import arrays
 from ertel.runs.files import sealed
 
@@ -69,16 +71,23 @@ import json, os, pathlib, shutil, sys, time
 from ertel.runs import files
 from ertel.runs.directory import heeding_stop, is_asked_to_stop
 command, first, *rest = sys.argv[1:]
-run = pathlib.Path(rest[rest.index("--out") + 1] if command == "run" else first)
+run = pathlib.Path(first if command == "resume" else rest[rest.index("--out") + 1])
+goes_on, prepared = run.exists(), pathlib.Path(__file__).with_name("prepared" if command == "run" else "fit")
 if command == "run":
-    shutil.copytree(pathlib.Path(__file__).with_name("prepared"), run)
+    shutil.copytree(prepared, run)
+run.mkdir(parents=True, exist_ok=True)
 
 def tell(status, done):
     (run / "progress.json").write_text(json.dumps({"status": status, "T": 1.0, "step": 20, "done": done,
-        "seconds": 1.0, "seconds_left": 2.0, "written": "2026-11-22T10:15:03+00:00", "process": os.getpid()}))
+        "seconds": 1.0, "seconds_left": 2.0, "written": "2026-11-22T10:15:03+00:00", "process": os.getpid(),
+        **({"message": "point 2 of the search"} if command == "fit" else {})}))
 
 with files.locked(run), heeding_stop(run):
     tell("running", 0.4)
+    if command == "fit" and goes_on:
+        shutil.copytree(prepared, run, dirs_exist_ok=True)
+        tell("converged", 1.0)
+        sys.exit()
     if command == "resume":
         shutil.move(run / "later.json", run / "summary.json")
         tell("converged", 1.0)
@@ -147,6 +156,25 @@ def stand_in(place: Path) -> list[str]:
     script = place / "stand_in.py"
     script.write_text(STANDS_FOR_ERTEL)
     return [sys.executable, str(script)]
+
+
+def make_fit(folder: Path, fit: Path) -> None:
+    """The files of a fit in a folder, and its outcome in a directory: two unknowns that the data hardly tell apart."""
+    make_run(folder / "runs" / "first")
+    shutil.copy(folder / "runs" / "first" / "case.toml", folder / "ball.toml")
+    (folder / "film.toml").write_text('case = "ball.toml"\n[unknowns]\n[[measurements]]\nfile = "film.csv"\n')
+    make_run(fit / "runs" / "best")
+    nothing = np.full((2, 2), np.nan)
+    ends = np.array([[0.005, 5e-9], [1.0, 60e-9]])
+    jacobian = np.array([[50.0, 50.0], [1.0, -2.0], [30.0, 30.0]])
+    found = np.array([0.0976, 22.3e-9])
+    point = FitPoint(("eta0", "alpha"), ("Pa*s", "1/Pa"), found, ends, nothing, np.array([0.5, -0.3, 0.9]), jacobian)
+    measured = np.array([1e-6, 0.9, 2e-6])
+    data = {"measured": (measured, ""), "sigma": (0.01 * measured, ""), "predicted": (measured, "")}
+    fit_dataset(point, data, {"title": "film", "runs": 9, "best": "runs/best", "warnings": ["hardly decided"]}).to_zarr(
+        fit / "fit.zarr", consolidated=False
+    )
+    (fit / "fit.png").write_bytes(b"png")
 
 
 @contextmanager

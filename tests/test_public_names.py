@@ -11,8 +11,8 @@ import ertel
 
 SHOWN = """
     impact rolling Oil quantity load_case Case Solver Time Output ConfigError simulate run open simulate_batch tasks
-    sweep fit traction cache respond respond_linearly respond_in_rolling Result Measurement to_si plots fronts waves
-    formulas hertz materials oils optics Feature Spot Waviness RingWaviness Measured SelfAffine
+    sweep converge fit traction cache respond respond_linearly respond_in_rolling Result Measurement to_si plots fronts
+    waves formulas hertz materials oils optics Feature Spot Waviness RingWaviness Measured SelfAffine
 """
 FOR_EXPERTS = """
     parse_case to_toml Status Lubricant Motion Parameters Scales viscosity_laws density_laws fluidity_laws shapes
@@ -21,7 +21,7 @@ FOR_EXPERTS = """
 
 
 def test_dir_and_completion():
-    assert set(SHOWN.split()) <= set(dir(ertel)) == {"__version__", *ertel.__all__} and len(dir(ertel)) <= 41
+    assert set(SHOWN.split()) <= set(dir(ertel)) == {"__version__", *ertel.__all__} and len(dir(ertel)) <= 42
     completer = rlcompleter.Completer({"ertel": ertel})
     found = {completer.complete("ertel.", state) for state in range(2 * len(dir(ertel)))}
     assert all(any(str(name).startswith(f"ertel.{shown}") for name in found) for shown in SHOWN.split())

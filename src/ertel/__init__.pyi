@@ -40,6 +40,7 @@ from ertel.runs.response import respond_in_rolling as respond_in_rolling
 from ertel.runs.response import respond_linearly as respond_linearly
 from ertel.runs.store import open_run
 from ertel.runs.store import run as run
+from ertel.runs.studies import converge as converge
 from ertel.runs.studies import sweep as sweep
 from ertel.runs.traction import traction as traction
 
@@ -71,6 +72,7 @@ from ertel.physics.scales import Scales as Scales
 from ertel.results import result
 from ertel.results.contact_law import ContactLaw as ContactLaw
 from ertel.results.fit_result import FitResult as FitResult
+from ertel.results.study_result import ConvergenceResult as ConvergenceResult
 from ertel.results.study_result import StudyResult as StudyResult
 from ertel.results.study_result import TractionCurve as TractionCurve
 

@@ -5,7 +5,9 @@ import json
 import os
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
+import numpy as np
 import pytest
 import tomli_w
 from app_runs import CASE, make_run, stand_in, until, write_progress
@@ -14,12 +16,14 @@ from cases import ertel_, python
 from ertel.apps import browser
 from ertel.apps.browser import form, pictures
 from ertel.apps.browser.folder import Folder, Outside
-from ertel.apps.browser.form import Form, field_of
+from ertel.apps.browser.form import OPTIONS, Form
 from ertel.apps.browser.pictures import PlotRequest, Worker, stamp_of
-from ertel.apps.browser.processes import Phase, Processes
+from ertel.apps.browser.processes import Phase, Processes, study_of
 from ertel.inputs.case_files import ConfigError, parse_case
+from ertel.results.variables import PREFIXES
 from ertel.runs.directory import is_asked_to_stop
 from ertel.runs.files import locked
+from ertel.runs.store import RunStore
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="no locks")
 
@@ -36,7 +40,9 @@ def test_nothing_outside_the_folder(tmp_path):
     for name in ("../other", str(other), "link", "a/../../other", "\0"):
         with pytest.raises(Outside):
             folder.inside(name)
-    assert folder.runs() == []
+    (inside / "film.toml").write_text("[unknowns]")
+    (inside / "fits").symlink_to(tmp_path)
+    assert folder.runs() == folder.fits() == folder.case_files() == []
     for name in (".", "nothing", "x" * 5000):
         with pytest.raises(ValueError, match="is not a run"):
             folder.run(name)
@@ -45,17 +51,27 @@ def test_nothing_outside_the_folder(tmp_path):
             Folder.at(place)
 
 
-def test_files_of_a_case_outside_the_folder(tmp_path):
+@pytest.mark.parametrize(
+    "named",
+    [
+        {"roughness": [{"shape": "measured", "file": "/etc/passwd"}]},
+        {"lubricant": {"oil": "mine", "oils": "/etc/passwd", "temperature": "40 degC"}},
+    ],
+)
+def test_files_of_a_case_outside_the_folder(tmp_path, named):
     folder = Folder.at(tmp_path)
-    data = {**CASE, "roughness": [{"shape": "measured", "file": "/etc/passwd"}]}
     with pytest.raises(Outside, match="/etc/passwd"):
-        form.outlook_of(data, folder)
+        form.outlook_of({**CASE, **named}, folder)
 
 
 def test_files_of_a_case_keep_their_place(tmp_path):
-    data = {"roughness": [{"shape": "spot"}, {"shape": "measured", "file": "disc.npz"}]}
+    data = {
+        "lubricant": {"oils": "mine.toml"},
+        "roughness": [{"shape": "spot"}, {"shape": "measured", "file": "disc.npz"}],
+    }
     moved = form.relocated(data, tmp_path / "runs" / "a", tmp_path)
     assert moved["roughness"] == [{"shape": "spot"}, {"shape": "measured", "file": "runs/a/disc.npz"}]
+    assert moved["lubricant"] == {"oils": "runs/a/mine.toml"}
     assert data["roughness"][1]["file"] == "disc.npz"
 
 
@@ -153,36 +169,90 @@ def test_a_run_that_does_not_hear_is_ended(tmp_path):
     assert processes.status(run).phase is Phase.INTERRUPTED
 
 
+def test_runs_and_studies_are_deleted_whole_and_never_while_they_run(tmp_path):
+    folder = Folder.at(tmp_path)
+    processes, study = Processes(folder), tmp_path / "speeds"
+    runs = [make_run(study / "runs" / name) for name in ("0123456789abcdef", "fedcba9876543210")]
+    alone = make_run(tmp_path / "runs" / "0123456789abcdef")
+    assert [study_of(run, folder.root) for run in (*runs, alone)] == [study, study, None]
+    assert study_of(make_run(tmp_path / "sub" / "runs" / "ball"), folder.root) is None
+    for place in (runs[1], study):
+        with locked(place), pytest.raises(ValueError, match=f"{folder.name_of(place)}: is running; stop it"):
+            processes.delete(place)
+    with locked(runs[1]), pytest.raises(ValueError, match="speeds: is running"):
+        processes.delete(study)
+    (study / "sweep.csv").touch(), (study / "notes.txt").touch()
+    with pytest.raises(ValueError, match=r"speeds: holds other files \(notes.txt\)"):
+        processes.delete(study)
+    (study / "notes.txt").unlink()
+    processes.delete(runs[0])
+    assert not runs[0].exists() and runs[1].exists()
+    processes.delete(study)
+    processes.delete(alone)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["runs", "sub"]
+
+
 # -- the form ---------------------------------------------------------------------------------------------------------
 
 
+def chosen(**choices):
+    """The form after some choices, one after the other; of a path without its dots."""
+    form = Form()
+    for name, value in choices.items():
+        form.choose(name.replace("__", "."), value)
+    return form
+
+
 @pytest.mark.parametrize("kind", ["impact", "rolling"])
-@pytest.mark.parametrize("given", ["si", "moes"])
-def test_the_form_begins_with_a_case(kind, given):
-    filled = Form(given=given)
-    filled.choose("kind", kind)
-    assert parse_case(filled.data()).kind == kind
+@pytest.mark.parametrize(
+    "choices",
+    [
+        {"given": "moes"},
+        *({"bodies": bodies} for bodies in OPTIONS["bodies"]),
+        {"impact_by": "by-height"},
+        {"roughness__shape": "waviness", "roughness__wavelength_x": "", "roughness__wavelength_y": "50 um"},
+        {"roughness__shape": "self-affine", "roughness__surface": "2", "contact__slide_to_roll": "2"},
+        {"thermal": "warm", "lubricant__oil": "squalane"},
+    ],
+)
+def test_the_form_begins_with_a_case(kind, choices):
+    """Whatever is chosen; a method that the other kind does not have goes with the kind."""
+    case = parse_case(chosen(**choices, contact__kind=kind).data())
+    assert case.kind == kind
+    assert case.contact.ratio == {"ellipse": 0.25}.get(choices.get("bodies"), case.contact.ratio)
+    assert len(case.roughness) == ("roughness__shape" in choices)
+    assert (case.thermal is not None) == (kind == "rolling" and "thermal" in choices)
+    assert (case.contact.drop_height is not None) == (kind == "impact" and "impact_by" in choices)
+
+
+@pytest.mark.parametrize("kind", ["impact", "rolling"])
+def test_the_first_case_has_no_warning(tmp_path, kind):
+    assert form.outlook_of(chosen(contact__kind=kind).data(), Folder.at(tmp_path))["warnings"] == []
 
 
 def wrong_field(form):
     """The field that the message about a case names."""
     with pytest.raises(ConfigError) as error:
         parse_case(form.data())
-    return field_of(str(error.value))
+    return form.field_of(str(error.value))
 
 
 def test_a_named_oil_takes_a_temperature():
-    form = Form(oil="squalane", temperature="60 degC", eta0="nonsense that is not asked for")
+    form = chosen(
+        lubricant__oil="squalane", lubricant__temperature="60 degC", lubricant__eta0="nonsense, not asked for"
+    )
     assert form.data()["lubricant"] == {"oil": "squalane", "temperature": "60 degC"}
     assert parse_case(form.data()).oil.eta0 < 0.012
 
 
 def test_a_sliding_contact_may_thin_its_oil():
-    form = Form(slide_to_roll="0.1", rheology="ree-eyring", tau0="-3 MPa")
+    form = chosen(
+        contact__slide_to_roll="0.1", lubricant__rheology__law="ree-eyring", lubricant__rheology__tau0="-3 MPa"
+    )
     assert "rheology" not in form.data()["lubricant"]  # an impact does not slide
-    form.choose("kind", "rolling")
-    assert wrong_field(form) == "tau0"
-    form.choose("tau0", "3 MPa")
+    form.choose("contact.kind", "rolling")
+    assert wrong_field(form) == "lubricant.rheology.tau0"
+    form.choose("lubricant.rheology.tau0", "3 MPa")
     assert not parse_case(form.data()).oil.is_newtonian
 
 
@@ -192,25 +262,49 @@ def test_a_sliding_contact_may_thin_its_oil():
 )
 def test_layer_of_oil(kind, given, layer, thickness, wrong):
     """In both kinds of units; left empty, the contact is flooded."""
-    form = Form(given=given)
-    form.choose("kind", kind)
+    form = chosen(given=given, contact__kind=kind)
     assert "lubricant.layer" not in str(form.data()) and parse_case(form.data()).layer is None
-    form.choose("layer", layer)
+    form.choose("lubricant.layer", layer)
     case = parse_case(form.data())
     assert case.layer == pytest.approx(thickness / (case.scales.film if case.scales else 1.0))
     for value in (wrong, "[[0, 0]]"):
-        form.choose("layer", value)
-        assert wrong_field(form) == "layer"
+        form.choose("lubricant.layer", value)
+        assert wrong_field(form) == "lubricant.layer"
 
 
-def test_messages_name_their_field():
-    assert wrong_field(Form(radius="10 furlong")) == "radius"
-    assert field_of("lubricant.temperature: missing") == "temperature"
-    assert field_of("solver.radius = 1: unknown key") is None
+@pytest.mark.parametrize(
+    ("choices", "field"),
+    [
+        ({"contact__radius": "10 furlong"}, "contact.radius"),
+        ({"bodies": "ellipse", "contact__radius_y": "-1 mm"}, "contact.radius_y"),
+        ({"impact_by": "by-height", "contact__drop_height": "1"}, "contact.drop_height"),
+        ({"roughness__shape": "spot", "roughness__depth": "deep"}, "roughness.depth"),
+        ({"contact__kind": "rolling", "thermal": "warm"}, "thermal.temperature"),
+        ({"contact__kind": "rolling", "roughness__shape": "spot"}, "roughness.surface"),
+    ],
+)
+def test_messages_name_their_field(choices, field):
+    assert wrong_field(chosen(**choices)) == field
+
+
+def test_messages_on_what_is_not_in_the_form():
+    assert Form().field_of("solver.radius = 1: unknown key") is None
+    assert Form().field_of("lubricant.temperature: missing") is None  # that of a named oil
+    assert chosen(lubricant__oil="squalane").field_of("lubricant.temperature: missing") == "lubricant.temperature"
+
+
+def test_each_key_of_the_form_has_the_help_of_the_command():
+    told = " ".join(ertel_("run", "--help-keys").stdout.split())
+    form = chosen(contact__kind="rolling", thermal="warm", roughness__shape="spot", given="moes")
+    for name, field in {**form.shown(), **Form().shown()}.items():
+        assert (field.key is None) == (name in ("given", "bodies", "impact_by"))
+        assert field.label and (field.key is None or field.key.meaning.text in told)
+    assert form.hint("lubricant.layer_1") == "" and Form().hint("lubricant.layer_1") == "such as 1 um"
+    assert form.hint("roughness.x") == "0.0"
 
 
 def test_the_outlook_is_that_of_ertel_check(tmp_path):
-    data, folder = Form(M="500", given="moes").data(), Folder.at(tmp_path)
+    data, folder = chosen(contact__M="500", given="moes").data(), Folder.at(tmp_path)
     (tmp_path / "case.toml").write_text(tomli_w.dumps(data))
     checked = json.loads(ertel_("check", str(tmp_path / "case.toml"), "--json").stdout)
     assert {**form.outlook_of(data, folder), "name": "case"} == checked
@@ -256,9 +350,34 @@ def test_pictures_are_drawn_once(tmp_path, plots, monkeypatch):
     run = make_run(tmp_path / "run")
     request = PlotRequest(run, "front", "max-approach", kind="svg", stamp=stamp_of(run))
     first = asyncio.run(plots.draw(request))
-    assert first.startswith(b"<?xml")
+    assert first.content.startswith(b"<?xml") and first.readout is None
     monkeypatch.setattr(pictures, "draw_picture", None)
     assert asyncio.run(plots.draw(request)) is first
+
+
+def test_readout_of_a_picture(tmp_path, plots):
+    """Film and pressure of the run at the place that a map shows, also where equal scales make the map wider."""
+    run = make_run(tmp_path / "run")
+    data, stamp = RunStore.open(run).dataset(), stamp_of(run)
+    request = PlotRequest(run, "maps", "max-approach", dots=20, stamp=stamp)
+    for figure in ("maps", "film", "interferogram"):
+        beside = PlotRequest(run, figure, 0.05, stamp=stamp) if figure == "film" else None
+        found = asyncio.run(plots.draw(replace(request, figure=figure, beside=beside))).readout
+        assert len(found.boxes) == (2 if figure == "maps" else 1)
+        (left, right, low, high), edges = found.boxes[-1]
+        x, y = edges[0] + 0.7 * (edges[1] - edges[0]), edges[2] + 0.4 * (edges[3] - edges[2])
+        at = data.isel(frame=8).interp(r=np.hypot(x, y) / data["r"].si_factor)
+        film, pressure = (float(at[name]) * data[name].si_factor for name in ("H", "P"))
+        text = found.at(left + 0.7 * (right - left), 1.0 - low - 0.4 * (high - low))
+        read = {
+            name: in_base_units(*shown.split()) for name, shown in (each.split(" = ") for each in text.split(",  "))
+        }
+        assert read == pytest.approx({"x": x, "y": y, "h": film, "p": pressure}, rel=5e-3)
+
+
+def in_base_units(value, unit):
+    powers = {prefix: power for power, prefix in PREFIXES.items()}
+    return float(value) * 10.0 ** powers[unit.removesuffix("m").removesuffix("Pa")]
 
 
 def test_errors_are_plain(tmp_path, plots):
@@ -282,19 +401,19 @@ from ertel.apps.browser.processes import Processes
 from ertel.results.numbers import key_numbers
 
 folder = Folder.at(Path(sys.argv[1]))
-outlook_of(Form().data(), folder)
 (run,) = folder.runs()
 key_numbers(summary_of(run))
 Processes(folder).status(run)
-print([name for name in ("jax", "matplotlib", "xarray") if name in sys.modules])
+heavy = "jax", "matplotlib", "xarray", "zarr", "pandas", "scipy", "pint"
+print([name for name in heavy if name in sys.modules])
 run_info(run, stamp_of(run))
-for figure in ("front", "interferogram"):
-    draw_picture(PlotRequest(run, figure, "max-approach", dots=20, stamp=stamp_of(run)))
-print("jax" in sys.modules)
+outlook_of(Form().data(), folder)
+draw_picture(PlotRequest(run, "maps", "max-approach", dots=20, stamp=stamp_of(run)))
+print([name for name in ("jax", "scipy.optimize", "scipy.interpolate") if name in sys.modules])
 """
 
 
 def test_neither_process_of_the_app_imports_jax(tmp_path):
-    """The web process imports no matplotlib and no xarray either."""
+    """The web process imports nothing else that is heavy; the other one not what maps do without."""
     make_run(tmp_path / "run")
-    assert python("-c", LIGHT, str(tmp_path)).stdout.splitlines()[-2:] == ["[]", "False"]
+    assert python("-c", LIGHT, str(tmp_path)).stdout.splitlines()[-2:] == ["[]", "[]"]

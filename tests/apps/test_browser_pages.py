@@ -1,22 +1,25 @@
 """The pages of the app without a browser: NiceGUI's simulated user, on a made-up run and a process that stands in."""
 
 import asyncio
+import dataclasses
 import json
 import os
 from concurrent.futures import ThreadPoolExecutor
 
+import numpy as np
 import pytest
 
 pytest.importorskip("nicegui")
 import pytest_asyncio
-from app_runs import make_run, stand_in
+from app_runs import make_fit, make_run, stand_in
 from nicegui import ElementFilter, app, ui
 from nicegui.testing import user_simulation
 
 from ertel.apps.browser import form, new_page, pictures, server
 from ertel.apps.browser.folder import Folder
-from ertel.apps.browser.pictures import Worker
+from ertel.apps.browser.pictures import Picture, Worker
 from ertel.apps.browser.processes import Phase, Processes
+from ertel.apps.browser.readout import Readout
 from ertel.apps.browser.site import Site, address_of
 from ertel.case.rules import plain_name
 from ertel.runs.directory import CASE
@@ -27,13 +30,22 @@ pytestmark = [
 ]
 
 
+READOUT = Readout(  # film x + 10 y, pressure 1 Pa
+    [((0.2, 0.6, 0.1, 0.9), (-1e-6, 1e-6, -2e-6, 2e-6))], False, np.array([-1e-6, 1e-6]), np.array([-2e-6, 2e-6]),
+    [np.array([[-21e-6, -19e-6], [19e-6, 21e-6]]), np.ones((2, 2))], {"x": "m", "y": "m", "h": "m", "p": "Pa"}, True,
+)  # fmt: skip
+
+
 @pytest.fixture
 def site(tmp_path, monkeypatch):
     """The app in a folder with one run; ertel run and the pictures are stand-ins."""
 
-    monkeypatch.setattr(
-        pictures, "draw_picture", lambda request: f"{request.kind} {request.figure} at {request.at}".encode()
-    )
+    def stand_in_picture(request):
+        beside = f" beside {request.beside.run.name}" if request.beside else ""
+        content = f"{request.kind} {request.figure} at {request.at}{beside}"
+        return Picture(content.encode(), None if beside else READOUT)
+
+    monkeypatch.setattr(pictures, "draw_picture", stand_in_picture)
     folder = tmp_path / "folder"
     make_run(folder / "runs" / "ball")
     (tmp_path / "aside").mkdir()
@@ -87,22 +99,36 @@ async def test_the_first_page_lists_the_runs_and_a_page_of_no_run_says_so(user):
 async def test_bad_input_is_answered_in_the_words_of_ertel(user):
     await user.open("/new")
     await until(lambda: one(user, "run").enabled)
-    one(user, "speed").set_value("10 m/s")
+    one(user, "contact.speed").set_value("10 m/s")
     await user.should_see("and steel of the hardness", retries=50)
-    one(user, "radius").set_value("10 furlong")
+    one(user, "contact.radius").set_value("10 furlong")
     await user.should_see('contact.radius = "10 furlong": must be between', retries=50)
-    assert one(user, "radius").props["error"]
+    field = one(user, "contact.radius")
+    assert field.props["error"] and field.props["error-message"] == "must be between 1e-06 and 100 m"
     assert not one(user, "run").enabled
-    one(user, "radius").set_value("12 mm")
+    one(user, "contact.radius").set_value("12 mm")
     await user.should_see(marker="ready", retries=50)
-    assert "error" not in one(user, "radius").props
+    assert not one(user, "contact.radius").props["error"]
+
+
+async def test_a_wrong_value_unfolds_its_group(user):
+    await user.open("/new")
+    fold = one(user, f"fold-{form.LAYER}")
+    assert not fold.value
+    one(user, "lubricant.layer").set_value("-1 um")
+    await until(lambda: fold.value)
+    assert "above zero" in one(user, "lubricant.layer").props["error-message"]
+    await user.should_not_see(marker="roughness.depth")
+    one(user, "roughness.shape").set_value("spot")
+    await until(lambda: one(user, "roughness.depth"))
+    assert one(user, f"fold-{form.ROUGHNESS}").value and one(user, "solver.method").value == "2d"
 
 
 async def test_the_form_follows_its_choices_and_makes_a_case_file(user):
     await user.open("/new")
-    one(user, "kind").set_value("rolling")
-    one(user, "oil").set_value("squalane")
-    one(user, "slide_to_roll").set_value("0.1")
+    one(user, "contact.kind").set_value("rolling")
+    one(user, "lubricant.oil").set_value("squalane")
+    one(user, "contact.slide_to_roll").set_value("0.1")
     user.find(marker="tab-text").click()
     await until(lambda: one(user, "run").enabled)
     text = one(user, "text").value
@@ -155,6 +181,93 @@ async def test_a_page_of_a_run(user, site):
     user.find(ui.tabs).elements.pop().set_value("interferogram")
     await user.should_see(marker="light")
     await until(lambda: one(user, "picture").props["src"] != second)
+
+
+async def test_values_under_the_pointer(user):
+    await user.open("/run?name=runs/ball")
+    await until(lambda: "src" in one(user, "picture").props)
+    user.find(marker="picture").trigger("pointermove", [0.55, 0.3])
+    await until(lambda: one(user, "readout").text == "x = 0.75 µm,  y = 1 µm,  h = 10.75 µm,  p = 1 Pa")
+    user.find(marker="picture").trigger("pointermove", [0.7, 0.3])  # beside the map
+    await until(lambda: one(user, "readout").text == "")
+    assert dataclasses.replace(READOUT, is_turned=True).at(0.55, 0.3).startswith("x = 1 µm,  y = 0.75 µm")
+    dimensionless = dataclasses.replace(READOUT, units={"x": "a", "y": "a", "h": "a^2/R", "p": "p_h"}, in_si=False)
+    assert dimensionless.at(0.5, 0.5) == "X = 5e-07 a,  Y = 0 a,  H = 5e-07 a^2/R,  P = 1 p_h"
+
+
+async def test_pictures_ahead_of_the_slider(user, site):
+    """The next three, the way that it moves; those that were drawn are not drawn again."""
+    await user.open("/run?name=runs/ball")
+    slider, T = one(user, "slider"), (await site.worker.info(site.folder.root / "runs" / "ball")).T
+
+    def drawn():
+        return [each.content.decode().removeprefix("png maps at ") for each in site.worker.kept.values()]
+
+    await until(lambda: drawn() == ["max-approach", *map(str, T[9:12])])
+    slider.set_value(3)
+    await until(lambda: drawn()[4:] == [str(T[frame]) for frame in (3, 2, 1, 0)])
+    slider.set_value(2)
+    await until(lambda: site.worker.kept[one(user, "picture").props["src"]].content.endswith(str(T[2]).encode()))
+    assert len(drawn()) == 8
+
+
+async def test_a_run_is_deleted_after_a_question(user, site):
+    run, other = (site.folder.root / "runs" / name for name in ("ball", "other"))
+    make_run(other)
+    await user.open("/run?name=runs/ball")
+    await user.should_see("finished")
+    user.find(marker="delete-run").click()
+    await user.should_see("Delete runs/ball?")
+    user.find("Cancel").click()
+    assert run.exists()
+    user.find(marker="delete-run").click()
+    await until(lambda: all_of(user, "delete-it"))
+    user.find(marker="delete-it").click()
+    await user.should_see("Impact and rolling of lubricated point contacts", retries=50)  # the page has ended
+    assert not run.exists() and site.folder.runs() == [other]
+    user.find(marker="delete").click()  # in the list
+    await user.should_see("Delete runs/other?")
+
+
+async def test_a_fit_is_started_stopped_and_goes_on_to_its_values(user, site, tmp_path):
+    root = site.folder.root
+    make_fit(root, tmp_path / "aside" / "fit")
+    await user.open("/")
+    await user.should_see("not started · fit")
+    await user.open("/fit?name=fits/film")
+    assert "[[measurements]]" in one(user, "listing").text and one(user, "phase").text == "not started"
+    user.find(marker="start").click()
+    await until(lambda: one(user, "phase").text == "running")
+    await user.should_see("point 2 of the search")
+    user.find(marker="stop").click()
+    await until(lambda: one(user, "phase").text == "interrupted")
+    await user.should_not_see(marker="values")
+    user.find(marker="start").click()
+    await until(lambda: all_of(user, "values"))
+    assert one(user, "phase").text == "finished"
+    (eta0, alpha) = one(user, "values").rows
+    assert eta0["value"] == "97.6 mPa*s" and alpha["unknown"] == "alpha" and float(eta0["alpha"]) < -0.99
+    for text in ("The data fix alpha*eta0", "3 data, chi square", "Hardly decided"):
+        await user.should_see(text)
+    assert site.folder.run("fits/film/runs/best") not in site.folder.runs()  # it is that of the fit
+    (root / "fits" / "film" / "fit.zarr" / "zarr.json").write_text("{")
+    await user.open("/fit?name=fits/film")
+    await user.should_see("The outcome of this fit cannot be read", retries=50)
+    fit = root / "fits" / "film"
+    site.processes.delete(fit)
+    assert not fit.exists() and site.processes.status(fit).phase is Phase.NEW
+
+
+async def test_a_fit_of_files_outside_is_not_started(user, site, tmp_path):
+    make_fit(site.folder.root, tmp_path / "aside" / "fit")
+    file = site.folder.root / "film.toml"
+    file.write_text(file.read_text().replace("film.csv", "../film.csv"))
+    await user.open("/fit?name=fits/film")
+    user.find(marker="start").click()
+    await user.should_see("../film.csv: lies outside")
+    assert site.processes.ours() == []
+    await user.open("/fit?name=fits/ball")
+    await user.should_see("fits/ball is not a fit")
 
 
 # -- names ------------------------------------------------------------------------------------------------------------
@@ -248,6 +361,8 @@ async def test_two_runs_are_compared_at_one_time(user, site):
     pictures = all_of(user, "picture")
     await until(lambda: all("src" in picture.props for picture in pictures))
     assert one(user, "slider").value == 8  # at maximum approach
+    shown = [(await user.http_client.get(picture.props["src"])).text for picture in pictures]
+    assert shown == ["png film at 2.45 beside other", "png film at 2.45 beside ball"]
     before = {picture.props["src"] for picture in pictures}
     one(user, "slider").set_value(3)
     await until(lambda: not before & {picture.props["src"] for picture in pictures})

@@ -155,6 +155,13 @@ def test_a_profile_is_exported_and_compared_with_its_run(runs, tmp_path):
     said = ertel_("compare", plane, str(moved), *given_, "--plot", str(tmp_path / "both.png")).stdout
     assert "centre 2 µm; offset 30 nm" in said and said.endswith("both.png\n")
     assert (tmp_path / "both.png").read_bytes().startswith(b"\x89PNG")
+    assert ertel_("compare", plane, str(moved), *given_, "--plot").stdout.endswith("plots/compared-moved.png\n")
+    assert ertel_("compare", plane, str(moved), "--plot", *given_).stdout.endswith("plots/compared-moved.png\n")
+    indexed = ["--align", "index", "--index", "1.5", "--at", "3 us", "--json"]
+    assert json.loads(ertel_("compare", plane, str(path), *indexed).stdout)["shift"]["index"] == pytest.approx(1.5)
+    (tmp_path / "x.csv").write_text(path.read_text().replace("y_m", "x_m"))
+    seen = ertel_("plot", plane, "--measured", str(tmp_path / "x.csv"), "--out", out, "--at", "3 us", "--columns", "1")
+    assert seen.stdout == f"{tmp_path / 'profiles.png'}\n"
 
 
 @pytest.mark.parametrize(
@@ -162,6 +169,12 @@ def test_a_profile_is_exported_and_compared_with_its_run(runs, tmp_path):
     [
         ("compare plane film.csv", "it has 'place', 'film'"),
         ("compare plane film.csv --column at=s", "--column at: must be"),
+        ("compare plane none.csv", "none.csv"),
+        ("plot plane --measured none.csv", "none.csv: not a file in "),
+        ("plot plane --align centre", "--align, --column: only for --measured"),
+        ("plot plane --coatings silica", "--coatings silica: only for --interferogram"),
+        ("compare plane plane --index 1.5", "--index: only for a measurement"),
+        ("compare plane film.csv --coatings gold", "coatings = 'gold': allowed: chromium, silica"),
         ("compare plane plane --at 1", "--at: only for a measurement"),
         ("compare plane plane --along y", "--along: only for a measurement"),
         ("export plane --along y", "--along y: only for --what profile"),
@@ -224,6 +237,13 @@ def test_movies(seen, kind):
         assert movie.n_frames == 4
 
 
+def test_movies_of_the_film(seen, monkeypatch):
+    monkeypatch.setattr("ertel.plots.movies.SECONDS", 0.1)
+    ertel_("plot", "ball", "--what", "film", "--format", "gif", "--rate", "20")
+    with Image.open(seen / "ball" / "plots" / "film.gif") as movie:
+        assert (movie.n_frames, movie.info["duration"]) == (2, 50)
+
+
 def test_mp4(seen):
     pytest.importorskip("imageio_ffmpeg", reason="writes MP4, of the extra movie")
     ertel_("plot", "ball", "--interferogram", "mono", "--format", "mp4")
@@ -239,12 +259,14 @@ def test_mp4_needs_its_extra(seen, monkeypatch):
 @pytest.mark.parametrize(
     ("directory", "flags", "said"),
     [
-        ("ball", "--format gif", "--format gif: only an interferogram can be a movie; add --interferogram mono"),
+        ("ball", "--format gif", "--format gif: needs --what film, --what pressure or --interferogram mono"),
+        ("ball", "--format gif --what oil", "--format gif: needs --what film, --what pressure or --interferogram mono"),
+        ("ball", "--rate 20", "--rate 20: only for movies; add --format gif"),
         ("ball", "--format gif --interferogram mono --at end", "--at end: a movie shows all times"),
-        ("ball", "--format gif --interferogram mono --columns 1", "--columns, --no-title: only for pictures"),
+        ("ball", "--format gif --interferogram mono --columns 1", "only for pictures; a movie has none"),
         ("ball", "--wavelength 532nm", "--wavelength 532nm: only for --interferogram mono or two-beam"),
         ("ball", "--wavelength 532nm --interferogram white", "only for --interferogram mono or two-beam"),
-        ("ball", "--wavelength green --interferogram mono", '--wavelength green: must be a quantity above zero with a'),
+        ("ball", "--wavelength green --interferogram mono", "wavelength = 'green': must be a quantity above zero"),
         ("ball", "--wavelength 5mm --interferogram mono", "wavelength = 0.005 m: must be from 2e-7 to 1e-5 m"),
         ("moes", "--interferogram mono", "the run is dimensionless, and light needs a film in nm; run a case in SI"),
         ("rolls", "--interferogram mono --format webp", "a steady contact does not move"),

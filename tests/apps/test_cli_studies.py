@@ -16,7 +16,7 @@ import ertel
 from ertel.case.status import Status
 from ertel.results.fit_result import FitResult
 from ertel.results.study_result import StudyResult
-from ertel.runs.directory import STOP, ask_to_stop
+from ertel.runs.directory import STOP, ask_to_stop, read_progress
 from ertel.runs.drive import drive
 from ertel.runs.files import StoreError
 from ertel.runs.store import RunStore
@@ -212,11 +212,15 @@ def test_a_film_that_does_not_converge_fails(here, monkeypatch):
 def test_a_fit_is_printed_and_stored_and_goes_on(here, monkeypatch, interrupted, empty_pictures):
     place = here / "fits" / "film"
     interrupted(*FITTED)
-    assert names(place) - LEFT == {"runs"} and len(names(place / "runs")) == 1
+    assert names(place) - LEFT == {"runs", "progress.json"} and len(names(place / "runs")) == 1
+    assert (read_progress(place)["status"], read_progress(place)["step"]) == ("running", 0)
     text = ertel_(*FITTED).stdout
     for part in ("fit of drop", "20 mPa*s", "5 %", "the prior does, to 5 %", "with fit.zarr, fit.csv and fit.png"):
         assert part in text
-    assert names(place) == LEFT | {"runs", "fit.zarr", "fit.csv", "fit.png"}
+    assert names(place) == LEFT | {"runs", "progress.json", "fit.zarr", "fit.csv", "fit.png"}
+    progress = read_progress(place)
+    assert (progress["status"], progress["done"]) == ("converged", 1.0) and progress["step"] > 0
+    assert re.search(r"residuals \S+ times their sigma at eta0 = 20 mPa\*s$", progress["message"])
     monkeypatch.setattr("ertel.runs.store.drive", None)  # nothing is computed again
     [unknown] = json.loads(ertel_(*FITTED, "--json").stdout)["unknowns"]
     assert unknown["value"] == pytest.approx(0.02, rel=1e-3) and unknown["unit"] == "Pa*s"

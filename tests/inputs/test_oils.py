@@ -188,7 +188,7 @@ def test_no_temperatures(text):
 
 @pytest.mark.parametrize("name", ["", "oil", "../materials/steel", "squalane.toml"])
 def test_unknown_names(name):
-    with pytest.raises(ConfigError, match=r'^oil = ".*": allowed: iso-vg-100, .*squalane$'):
+    with pytest.raises(ConfigError, match=r'^oil = ".*": allowed: iso-vg-100, .*squalane, white-oil$'):
         oils.get(name)
     with pytest.raises(ConfigError, match=r'^material = ".*": allowed: glass, .*tungsten-carbide$'):
         materials.get(name)
@@ -228,3 +228,95 @@ def test_a_data_sheet_with_a_known_alpha():
 def test_what_a_data_sheet_cannot_have(change, message):
     with pytest.raises(ConfigError, match=f"^{message}"):
         oils.data_sheet(**SHEET | change)
+
+
+# -- own oils ----------------------------------------------------------------------------------------------------------
+
+GEAR = '[gear]\nreference = "sheet of 2024"\nnu40 = "68 mm^2/s"\nnu100 = "8.7 mm^2/s"\ndensity = "880 kg/m^3"\n'
+MEASURED = """
+[bench]
+text = "the oil of our rig"
+[bench.viscosity]
+law = "astm-d341"
+nu40 = "19 mm^2/s"
+nu100 = "4.1 mm^2/s"
+coldest = "20 degC"
+hottest = "100 degC"
+source = "our viscometer"
+[bench.density]
+density = "820 kg/m^3"
+coldest = "20 degC"
+hottest = "100 degC"
+source = "our balance"
+[bench.pressure]
+law = "power-of-viscosity"
+alpha_1 = "15 / GPa"
+eta_1 = "15 mPa*s"
+exponent = 0.13
+coldest = "20 degC"
+hottest = "80 degC"
+source = "our rig, batch 7"
+"""
+
+
+def test_own_oils_of_the_configuration_are_in_the_library(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    assert "bench" not in oils.names()
+    (tmp_path / "ertel").mkdir()
+    (tmp_path / "ertel" / "oils.toml").write_text(GEAR + MEASURED)
+    assert {"bench", "gear", "squalane"} <= set(oils.names())
+    sheet = oils.data_sheet("68 mm^2/s", "8.7 mm^2/s", "880 kg/m^3", "60 degC")
+    assert oils.at("gear", "60 degC").eta0 == sheet.eta0
+    assert (
+        "sheet of 2024" in oils.at("gear", "60 degC").reference
+        and "our rig, batch 7" in oils.at("bench", "25 degC").reference
+    )
+    with pytest.raises(ConfigError, match=r"temperature = \"90 degC\".* 20 degC and 80 degC.*\(bench\)"):
+        oils.at("bench", "90 degC")
+    with pytest.raises(ConfigError, match=r'oil = "bensch": allowed: bench, gear, '):
+        oils.get("bensch")
+
+
+def test_a_case_with_own_oils_holds_their_numbers(tmp_path):
+    """The file beside the case file may go: digest and resolved case have the numbers."""
+    (tmp_path / "mine.toml").write_text(MEASURED)
+    contact = (
+        '[contact]\nkind = "rolling"\nradius = "10 mm"\nload = "10 N"\nmean_speed = "1 m/s"\nE_prime = "231 GPa"\n'
+    )
+    lubricant = '[lubricant]\noil = "bench"\noils = "mine.toml"\ntemperature = "30 degC"\n[solver]\nnodes = 65\n'
+    (tmp_path / "case.toml").write_text(contact + lubricant)
+    case = ertel.load_case(tmp_path / "case.toml")
+    assert case.oil.eta0 == oils.read_file(tmp_path / "mine.toml")["bench"].viscosity_at(303.15)
+    (tmp_path / "mine.toml").write_text(MEASURED.replace("19 mm", "21 mm"))
+    assert ertel.load_case(tmp_path / "case.toml").digest != case.digest
+    (tmp_path / "mine.toml").unlink()
+    again = ertel.parse_case(tomllib.loads(ertel.to_toml(case)))
+    assert again.digest == case.digest and "mine.toml" not in ertel.to_toml(case)
+    with pytest.raises(
+        ConfigError, match=r"^lubricant\.oils: the file of oils .*mine\.toml: cannot be read, no such file"
+    ):
+        ertel.load_case(tmp_path / "case.toml")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (MEASURED.replace('source = "our rig, batch 7"', ""), r"bench\.pressure\.source: missing"),
+        (MEASURED.replace('source = "our balance"', "source = 7"), r"bench\.density\.source = 7: must be"),
+        (MEASURED.replace('text = "the oil of our rig"', ""), r"bench\.text: missing"),
+        (MEASURED.partition("[bench.pressure]")[0], r"bench\.pressure: missing"),
+        (MEASURED.replace('"astm-d341"', '"so-klaus"'), r'bench\.viscosity\.law = "so-klaus": .* astm-d341, v'),
+        (MEASURED.replace("exponent", "exponnent"), r"bench\.pressure\.exponnent = 0\.13: unknown key; .*exponent"),
+        (MEASURED.replace('"19 mm^2/s"', '"3 mm^2/s"'), r"bench\.viscosity.*nu40 = 3 mm\^2/s.*nu40 > nu100"),
+        (MEASURED.replace('"80 degC"', '"80"'), r'bench\.pressure\.hottest = "80": '),
+        (MEASURED.replace("[bench.density]", "[bench.colour]"), r"bench\.colour = .*: unknown key; .*density"),
+        (GEAR.replace('reference = "sheet of 2024"', ""), r"gear\.reference: missing"),
+        (GEAR.replace("gear", "squalane"), r"squalane: the library has an oil of this name"),
+        ("gear = 5", r"gear = 5: must be a table"),
+        ("gear = ", r"Invalid value"),
+    ],
+)  # fmt: skip
+def test_wrong_files_of_oils_are_refused_with_file_and_key(tmp_path, text, said):
+    (tmp_path / "mine.toml").write_text(text)
+    with pytest.raises(ConfigError, match=rf"mine\.toml: .*{said}"):
+        oils.read_file(tmp_path / "mine.toml")

@@ -1,6 +1,7 @@
 """What a tribologist types in Python: the same keys, the same case and the same messages as in a case file."""
 
 import inspect
+import re
 from dataclasses import fields
 
 import numpy as np
@@ -67,6 +68,33 @@ def test_a_wrong_keyword_is_named_with_a_hint(function):
         function(raduis=0.01)
     with pytest.raises(TypeError, match="'ellipticity': give radius_ratio"):
         function(ellipticity=2.0)
+    with pytest.raises(TypeError, match=r"'eta0': did you mean oil=Oil\(eta0=...\)\? allowed: M, L"):
+        function(eta0=0.1)
+
+
+def test_a_key_of_a_section_is_refused_with_its_place():
+    """Not thermal in an impact, which has none; what the other kind of contact has is said in its words."""
+    with pytest.raises(TypeError, match=r"'inertia': did you mean motion={'inertia': ...}\?"):
+        ertel.rolling(inertia=1.0)
+    with pytest.raises(TypeError, match=r"'conductivity': did you mean thermal={'conductivity': ...}\?"):
+        ertel.rolling(conductivity=0.14)
+    with pytest.raises(TypeError, match="'conductivity': allowed: "):
+        ertel.impact(conductivity=0.14)
+    with pytest.raises(TypeError, match="'load': its load follows from mass and speed"):
+        ertel.impact(load=20.0)
+
+
+@pytest.mark.parametrize(("function", "speed"), [(ertel.impact, "speed"), (ertel.rolling, "load")])
+def test_keywords_are_grouped_and_the_usual_ones_come_first(function, speed):
+    documented, order = inspect.getdoc(function) or "", list(inspect.signature(function).parameters)
+    bullets = re.findall(r"^\* ([a-z ]+): ((?:.|\n  )+)", documented, re.MULTILINE)
+    groups = {title: re.findall(r"\w+", names) for title, names in bullets}
+    assert list(groups) == ["contact", "oil", "grid", "time and output"]
+    assert [name for names in groups.values() for name in names] == order
+    assert groups["contact"][:2] == ["radius", speed] and groups["grid"][:2] == ["method", "nodes"]
+    usual, others = documented.partition("Parameters\n---")[2].split("Other Parameters\n---")
+    assert re.findall(r"^(\w+)(?= :|$)", usual, re.MULTILINE) == [name for name in order if f"\n{name}" in usual]
+    assert len(re.findall(r"^\w+(?= :|$)", usual, re.MULTILINE)) in (11, 12) and "\nhalf_width :" in others
 
 
 def test_keywords_that_are_none_are_left_out():

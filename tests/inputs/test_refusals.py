@@ -91,7 +91,13 @@ CONTACTS += [
     (BODIED | {"material_2": "wood"}, ['contact.material_2 = "wood": allowed: glass, sapphire, ']),
     (BODIED | {"material_2": 2}, ["contact.material_2 = 2: allowed: glass, sapphire, "]),
     (without("material_2", BODIED), ["contact.E2: missing"]),
-    (BODIED | {"temperature": "40 degC"}, ['contact.temperature = "40 degC": unknown key; allowed: material_1, ']),
+    (
+        BODIED | {"temperature": "40 degC"},
+        [
+            'contact.temperature = "40 degC": unknown key; did you mean lubricant.temperature or',
+            "? allowed: material_1, ",
+        ],
+    ),
 ]
 
 # radii of curvature
@@ -204,6 +210,10 @@ SECTIONS: Rows = [
     ({"contat": {}}, ["contat = {  }: unknown key; did you mean contact? allowed: ", "solver"]),
     ({"schema": True}, ["schema = true: allowed: 1"]),
     ({"solver": {"node": 3}}, ["solver.node = 3: unknown key; did you mean nodes?", "half_width"]),
+    ({"nodes": 65}, ["nodes = 65: unknown key; did you mean solver.nodes? allowed: schema, name, contact"]),
+    ({"tolerance": 1}, ["tolerance = 1: unknown key; did you mean solver.tolerance or time.tolerance?"]),
+    ({"oil": "squalane"}, ['oil = "squalane": unknown key; did you mean lubricant.oil?']),
+    ({"solver": {"until": 1}}, ["solver.until = 1: unknown key; did you mean time.until? allowed: method"]),
     ({"solver": 5}, ["solver = 5: must be a section, [solver]"]),
     ({"solver": {"nodes": 100}}, ["solver.nodes = 100: ", "97", "105"]),
     (

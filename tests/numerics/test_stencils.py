@@ -12,7 +12,7 @@ from made_up import even_fields, every_symmetry
 from numpy.testing import assert_allclose, assert_array_equal
 
 from ertel.numerics import stencils
-from ertel.numerics.grid import Symmetry
+from ertel.numerics.grid import Grid, Symmetry
 from ertel.numerics.stencils import POINTS, Pair, folded
 
 NODES = 9
@@ -52,6 +52,14 @@ def test_diffusion_is_that_of_plain_loops(even: Symmetry, directions: str) -> No
     found, faces = both(pair, kept[0])
     np.testing.assert_allclose(found, folded(diffusion_in_loops((eps_x, eps_y), f), even), atol=1e-14)
     np.testing.assert_allclose(faces, folded(face_sum_in_loops((eps_x, eps_y)), even), atol=1e-14)
+
+
+@every_symmetry
+def test_the_middle_of_a_grid(even: Symmetry) -> None:
+    grid = Grid(17, 9, 0.5, even=even)
+    field, middle = grid.kept_x + 10 * grid.kept_y[:, None], grid.middle()
+    assert (middle.x[-1], middle.y[-1]) == (2.0, 1.0)
+    assert_array_equal(field[stencils.middle(field.shape, even)], middle.kept_x + 10 * middle.kept_y[:, None])
 
 
 @every_symmetry

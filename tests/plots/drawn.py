@@ -27,7 +27,7 @@ def words(axes):
 
 
 def of_type(axes, name):
-    """The collections of a type: QuadMesh, QuadContourSet."""
+    """The collections of a type, such as QuadContourSet."""
     return [collection for collection in axes.collections if type(collection).__name__ == name]
 
 

@@ -1,16 +1,20 @@
 """The picture of a measurement over a run."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from drawn import line, panels, words
 from made_up import BALL_FALLS, dry_impact
 from matplotlib.figure import Figure
 
-from ertel import Measurement
+from ertel import Measurement, plots
 from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
+from ertel.optics import Interferometer, Rig
 from ertel.plots import NoFigure
+from ertel.results.alignment import light_along
 from ertel.results.result import Result
 
 
@@ -35,6 +39,67 @@ def test_a_profile_over_that_of_the_run_with_the_rms_difference_in_the_title(bal
     figure.draw_without_rendering()
 
 
+def test_measured_film_and_pressure_on_the_profiles_of_the_run(ball):
+    """Aligned, in the units of the picture; at the moment of the measurement, or of the picture."""
+    there = ball.profile("60 us")
+    x, h = there["x"].values[10:-10], there["h"].values[10:-10]
+    film = Measurement(
+        "profile", "h", h + 1e-7, x + 5e-6, 1e-8, at="60 us", align=("centre", "offset"), name="film.csv"
+    )
+    pressure = Measurement("profile", "p", there["p"].values[10:-10], x, name="sensor.csv")
+    above, below = panels(ball.plot.profiles(measured=[film, pressure]))[:2]
+    points = next(each for each in above.containers if each.get_label() == "measured, film.csv").lines[0]
+    assert points.get_xdata() == pytest.approx(x * 1e6, abs=0.1) and points.get_ydata() == pytest.approx(
+        h * 1e9, rel=0.02
+    )
+    points = next(each for each in below.containers if each.get_label() == "measured, sensor.csv").lines[0]
+    assert points.get_ydata() == pytest.approx(there["p"].values[10:-10] * 1e-9)
+    assert "59.85 µs" in ball.plot.profiles(measured=film).get_suptitle()
+    late = ball.plot.profiles(at="90 us", measured=pressure)
+    assert "89.78 µs" in late.get_suptitle()
+
+
+def test_light_along_a_line_beside_the_computed_one_and_a_film_on_the_chart(ball):
+    x, rig = np.linspace(-2e-4, 2e-4, 41), Rig(oil_index=1.45)
+    light = light_along(ball.profile("60 us"), ball.case, Interferometer(rig))
+    seen = Measurement("profile", "intensity", 50 + 200 * np.interp(x, light["x"], light), x, 2.0, at="60 us")
+    film = Measurement("profile", "h", np.full(41, 2e-7), x, at="60 us")
+    _, chart, beside = panels(ball.plot.interferogram(rig=rig, measured=[seen, film]))
+    assert chart.containers[0].lines[0].get_ydata() == pytest.approx(200.0)
+    assert line(beside, "computed").get_ydata() == pytest.approx(50 + 200 * light.sel(x=slice(-2e-4, 2e-4)).values)
+    assert beside.containers[0].lines[0].get_ydata() == pytest.approx(seen.values)
+    own = replace(seen, optics=Interferometer(Rig(oil_index=1.5)))
+    other = panels(ball.plot.interferogram(rig=rig, measured=own))[2]
+    assert line(other, "computed").get_ydata() != pytest.approx(line(beside, "computed").get_ydata(), rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("picture", "quantity", "given", "message"),
+    [
+        ("film", "h", {}, "film: does not show what is measured; profiles and midlines do"),
+        ("profiles", "intensity", {}, "measurement is a profile of intensity; this picture shows profiles of h and p"),
+        ("interferogram", "p", {}, "measurement is a profile of p; this picture shows profiles of h and intensity"),
+        ("profiles", "h", {"kind": "history"}, "measurement is a history of h"),
+        ("profiles", "h", {"along": "y"}, "measured: measurement is along y; profiles are along x"),
+    ],
+)
+def test_a_measurement_that_a_picture_does_not_show(picture, quantity, given, message):
+    plane = dry_impact(BALL_FALLS).isel(frame=slice(0, 50, 16))
+    measured = Measurement(
+        **{"kind": "profile", "quantity": quantity, "values": [1.0, 2.0, 3.0], **given, "x": [0, 1e-5, 2e-5]}
+    )
+    with pytest.raises(NoFigure) as error:
+        getattr(plots, picture)(plane, measured=measured)
+    assert message in str(error.value)
+
+
+def test_other_types_than_a_measurement(ball):
+    with pytest.raises(TypeError, match="measured = 5: must be a Measurement, or a list"):
+        ball.plot.profiles(measured=5)
+    with pytest.raises(TypeError, match="comparison = 5: must be that"):
+        ball.plot.measured(5)
+
+
 def test_a_history_with_error_bars_and_a_number_that_has_no_picture(ball):
     t = np.array([20e-6, 60e-6, 100e-6])
     measured = Measurement("history", "h_c", np.interp(t, ball.si["t"], ball.si["h_c"]), t, sigma=5e-9)
@@ -44,4 +109,4 @@ def test_a_history_with_error_bars_and_a_number_that_has_no_picture(ball):
     own = Figure().subplots(1, 2)
     assert ball.plot.measured(ball.compare(measured), ax=own) is own[0].figure and own[1].has_data()
     with pytest.raises(NoFigure, match="is one number"):
-        ball.plot.measured(type(ball.compare(measured))(Measurement.number("restitution", 0.9), t, t, t))
+        ball.plot.measured(type(ball.compare(measured))(Measurement.number("restitution", 0.9), t, t, t, t))

@@ -157,8 +157,8 @@ def test_radial_runs_are_mirrored_and_turned_round():
 
 def test_map_shows_the_film(moes):
     axes = panels(plots.maps(moes))[0]
-    (mesh,), (contours,) = of_type(axes, "QuadMesh"), of_type(axes, "QuadContourSet")
-    values = np.asarray(mesh.get_array())
+    (image,), (contours,) = axes.images, of_type(axes, "QuadContourSet")
+    values = np.asarray(image.get_array())
     cut = (81 - len(values)) // 2  # the part round the contact
     assert 0 < cut < 30
     np.testing.assert_array_equal(values, moes["H"].values[frame_of_maximum(moes), cut:-cut, cut:-cut])
@@ -219,6 +219,27 @@ def test_the_front_and_its_speed(ball):
     late = shown.get_xdata() > 0.5 * shown.get_xdata()[-1]  # the made-up front is the edge of the dry contact
     same = np.interp(shown.get_xdata()[late], dry.get_xdata(), dry.get_ydata())
     np.testing.assert_allclose(shown.get_ydata()[late], same, atol=0.02 * SCALES.front_speed)
+
+
+def test_paths_through_time_have_the_mean_speed_of_the_surfaces(moes):
+    data = in_time(MOES_ROLLS)
+    data["U"].values *= -0.5
+    axes, *_ = panels(plots.spacetime(data))
+    path = line(axes, "path with the mean speed")
+    np.testing.assert_allclose(np.diff(path.get_xdata()), -0.5 * np.diff(path.get_ydata()), rtol=1e-12)
+    (image,) = axes.collections
+    film = data["H"].sel(Y=0, method="nearest").where(data["P"].sel(Y=0, method="nearest") > 0.02 * data["P"].max())
+    np.testing.assert_array_equal(np.ma.filled(image.get_array(), np.nan), film)
+    axes, *_ = panels(plots.spacetime(moes))
+    edge = line(axes, "edge of the dry contact").get_xdata()
+    assert np.nanmax(edge) == pytest.approx(1.0, abs=0.01)
+
+
+def test_a_run_that_carries_nothing_can_be_drawn():
+    data = dry_impact(MOES_FALLS)
+    data["P"].values[:] = 0.0
+    for name in ("maps", "profiles", "spacetime"):
+        plots.draw(data, name).draw_without_rendering()
 
 
 def test_thinnest_film_is_shown_first():

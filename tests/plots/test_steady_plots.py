@@ -15,7 +15,10 @@ from ertel.case.sections import SOLVERS
 from ertel.inputs.python import rolling
 from ertel.physics import hertz
 from ertel.physics.geometry import Geometry
-from ertel.plots.view import on_grids
+from ertel.plots.view import View
+from ertel.results.diagnostics import film_errors
+from ertel.results.measurements import Measurement
+from ertel.results.profiles import profile
 from ertel.results.variables import FIGURES_STEADY
 from ertel.solvers.steady import Rolling
 
@@ -54,21 +57,43 @@ def test_heading_gives_films_with_their_errors(ball, moes):
     assert "power loss" in plots.friction(sliding).get_suptitle()
 
 
+def test_measured_film_along_and_across_a_steady_contact(ball):
+    lines = profile(ball), profile(ball, along="y")
+    x, y = (line["h"].values[30:50] for line in lines)
+    along = Measurement("profile", "h", x, lines[0]["x"].values[30:50])
+    across = Measurement("profile", "h", y, lines[1]["y"].values[30:50], along="y")
+    first, second = panels(plots.midlines(ball, measured=(along, across)))[:2]
+    for axes, values in ((first, x), (second, y)):
+        assert [each.lines[0].get_ydata() for each in axes.containers] == [pytest.approx(values * 1e9)]
+
+
 def test_error_bars_are_those_of_the_run(moes):
     """The same rule as in the summary."""
     for name in ("H_c", "H_min"):
-        values, errors, limits = np.transpose(on_grids(moes, name))
+        values, errors, limits = np.transpose(View(moes).on_grids(name))
         np.testing.assert_array_equal(values, moes[name])
         expected = [extrapolated(Rolling(solutions(MOES)[:count]), name) for count in (2, 3)]  # type: ignore[arg-type]
         np.testing.assert_allclose(errors, [np.nan, *(one.error for one in expected)])
         assert limits[-1] == pytest.approx(expected[-1].extrapolated)
 
 
+def test_error_bars_of_a_starved_contact_are_those_of_its_summary():
+    """From three grids: the third one lets expect a larger error than the last two, which differ little by chance."""
+    case = replace(BALL, oil=replace(BALL.oil, layer=1e-7))
+    found = film_errors(case, solutions(case))
+    for name in ("H_c", "H_min"):
+        assert View(steady(case)).on_grids(name)[-1] == pytest.approx(found[name])
+    (_, before), last = solutions(case)[:2], solutions(case)[2]
+    near = {**last.values, "H_c": before.values["H_c"] + 1e-5}
+    lucky = film_errors(case, (*solutions(case)[:2], replace(last, values=near)))["H_c"]  # type: ignore[arg-type]
+    assert lucky.error == pytest.approx((H_C[1] - H_C[0]) / 12)
+
+
 def test_horseshoe(ball):
     (axes,) = panels(plots.film(ball))
     assert axes.get_xlabel() == "$x$ (µm)"
-    (mesh,), (contours, _) = of_type(axes, "QuadMesh"), of_type(axes, "QuadContourSet")
-    assert np.asarray(mesh.get_array()).min() == pytest.approx(ball["H"].values.min() * C1.film * 1e9)
+    (image,), (contours, _) = axes.images, of_type(axes, "QuadContourSet")
+    assert np.asarray(image.get_array()).min() == pytest.approx(ball["H"].values.min() * C1.film * 1e9)
     np.testing.assert_allclose(np.diff(contours.levels), float(axes.get_title().split()[-2]))
     assert axes.get_aspect() == 1.0
     cavity = ball["X"].values[(ball["oil"] < 0.99 * ball["H"]).any("Y").values].min()

@@ -10,7 +10,9 @@ import ertel
 from ertel import Measurement
 from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
+from ertel.optics import Interferometer, Monochromatic, Rig, reflection
 from ertel.physics import hertz
+from ertel.results.alignment import light_along
 from ertel.results.profiles import moment_of, profile, write_profile
 from ertel.results.result import Result
 from ertel.results.summary import impact_summary
@@ -114,13 +116,19 @@ def test_a_history_with_its_standard_errors(written):
         ("x_um,Film\n1,2\n", {}, "film.csv: has no quantity such as h; it has 'x_um', 'Film'"),
         ("x,h_nm\n1,2\n3,4\n", {}, "column 'x' has no unit; write x_m in the header"),
         ("x_um,h_kg\n1,2\n3,4\n", {}, "column 'h' in 'kg': has the wrong dimension"),
-        ("x_um,h_nm\n1,2\n3,none\n", {}, "column 'h' has 'none' in row 2"),
+        ("x_um,h_nm\n1,2\n3,none\n", {}, "column 'h' has 'none' in line 3"),
         ("x_um,h_nm,h_mm\n1,2,3\n", {}, "say which one is h"),
         ("x_um,h_nm\n1,2\n3,4,5\n", {}, "line 3 has 3 columns and the first has 2"),
         ("1,2\n3,4\n", {}, "has 2 columns without a header"),
         ("x_um,h_nm\n1,2\n", {"columns": {"h": "film"}}, "has no column 'film'; it has 'x_um', 'h_nm'"),
         ("x_um,h_nm\n1,2\n", {"film": "nm"}, "film: must be the name of a place, a time or a result"),
-        ("x_um,h_nm\n1,2\n2,3\n", {"align": ["zoom"]}, "align = 'zoom': must be of centre, offset, tilt"),
+        ("x_um,h_nm\n1,2\n", {"allign": "um"}, "allign: did you mean align?"),
+        ("# rig 2\nx_um,h_nm\n\n1,2\n2,-3\n", {}, "film.csv, line 5: h = -3 nm: must not be below zero; its zero may"),
+        ("x_um,h_nm\n1,2\n2,3\n", {"align": "index"}, "index = None: must be the index with which film.csv"),
+        ("x_um,h_nm\n1,2\n2,3\n", {"index": 145}, "index = 145: must be above 1 and below 3"),
+        ("x_um,intensity\n1,2\n2,3\n", {"align": "ofset"}, "align = 'ofset': allowed: centre, tilt, gain, background"),
+        ("x_um,h_nm\n1,2\n2,3\n", {"align": "ofset"}, "align = 'ofset': did you mean offset?"),
+        ("x_um,h_nm\n1,2\n2,3\n", {"align": ["zoom"]}, "align = 'zoom': allowed: centre, offset, tilt, index"),
         ("x_um,T\n1,2\n", {}, "has no quantity such as h; it has 'x_um', 'T'; give columns={\"h\": ...}"),
         ("x_um,h_nm\n1,nan\n", {}, "film.csv: has 0 values; must be at least one row without a gap"),
         ("x_um,h_nm,sigma\n1,2,0\n", {}, "film.csv: sigma has 0 (in SI); must be finite and above zero"),
@@ -133,6 +141,12 @@ def test_files_that_say_too_little(written, text, given, message):
     with pytest.raises(ValueError) as error:
         Measurement.read(written(text), **given)
     assert message in str(error.value)
+
+
+def test_a_file_that_is_not_there(tmp_path):
+    with pytest.raises(ValueError) as error:
+        Measurement.read(tmp_path / "nothing.csv")
+    assert str(error.value) == f"nothing.csv: not a file in {tmp_path}"
 
 
 # -- beside a run -----------------------------------------------------------------------------------------------------
@@ -161,6 +175,84 @@ def test_what_is_not_known_of_a_profile_is_found(ball):
     assert 1.5e-9 < found.rms < 2.1e-9 and "rms difference" in repr(found)
     assert measured.predicted(ball) == pytest.approx(h - found.difference, abs=1e-20)
     assert ball.compare(replace(measured, align=())).rms > 1e-8
+
+
+def test_a_film_that_was_computed_with_a_wrong_index(ball):
+    """An interferometer gives n h: with 1.50 in place of 1.45 the film is too thin, by this factor."""
+    line, x = ball.profile(), np.linspace(-2e-4, 2e-4, 41)
+    h = np.interp(x, line["x"], line["h"])
+    noise = np.random.default_rng(0).normal(0.0, 1e-9, 41)
+    given = {"align": "index", "index": 1.5}
+    found = ball.compare(Measurement("profile", "h", h * 1.45 / 1.5 + noise, x, 1e-9, **given))
+    error = 1.45 * 1e-9 / np.sqrt(np.sum(h**2))
+    assert abs(found.shift["index"] - 1.45) < 3 * error < 0.01
+    assert found.measured == pytest.approx(h + noise * 1.5 / 1.45, rel=0.01) and "; index 1.449" in repr(found)
+    assert found.shown == pytest.approx(h * 1.45 / 1.5, rel=0.01)
+
+
+RIG = Interferometer(Rig(oil_index=1.45), Monochromatic(633e-9))
+
+
+def intensity(ball, x, noise=0.0, **given) -> Measurement:
+    """What a camera sees at places x: 200 counts and 50 of them without light."""
+    line = light_along(ball.profile(), ball.case, RIG)
+    share = np.interp(x, line["x"], line)
+    counts = 50.0 + 200.0 * (share + noise * np.random.default_rng(1).standard_normal(len(x)))
+    return Measurement("profile", "intensity", counts, x, 200.0 * (noise or 1.0), optics=RIG, **given)
+
+
+def test_the_light_of_a_film_is_that_of_the_optics(ball):
+    """At the nodes of the grid, by Fresnel's coefficients, with the index of the oil under pressure."""
+    line, light = ball.profile(), light_along(ball.profile(), ball.case, RIG)
+    inner = np.abs(line["x"].values) < 1.5e-4
+    h, p = line["h"].values[inner], line["p"].values[inner]
+    n = RIG.rig.index(np.asarray(ball.case.lubricant.density(p / ball.case.scales.p_h)))
+    layer, wavelength = RIG.rig.coatings[0], 633e-9
+    media = [RIG.rig.glass.index(wavelength), layer.medium.index(wavelength), n, RIG.rig.surface.index(wavelength)]
+    seen = np.abs(reflection(media, [layer.thickness, h], wavelength)) ** 2
+    assert np.interp(line["x"].values[inner], light["x"], light) == pytest.approx(seen, abs=2e-3)
+
+
+def test_gain_and_background_of_an_intensity_are_found(ball):
+    x = np.linspace(-2.5e-4, 2.5e-4, 201)
+    found = ball.compare(intensity(ball, x, 0.01, align="centre"))
+    exact = ball.compare(intensity(ball, x))
+    assert exact.shift == pytest.approx({"gain": 200.0, "background": 50.0}) and exact.rms < 1e-9
+    lifted = ball.compare(intensity(ball, x, align=["tilt"]))
+    assert lifted.shift["tilt"] == pytest.approx(0.0, abs=1e-6)
+    assert found.shift["gain"] == pytest.approx(200.0, rel=0.02) and abs(found.shift["centre"]) < 0.5e-6
+    assert 1.6 < found.rms < 2.4 and "intensity" in repr(found)
+    with pytest.raises(ValueError, match="measurement: is an intensity; give optics="):
+        ball.compare(replace(intensity(ball, x), optics=None))
+
+
+def test_fringes_are_not_inverted(ball):
+    """Dark in place of bright is another film, and no negative gain."""
+    x = np.linspace(-1.2e-4, 1.2e-4, 121)
+    seen = intensity(ball, x)
+    found = ball.compare(replace(seen, values=300.0 - seen.values))
+    assert found.shift["gain"] > 0 and found.measurement.predicted(ball).std() < 0.01 * seen.values.std()
+
+
+@pytest.mark.parametrize("wrong", [5, None, "film.csv", np.zeros(3)])
+def test_other_types_than_a_measurement(ball, wrong):
+    with pytest.raises(TypeError, match=r"measurement = .*: must be a Measurement"):
+        ball.compare(wrong)
+    with pytest.raises(TypeError, match=r"result = .*: must be the Result of a run"):
+        film().predicted(wrong)
+
+
+def test_a_history_from_the_start_and_quantities(ball):
+    """The first step of the made-up run is at 1.87 us."""
+    h_c = ball.si["h_c"].values[0]
+    assert Measurement("history", "h_c", [h_c, h_c], [0.0, 1e-6]).predicted(ball) == pytest.approx([h_c, h_c])
+    with pytest.raises(ValueError, match="reaches from -1 µs"):
+        Measurement("history", "h_c", [h_c, h_c], [-1e-6, 1e-6]).predicted(ball)
+    given = Measurement.number("contact_time", ertel.quantity("95 us"), ertel.quantity("1 us"))
+    assert given.values == pytest.approx([95e-6]) and given.sigma == pytest.approx(1e-6)
+    with pytest.raises(ValueError, match="contact_time = -95 µs: must not be below zero"):
+        Measurement.number("contact_time", "-95 us")
+    assert film(at=ertel.quantity("60 us")).predicted(ball) == pytest.approx(film(at="60 us").predicted(ball))
 
 
 def test_a_history_and_numbers(ball):

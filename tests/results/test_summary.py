@@ -1,5 +1,6 @@
 """The outcome of a run as plain data: values in SI, extremes, coefficients of friction, and the error of a run."""
 
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -21,7 +22,7 @@ from ertel.physics.film_formulas import FormulaFilm
 from ertel.physics.units import Quantity
 from ertel.results import parameters, variables
 from ertel.results.numbers import as_now, key_numbers, lines, more_lines, number, scalars
-from ertel.results.summary import comparisons, extremes, impact_summary, in_smaller_steps, rolling_summary, with_error
+from ertel.results.summary import comparisons, extremes, impact_summary, rolling_summary, with_error
 from ertel.results.variables import one_number, to_si, with_coefficients
 from ertel.runs.drive import simulate
 from ertel.solvers import radial
@@ -200,9 +201,9 @@ def test_the_wider_radial_grid_is_as_fine_in_the_contact() -> None:
 
 
 def test_smaller_steps_have_half_the_error() -> None:
-    assert in_smaller_steps(Time(step=0.02)).step == pytest.approx(0.02 * 0.5**0.5)
-    assert in_smaller_steps(Time(step=Quantity(1e-5, "s"))).step == Quantity(1e-5 * 0.5**0.5, "s")
-    assert in_smaller_steps(Time(tolerance=8e-4)).tolerance == pytest.approx(8e-4 / 8**0.5)
+    assert Time(step=0.02).with_steps(0.5**0.5).step == pytest.approx(0.02 * 0.5**0.5)
+    assert Time(step=Quantity(1e-5, "s")).with_steps(0.5**0.5).step == Quantity(1e-5 * 0.5**0.5, "s")
+    assert Time(tolerance=8e-4).with_steps(0.5**0.5).tolerance == pytest.approx(8e-4 / 8**0.5)
 
 
 def ball(nodes: int, half_width: float, tolerance: float) -> Case:
@@ -231,3 +232,20 @@ def test_the_estimate_is_honest(half_width: float, tolerance: float) -> None:
     assert (0.5 if half_width == 2.0 else 0) < Delta < 2, found["Delta_max"]
     assert found["H_c"]["dominant"] == "time"
     assert half_width > 2 or found["Delta_max"]["dominant"] == "domain"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("half_width", "tolerance"), [(3.0, 5e-5), (8.0, 3e-4), (2.0, 5e-5)])
+def test_the_estimates_of_a_whole_impact_are_honest(half_width: float, tolerance: float) -> None:
+    """True error over estimated error of restitution, contact time and largest load: 0.47 to 1.23 here."""
+
+    def whole(nodes: int, half_width: float, tolerance: float) -> Case:
+        case = ball(nodes, half_width, tolerance)
+        assert case.time is not None
+        return replace(case, time=replace(case.time, until="rebound"))
+
+    case, true = whole(129, half_width, tolerance), simulate(whole(401, 12.0, 1e-5)).summary
+    others = {name: simulate(other).summary for name, other in comparisons(case).items()}
+    found = with_error(case, simulate(case).summary, others)["error_estimate"]
+    for name in variables.WHOLE:
+        assert 0.3 < abs(found[name]["value"] - true[name]) / found[name]["error"] < 2, name

@@ -1,20 +1,23 @@
 """The loop: events, maps, giving up, rigs, summary, progress and warnings."""
 
+import io
 import itertools
 from functools import cache
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from cases import impact, march
+from rich.console import Console
 
 from ertel.case.status import Status
 from ertel.equations.approach import ClosureLine, NewtonsLaw
 from ertel.physics.motion import constant
 from ertel.results.result import Result
 from ertel.results.summary import with_error
-from ertel.runs.drive import drive, result_of, run_of, simulate
-from ertel.runs.stepping import StepLimits, TransientRun
+from ertel.runs.drive import LogLines, bars, drive, result_of, run_of, simulate, watch
+from ertel.runs.stepping import Progress, StepLimits, TransientRun
 from ertel.solvers.radial import RadialImpact
 from ertel.solvers.transient import Transient2D
 
@@ -139,3 +142,51 @@ def test_error_estimate_is_exact_for_the_orders_that_it_assumes() -> None:
     assert [found[name]["dominant"] for name in ("H_c", "H_min", "Delta_max")] == ["domain", "grid", "domain"]
     assert found["Delta_max"]["value"] == fine["max_approach"]["Delta"]
     assert with_error(case, fine, {**others, "time": {"max_approach": None}})["error_estimate"] is None
+
+
+# -- progress in a file -----------------------------------------------------------------------------------------------
+
+
+def log_of(minutes: float) -> tuple[LogLines, io.StringIO, list[float]]:
+    """Lines, the file that they are written to, and the clock (s), which the test moves."""
+    file, clock = io.StringIO(), [60.0 * minutes]
+    return LogLines(Console(file=file, width=40), lambda: clock[0]), file, clock
+
+
+def test_a_log_gets_a_line_a_minute() -> None:
+    """A step every 15 s for ten minutes after one that compiled for five; the pace is that of the steps."""
+    shown, file, clock = log_of(7.0)
+    case = SimpleNamespace(name="ball", kind="impact")
+    run: Any = SimpleNamespace(case=case, progress=lambda step: Progress(0.0, step.n, step.n / 80, f"{step.n} steps"))
+    with shown:
+        observer, clock[0] = watch(shown, run), clock[0] + 300.0
+        for n in range(1, 41):
+            observer(SimpleNamespace(record={"T": 1.0}, n=n))
+            clock[0] += 15.0
+    lines = file.getvalue().splitlines()
+    assert lines[0] == "ball  1%  1 steps  5 min so far"
+    assert lines[1] == "ball  6%  5 steps  6 min so far, about 19 min left"
+    assert lines[-1] == "ball  46%  37 steps  14 min so far, about 11 min left" and len(lines) == 10
+
+
+def test_a_log_tells_of_a_study_as_a_whole() -> None:
+    shown, file, clock = log_of(0.0)
+    whole = shown.add_task("runs", total=4, message="")
+    for done in range(3):
+        part = shown.add_task("a1b2c3d4", total=1.0, message="T 0.500  step 12")
+        clock[0] += 40.0
+        shown.update(part, completed=0.4)
+        clock[0] += 30.0
+        shown.remove_task(part)
+        shown.update(whole, advance=1, message=f"run {done} converged")
+    assert file.getvalue().splitlines() == [
+        "runs  25%  run 0 converged  70 s so far",
+        "runs  50%  run 1 converged  2 min so far, about 2 min left",
+        "runs  75%  run 2 converged  4 min so far, about 70 s left",
+    ]
+
+
+def test_what_is_not_wanted_is_not_shown_in_a_file(capsys: pytest.CaptureFixture[str]) -> None:
+    assert isinstance(bars(True), LogLines) and bars(False).disable
+    simulate(impact(200, 10, 33, solver={"method": "radial"}, time={"until": 0.02}), progress=True)
+    assert capsys.readouterr().err == ""  # it took less than a minute

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from cases import SMALL
+from cases import RADIAL, SMALL
 
 import ertel
 from ertel.case.case import Case
-from ertel.inputs.studies import load_study, parse_study
+from ertel.inputs.studies import convergence_series, coordinates, load_study, parse_study
 from ertel.results.numbers import scalars
 from ertel.results.study_result import StudyResult
 from ertel.runs import directory, studies
@@ -248,3 +248,77 @@ def test_the_picture_has_plain_ticks_and_no_lines_without_runs():
     axes.figure.canvas.draw()
     assert {"50", "100", "200", "500"} <= {text.get_text() for text in axes.get_xticklabels()}
     assert not any(text.get_text() for text in axes.get_xticklabels(minor=True))
+
+
+# -- convergence series ------------------------------------------------------------------------------------------------
+
+
+def series_case(**changes: Any) -> Case:
+    data = {**RADIAL, "solver": {"method": "radial", "nodes": 129}, "time": {"until": 0.02, "tolerance": 8e-4}}
+    return ertel.parse_case(data | changes)
+
+
+def test_a_series_doubles_the_cells_and_halves_the_steps():
+    study = convergence_series(series_case(), 4)
+    assert [case.solver.nodes for case in study.cases] == [17, 33, 65, 129]
+    tolerances = [case.time.tolerance for case in study.cases if case.time]
+    assert tolerances == pytest.approx([8e-4, 1e-4, 1.25e-5, 1.5625e-6])
+    found = coordinates(study)
+    assert found["nodes"][0] == [17, 33, 65, 129] and found["tolerance"][0] == pytest.approx(tolerances)
+    ball = {**study_of(), "contact": SMALL["contact"], "lubricant": SMALL["lubricant"], "time": {"step": "1 us"}}
+    alone = convergence_series(ertel.parse_case({key: ball[key] for key in ball if key != "sweep"}), along="time")
+    assert {case.solver.nodes for case in alone.cases} == {17}
+    assert [str(case.time.step) for case in alone.cases if case.time] == ["1e-06 s", "5e-07 s", "2.5e-07 s"]
+    steady = convergence_series(ertel.rolling(M=20, L=10, nodes=129))
+    assert [case.solver.nodes for case in steady.cases] == [33, 65, 129]
+    assert list(coordinates(steady)) == ["nodes"]
+
+
+@pytest.mark.parametrize(
+    ("case", "given", "said"),
+    [
+        (series_case(), {"grids": 2}, "grids = 2: must be a whole number from 3 to 6"),
+        (series_case(), {"along": "domain"}, 'along = "domain": allowed: grid, time'),
+        (series_case(), {"grids": 5}, "solver.nodes = 129: has no 5 grids .* solver.nodes = 257 or 273"),
+        (
+            series_case(solver={"method": "radial", "nodes": 66}),
+            {},
+            "solver.nodes = 66: has no 3 grids .* solver.nodes = 65 or 69",
+        ),
+        (ertel.rolling(M=20, L=10, nodes=65), {"along": "time"}, 'along = "time": a steady contact has no time steps'),
+    ],
+)
+def test_a_series_that_cannot_be_is_refused(case: Case, given: dict[str, Any], said: str):
+    with pytest.raises(ertel.ConfigError, match=f"^{said}"):
+        convergence_series(case, **given)
+
+
+def test_a_series_is_a_study_that_goes_on(tmp_path, monkeypatch):
+    """Its table, its picture and the attributes of its numbers tell the limits; a second call computes nothing."""
+    case = ertel.parse_case({**RADIAL, "time": {"tolerance": 1e-3}})
+    found = ertel.converge(case, tmp_path, along="time")
+    assert found.complete and {path.name for path in tmp_path.glob("[!.]*")} == {
+        "runs",
+        "convergence.zarr",
+        "convergence.csv",
+        "convergence.png",
+    }
+    limits = found.limits
+    assert {"H_c", "H_min", "T", "Delta", "P_c", "F", "power_loss"} == set(limits)
+    values = found.dataset["H_c"].values
+    assert np.ptp(values) > 0 and abs(limits["H_c"].value - values[-1]) <= limits["H_c"].error < 0.1 * values[-1]
+    stored = xr.open_zarr(tmp_path / "convergence.zarr", consolidated=False)
+    assert stored["H_c"].attrs["extrapolated"] == pytest.approx(limits["H_c"].value)
+    text = repr(found)
+    head = ["tolerance", "0.001", "0.000125", "1.563e-05", "order", "second", "order", "value", "error"]
+    assert text.splitlines()[1].split() == head
+    assert "second order is assumed" in text and "3 runs: 3 converged" in text
+    (axes,) = found.plot().axes
+    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
+    slope = axes.lines[-1].get_xydata()
+    assert np.diff(np.log(slope[:, 1])) == pytest.approx(np.diff(np.log(slope[:, 0])) * 2 / 3)  # of the tolerance
+    data = found.as_data()
+    assert data["limits"]["H_c"]["value"] == limits["H_c"].value and len(data["runs"]) == 3
+    monkeypatch.setattr(studies, "compute", None)
+    again = ertel.converge(case, tmp_path, along="time")
+    assert str(again.limits) == str(limits)  # nan is not equal to itself

@@ -17,14 +17,15 @@ from ertel.case.sections import SOLVERS, Drive, Solver, Time
 from ertel.equations import contact
 from ertel.equations.flow import Rate
 from ertel.inputs.case_files import parse_case
-from ertel.numerics import bdf
+from ertel.numerics import bdf, stencils
 from ertel.numerics.grid import NO_SYMMETRY
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature, RingWaviness
 from ertel.results.fronts import at_max_approach
 from ertel.results.result import Result
 from ertel.runs.compile import compilations
-from ertel.runs.drive import simulate
+from ertel.runs.drive import result_of, simulate
+from ertel.runs.stepping import TransientRun
 from ertel.solvers import transient
 from ertel.solvers.transient import Transient2D
 
@@ -393,6 +394,32 @@ def test_the_time_error_sees_the_contact_and_the_roughness(nodes: int, size: flo
     features = () if size is None else (Feature(RingWaviness(1e-3, size)),)
     case = free_ball(Parameters.from_moes(200, 5), OIL, Solver(nodes=nodes, half_width=2.0), None, *features)
     assert coarsenings(case, 4 / (nodes - 1), 6) == times
+
+
+def test_a_film_without_pressure_outside_the_middle_of_its_grid_is_solved_there() -> None:
+    """Most of a rebound: the same steps and the same result for less work."""
+    case = impact(200, 10, 33, time={"until": "rebound", "tolerance": 1e-3})
+    runs = (TransientRun(case, Transient2D(case, small)) for small in (33, 32))
+    whole, middle = (result_of(run).summary for run in runs)
+    assert middle["steps"] == whole["steps"]
+    assert middle["convolutions"] < 0.7 * whole["convolutions"]
+    assert middle["max_approach"] == whole["max_approach"]
+    assert middle["restitution"] == pytest.approx(whole["restitution"], rel=1e-4)  # the tolerance is 1e-3
+
+
+@alone
+def test_pressure_that_comes_back_outside_the_middle_is_found() -> None:
+    """A film has lost its pressure outside; the solve in the middle leaves a residual there, and all is solved."""
+    case = impact(200, 10, 33)
+    whole, middle = (Transient2D(case, small) for small in (33, 32))
+    levels = march(whole, 0.02, 40)
+    P = np.zeros_like(levels[0].P)
+    inside = stencils.middle(P.shape, whole.grid.even)
+    P[inside] = levels[0].P[inside]
+    levels[0] = replace(levels[0], fields={**levels[0].fields, "P": jnp.asarray(P)})
+    expected, found = (method.advance(levels[:3], 0.02) for method in (whole, middle))
+    assert found.work.convolutions > expected.work.convolutions
+    assert np.array_equal(found.P, expected.P)
 
 
 @pytest.mark.slow

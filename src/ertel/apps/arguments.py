@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from typer.core import TyperCommand
 
 from ertel.apps.terminal import local_path
 
@@ -56,6 +57,22 @@ def _entries(incomplete: str) -> Iterator[tuple[Path, str]]:
             yield path, f"{folder}{slash}{path.name}{'/' if is_open else ''}"
 
 
+# -- a flag without its value -----------------------------------------------------------------------------------------
+
+USUAL = "-"  # the file of a picture at its usual place
+
+
+class PlotCommand(TyperCommand):
+    """A command whose --plot may stand without a file: the picture is then at its usual place."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Read the arguments, with `USUAL` after a --plot that the next flag or the end follows."""
+        whole = []
+        for word, following in zip(args, [*args[1:], USUAL], strict=True):
+            whole += [word, USUAL] if word == "--plot" and following.startswith("-") else [word]
+        return super().parse_args(ctx, whole)
+
+
 # -- arguments and flags ----------------------------------------------------------------------------------------------
 
 
@@ -85,7 +102,7 @@ OptionalCase = Annotated[
 ]
 RunDirectory = Annotated[Path, path_argument("DIR", "Directory of a run.", run_directories)]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress bar and no summary.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress and no summary.")]
 ERROR_HELP = "Estimate the error by runs on the half grid, in smaller steps and on a wider domain."
 Estimate = Annotated[bool, typer.Option("--error", help=ERROR_HELP)]
 FLUSH_HELP = "Least time between two writes; default 5 s, and each grid of a steady run. A killed run loses this much."

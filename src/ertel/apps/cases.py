@@ -132,8 +132,7 @@ def print_keys(requested: bool) -> None:
     for title, text, keys in places():
         print(f"\n{title}  {text}" if title != "(top)" else "Keys of case files")
         for key in keys:
-            default = f"; default {key.default}" if key.default else ""
-            print(f"  {key.name}  ({key.kind}{default})")
+            print(f"  {key.title}")
             for line in wrap(key.meaning.text, WIDTH):
                 print(f"      {line}")
     raise typer.Exit

@@ -9,7 +9,7 @@ Exit codes: 0 done; 1 failed, results so far are kept; 2 wrong input, nothing wr
 import os
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -20,6 +20,7 @@ from ertel.apps.arguments import (
     Flush,
     Jobs,
     Json,
+    PlotCommand,
     Quiet,
     RunDirectory,
     Scheduler,
@@ -181,6 +182,39 @@ def sweep(
 
 
 @app.command()
+def converge(
+    case_file: CaseFile,
+    grids: Annotated[int, option("Number of grids, 3 to 6; the finest is that of the case.")] = 3,
+    along: Annotated[Literal["grid", "time"], option("Refine grid and time steps, or time steps alone.")] = "grid",
+    out: Annotated[Path | None, path_option("Directory of the series; default convergence/NAME.")] = None,
+    set_: Set = None,
+    jobs: Jobs = None,
+    scheduler: Scheduler = None,
+    scheduler_file: SchedulerFile = None,
+    tls: Tls = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run a case on several grids: the observed order of its numbers, extrapolated values and errors.
+
+    Each grid has the double spacing of the next. In time the steps are halved, too, from grid to grid; the coarsest has
+    those of the case. Where second order is not seen nothing is extrapolated, and the error is wide. The domain is that
+    of the case; its part of the error is that of ertel run --error.
+
+    Each run is an ordinary run directory, DIR/runs/DIGEST of its case. After an interruption the same command
+    continues.
+    """
+    from ertel.apps import studies
+    from ertel.inputs.case_files import load_case
+    from ertel.inputs.studies import convergence_series
+
+    engine = studies.Engine(jobs, scheduler, scheduler_file, tls)
+    series = convergence_series(load_case(case_file, set_ or []), grids, along)
+    place = out or Path("convergence").absolute() / series.name
+    studies.sweep(series, place, engine, studies.part_of(None), as_json, quiet)
+
+
+@app.command()
 def fit(
     fit_file: Annotated[
         Path, path_argument("FIT.toml", "Case, unknowns and measurements; see examples/fits.", case_files)
@@ -257,7 +291,7 @@ for command in (
     *(looking.show, looking.plot, looking.ls, looking.compare, looking.export),
     *(cases.params, cases.film, cases.new, cases.check, cases.schema, cases.oils),
 ):
-    app.command()(command)
+    app.command(cls=PlotCommand if command is looking.compare else None)(command)
 
 
 # -- ertel itself -----------------------------------------------------------------------------------------------------

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from ertel.apps.arguments import (
+    USUAL,
     Json,
     RunDirectory,
     figures,
@@ -19,11 +20,17 @@ from ertel.apps.arguments import (
 from ertel.apps.terminal import BAD_INPUT, bad_input, leave, print_json, print_path, say, shown
 
 if TYPE_CHECKING:  # these take long to import
-    from ertel.optics import Light, Rig
+    from ertel.results.measurements import Measurement
     from ertel.runs.directory import Listed
 
 Moment = Annotated[str | None, option('A time, "60 us" or a number in t0, or max-approach or end.', "TIME|EVENT")]
 Along = Annotated[Literal["x", "y"], option("The direction of a profile.")]
+Align = Annotated[str | None, option("Unknown of a measurement: centre, offset, tilt, index of the oil.", "NAMES")]
+COLUMN_HELP = "Unit of a column, such as x=um; where the header does not have it."
+Column = Annotated[list[str] | None, option(COLUMN_HELP, "NAME=UNIT", name="--column")]
+Wavelength = Annotated[str | None, option("Wavelength of the light; default 532 nm.", "LENGTH")]
+Coatings = Annotated[str | None, option('Layers, "chromium 8 nm, silica 200 nm"; default the first.', "LAYERS")]
+Index = Annotated[float | None, option("Index of the oil; also that with which a film was computed.", "NUMBER")]
 FOLDER_HELP = "Folder with runs, also in folders below it; default this one."
 Lighting = Literal["mono", "two-beam", "white"]
 FRINGES_HELP = "Draw the interference fringes instead: monochromatic, of two beams only, or in white light."
@@ -76,33 +83,37 @@ def compare(
     first: RunDirectory,
     second: Annotated[Path, path_argument("DIR|FILE", "Directory of a run, or a file of columns.", run_directories)],
     plot: Annotated[
-        Path | None, path_option("Draw film and pressure of both into a file, such as both.png.", "FILE")
+        Path | None, path_option("Draw both; without FILE into DIR/plots, as compared-NAME.png.", "[FILE]")
     ] = None,
     at: Moment = None,
     along: Along = "x",
-    align: Annotated[str | None, option("What is not known of a measurement: centre, offset, tilt.", "NAMES")] = None,
-    column: Annotated[
-        list[str] | None, option("Unit of a column, such as x=um; where the header does not have it.", "NAME=UNIT")
-    ] = None,
+    align: Align = None,
+    column: Column = None,
+    wavelength: Wavelength = None,
+    coatings: Coatings = None,
+    index: Index = None,
     as_json: Json = False,
 ) -> None:
     """Compare two runs: where their cases differ, and their numbers side by side. Or a run with a measurement.
 
     A file has a measured profile, columns x, y or r and h or p, or a history, columns t and h_c or others; with units,
-    as x_um or x (um).
+    as x_um or x (um). A column intensity has the light of an interferometer along a line; wavelength, layers and index
+    are those of its rig.
     """
+    from ertel.inputs.rigs import interferometer
+
+    if plot and plot.name == USUAL:
+        plot = first / "plots" / f"compared-{second.stem}.png"
+        plot.parent.mkdir(parents=True, exist_ok=True)
     if second.is_file():
-        units = dict(each.partition("=")[::2] for each in column or [])
-        if wrong := sorted(units.keys() & {"at", "along", "align", "columns", "sigma"}):
-            leave(BAD_INPUT, f"--column {wrong[0]}: must be a place, a time or a quantity, such as x=um or h=nm")
-        _compare_measured(
-            first, second, plot, as_json, at=at, along=along, align=(align or "").replace(",", " ").split(), **units
-        )
+        with bad_input():
+            rig = interferometer("mono", wavelength, coatings, index)
+        measurement = _measurement(second, column, align, rig, at=at, along=along, index=index)
+        _compare_measured(first, measurement, plot, as_json)
         return
-    if given := [
-        name for name, each in (("at", at), ("along", along != "x"), ("align", align), ("column", column)) if each
-    ]:
-        leave(BAD_INPUT, f"--{given[0]}: only for a measurement, and {shown(second)} is not a file")
+    given = {"at": at, "along": along != "x", "align": align, "column": column, "coatings": coatings, "index": index}
+    if wrong := [name for name, each in {**given, "wavelength": wavelength}.items() if each]:
+        leave(BAD_INPUT, f"--{wrong[0]}: only for a measurement, and {shown(second)} is not a file")
     from ertel.results import numbers
     from ertel.runs.store import RunStore
 
@@ -125,14 +136,24 @@ def compare(
         print_path(plot)
 
 
-def _compare_measured(directory: Path, file: Path, plot: Path | None, as_json: bool, **given: Any) -> None:
+def _measurement(file: Path, column: list[str] | None, align: str | None, rig: Any, **given: Any) -> "Measurement":
+    """The measurement in a file.  column: of --column.  rig: of an intensity."""
+    from ertel.results.measurements import READ, Measurement
+
+    units: dict[str, Any] = dict(each.partition("=")[::2] for each in column or [])
+    if wrong := sorted(units.keys() & {*READ, "optics"}):
+        leave(BAD_INPUT, f"--column {wrong[0]}: must be a place, a time or a quantity, such as x=um or h=nm")
+    with bad_input():
+        return Measurement.read(file, align=(align or "").replace(",", " ").split(), optics=rig, **given, **units)
+
+
+def _compare_measured(directory: Path, measurement: "Measurement", plot: Path | None, as_json: bool) -> None:
     """Print a measurement beside a run, and draw both."""
-    from ertel.results.measurements import Measurement
     from ertel.runs.store import RunStore
 
     result = RunStore.open(directory).result()
     with bad_input():
-        found = result.compare(Measurement.read(file, **given))
+        found = result.compare(measurement)
         if plot:
             result.plot.measured(found).savefig(plot)
     if as_json:
@@ -191,10 +212,18 @@ def plot(
     what: Annotated[str | None, option("Draw this figure only, such as film.", "NAME", figures)] = None,
     at: Moment = None,
     interferogram: Annotated[Lighting | None, option(FRINGES_HELP)] = None,
-    wavelength: Annotated[str | None, option("Wavelength of the light; default 532 nm.", "LENGTH")] = None,
+    wavelength: Wavelength = None,
+    coatings: Coatings = None,
+    index: Index = None,
+    measured: Annotated[
+        Path | None, path_option("Draw a measured profile too: film, pressure, or light of an interferogram.", "FILE")
+    ] = None,
+    align: Align = None,
+    column: Column = None,
     format_: Annotated[
-        Format, option("File format; gif, webp and mp4 are movies of an interferogram.", name="--format")
+        Format, option("File format; gif, webp and mp4 are movies of a run in time.", name="--format")
     ] = "png",
+    rate: Annotated[float | None, option("Frames a second of a movie, 1 to 50; default 12.", min=1.0, max=50.0)] = None,
     columns: Annotated[
         int | None, option("Draw for print, one or two columns wide: 85 or 170 mm.", min=1, max=2)
     ] = None,
@@ -203,34 +232,54 @@ def plot(
 ) -> None:
     """Draw the figures of a run, or an interferogram of its film. Those at a time show the map next to it.
 
-    An interferogram needs a case in SI. It is that of a steel ball on glass with 8 nm of chromium; from Python other
-    layers and light sources can be chosen, see ertel.optics.
+    An interferogram needs a case in SI. It is that of a steel ball on glass; from Python other media and light sources
+    can be chosen, see ertel.optics. A file of --measured is as that of `ertel compare`; it is drawn on the profiles,
+    or with --interferogram beside its light.
+
+    --what film --format gif --rate 20 makes a movie of eight seconds: of the film, the pressure, or an interferogram.
     """
-    if format_ in MOVIES and interferogram is None:
-        leave(BAD_INPUT, f"--format {format_}: only an interferogram can be a movie; add --interferogram mono")
+    if format_ in MOVIES and interferogram is None and what not in ("film", "pressure"):
+        shown = "--what film, --what pressure or --interferogram mono"
+        leave(BAD_INPUT, f"--format {format_}: needs {shown}; no other picture can be a movie")
+    if rate is not None and format_ not in MOVIES:
+        leave(BAD_INPUT, f"--rate {rate:g}: only for movies; add --format gif")
     if format_ in MOVIES and at is not None:
         leave(BAD_INPUT, f"--at {at}: a movie shows all times; leave it out, or use --format png")
-    if format_ in MOVIES and (columns or not title):
-        leave(BAD_INPUT, "--columns, --no-title: only for pictures; a movie has neither, use --format png, svg or pdf")
+    if format_ in MOVIES and (columns or not title or measured):
+        leave(BAD_INPUT, "--columns, --no-title, --measured: only for pictures; a movie has none, use --format png")
     if wavelength is not None and interferogram in (None, "white"):
         leave(BAD_INPUT, f"--wavelength {wavelength}: only for --interferogram mono or two-beam")
+    if coatings and interferogram is None:
+        leave(BAD_INPUT, f"--coatings {coatings}: only for --interferogram")
+    if (align or column) and measured is None:
+        leave(BAD_INPUT, "--align, --column: only for --measured")
     if format_ == "mp4":
         _find_ffmpeg()
     from ertel import plots
+    from ertel.inputs.rigs import interferometer
     from ertel.runs.store import RunStore
 
     data = RunStore.open(directory).dataset()
     writers: dict[str, Callable[[Path], object]]
     sheet: Any = {"columns": columns, "title": title}
     with bad_input():
-        if interferogram is None:
-            names = [what] if what else plots.names_of(data)
+        rig = interferometer(interferogram or "mono", wavelength, coatings, index)
+        if measured is not None:
+            sheet["measured"] = _measurement(measured, column, align, rig, at=at, index=index)
+        if format_ in MOVIES:
+            pace: Any = {} if rate is None else {"rate": rate}
+            if interferogram is None:
+                movie = plots.movie(data, what or "", **pace)
+            else:
+                movie = plots.animation(data, rig.light, rig.rig, **pace)
+            name = f"interferogram-{interferogram}" if interferogram else str(what)
+            writers = {name: partial(movie.save, writer=MOVIES[format_])}
+        elif interferogram is None:
+            overlaid = [name for name in plots.names_of(data) if measured and name in plots.OVERLAID]
+            names = [what] if what else overlaid or plots.names_of(data)
             writers = {name: plots.draw(data, name, at, **sheet).savefig for name in names}
-        elif format_ in MOVIES:
-            movie = plots.animation(data, *optics(interferogram, wavelength))
-            writers = {f"interferogram-{interferogram}": partial(movie.save, writer=MOVIES[format_])}
         else:
-            picture = plots.interferogram(data, at, *optics(interferogram, wavelength), **sheet)
+            picture = plots.interferogram(data, at, rig.light, rig.rig, **sheet)
             writers = {f"interferogram-{interferogram}": picture.savefig}
     target = out or directory / "plots"
     target.mkdir(parents=True, exist_ok=True)
@@ -238,24 +287,6 @@ def plot(
         path = target / f"{name}.{format_}"
         write(path)
         print_path(path)
-
-
-def optics(lighting: str, wavelength: str | None = None) -> tuple["Light", "Rig"]:
-    """The light and the rig of an interferogram.  Raises ValueError for an impossible wavelength."""
-    from ertel.inputs.quantities import parse_quantity
-    from ertel.optics import Monochromatic, Rig, TwoBeams, White
-    from ertel.physics.units import Unit
-
-    if lighting == "white":
-        return White(), Rig()
-    rig = TwoBeams() if lighting == "two-beam" else Rig()
-    if not wavelength:
-        return Monochromatic(), rig
-    try:
-        metres = parse_quantity(wavelength, Unit("m", "532 nm"))
-    except ValueError as error:
-        raise ValueError(f"--wavelength {wavelength}: {error}") from error
-    return Monochromatic(metres or 0.0), rig
 
 
 def _find_ffmpeg() -> None:

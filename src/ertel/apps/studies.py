@@ -1,4 +1,4 @@
-"""`ertel sweep`, `traction`, `fit` and `paper`: studies from their input to the printed table or page."""
+"""`ertel sweep`, `converge`, `traction`, `fit` and `paper`: studies from their input to the printed table or page."""
 
 from collections.abc import Mapping
 from contextlib import ExitStack
@@ -37,7 +37,7 @@ def part_of(text: str | None) -> stored.Part:
 
 def sweep(study: Study, directory: Path, engine: Engine, part: stored.Part, as_json: bool, quiet: bool) -> None:
     """Do what is left of a study, write and print what all its runs say."""
-    stored.require_place(directory, option="--out")
+    stored.require_place(directory, study.purpose, "--out")
     prepare_jax()
     left = stored.left_of(study.cases, directory, part)
     if not quiet:
@@ -51,9 +51,9 @@ def sweep(study: Study, directory: Path, engine: Engine, part: stored.Part, as_j
             statuses = stored.run_study(study.cases, directory, workers, part, stop, not quiet)
             result = stored.gather(study, directory, statuses)
             if part == stored.EVERY:
-                stored.write_study(result, directory)
+                stored.write_study(result, directory, study.purpose)
     if part == stored.EVERY:
-        _report(result, directory, stored.NAME, as_json, quiet)
+        _report(result, directory, study.purpose, as_json, quiet)
     if stop.code or len(statuses) < len(left) or Status.INTERRUPTED.value in statuses.values():
         stop.leave(GOES_ON)
     failed = [name for name in result.failed if part == stored.EVERY or Path(name).name in statuses]

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
-from ertel.apps.terminal import capital, duration, printable
+from ertel.apps.terminal import capital, printable
 from ertel.case.records import ConfigError, show
 from ertel.inputs import materials, oils
 from ertel.physics.materials import Material, NamedOil, Sourced, celsius
 from ertel.physics.units import COMPLIANCE, KINEMATIC_VISCOSITY, TEMPERATURE, Unit, marks
-from ertel.results.numbers import Number, aligned, moment, more_lines, numbers, values_of
+from ertel.results.numbers import Number, aligned, duration, moment, more_lines, numbers, values_of
 from ertel.results.parameters import domain, formula_films, parameter_summary, rheology_of
-from ertel.results.variables import FILMS, values_in_si, with_prefix
+from ertel.results.variables import FILMS, WHOLE, values_in_si, with_prefix
 
 if TYPE_CHECKING:
     from ertel.case.case import Case
@@ -113,11 +113,17 @@ def _print_values(out: PlainConsole, case: "Case", summary: Mapping[str, Any]) -
     else:
         out.print(f"{moment(summary).capitalize()}.")
     estimate = summary.get("error_estimate") or {}
+    for part in sorted({parts["dominant"] for parts in estimate.values()}):
+        names = ", ".join(name for name, parts in estimate.items() if parts["dominant"] == part)
+        out.print(f"The largest error is that of the {part} in {names}.")
     if estimate:
-        largest = ", ".join(f"of {name} that of the {parts['dominant']}" for name, parts in estimate.items())
-        out.print(f"The largest error is {largest}.")
-    if summary.get("restitution") is not None:
-        out.print(f"Coefficient of restitution {summary['restitution']:.4f}")
+        out.print(
+            "An error is the change expected on endlessly fine grids, in small steps, on a wide domain, by its order."
+        )
+    whole = [number for name, number in numbers(summary).items() if name in WHOLE]
+    if whole:
+        out.print()
+        print_rows(value_rows("of the whole impact", whole), left=2)
     for line in more_lines(summary):
         out.say(line)
     T = computed["T"].value if "T" in computed else 0.0
@@ -230,8 +236,10 @@ def print_library() -> None:
     rows = [["oil", "eta0 at 40", "at 100", "alpha at 40", "at 100", "valid"]]
     for name in oils.names():
         oil = oils.get(name)
-        viscosities = [f"{1e3 * oil.viscosity_at(T):.3g}" for T in (WARM, HOT)]
-        alphas = [f"{1e9 * (oil.pressure_laws_at(T).alpha or 0.0):.3g}" for T in (WARM, HOT)]
+        coldest, hottest = oil.temperatures
+        there = [T if coldest <= T <= hottest else None for T in (WARM, HOT)]
+        viscosities = [f"{1e3 * oil.viscosity_at(T):.3g}" if T else "-" for T in there]
+        alphas = [f"{1e9 * (oil.pressure_laws_at(T).alpha or 0.0):.3g}" if T else "-" for T in there]
         rows.append([name, *viscosities, *alphas, _range(*oil.temperatures)])
     print_rows(rows)
     print(f"{CAPTION}\n")

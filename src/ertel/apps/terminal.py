@@ -42,13 +42,6 @@ def capital(text: str) -> str:
     return f"{text[:1].upper()}{text[1:]}"
 
 
-def duration(seconds: float) -> str:
-    """A rough duration in words."""
-    if seconds < 90:
-        return f"{seconds:.0f} s"
-    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
-
-
 # -- exit codes -------------------------------------------------------------------------------------------------------
 
 

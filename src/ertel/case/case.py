@@ -191,7 +191,7 @@ class Case(Definition):
         ValueError
             At the first error, naming the field, its value and what is allowed.
         """
-        check_keys(data, KEYS)
+        check_keys(data, KEYS, elsewhere=reader.full_names)
         schema = data.get("schema", SCHEMA)
         if type(schema) is not int or schema != SCHEMA:
             raise ConfigError(f"schema = {show(schema)}: allowed: {SCHEMA}")

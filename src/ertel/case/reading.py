@@ -11,6 +11,7 @@ from difflib import get_close_matches
 from math import inf
 from typing import Any, TypeVar, get_args
 
+from ertel.case.definition import SECTIONS
 from ertel.case.height_map import NO_MAPS, HeightMap
 from ertel.case.records import (
     ConfigError,
@@ -68,20 +69,26 @@ def parse_number(value: Any, bounds: Bounds) -> float:
     return value if bounds.whole else float(value)
 
 
-def check_keys(table: Mapping[str, Any], allowed: Sequence[str], place: str = "") -> None:
-    """Raise ConfigError, with a hint, for a key that is not allowed.  place: the section, empty for the file itself."""
+def check_keys(
+    table: Mapping[str, Any], allowed: Sequence[str], place: str = "", elsewhere: Callable[[str], Any] = lambda _: ()
+) -> None:
+    """Raise ConfigError, with a hint, for a key that is not allowed.
+
+    place: the section, empty for the file itself.  elsewhere: gives the places in which a key of that name is allowed.
+    """
     for name, value in table.items():
         if name not in allowed:
             where = f"{place}.{show_key(name)}" if place else show_key(name)
-            raise ConfigError(f"{where} = {show(value)}: unknown key; {hint_for(str(name), allowed)}")
+            hint = hint_for(str(name), allowed, elsewhere(name))
+            raise ConfigError(f"{where} = {show(value)}: unknown key; {hint}")
 
 
-def hint_for(name: str, known: Sequence[str]) -> str:
-    """A hint for a name that is not known: what may be meant, and what is allowed."""
+def hint_for(name: str, known: Sequence[str], elsewhere: Sequence[str] = ()) -> str:
+    """A hint for a name that is not known: what may be meant, here or elsewhere, and what is allowed."""
     if name in NOT_THERE:
         return NOT_THERE[name]
-    close = get_close_matches(name, known, n=1)
-    return (f"did you mean {close[0]}? " if close else "") + f"allowed: {', '.join(known)}"
+    close = elsewhere or get_close_matches(name, known, n=1)
+    return (f"did you mean {alternatives(close)}? " if close else "") + f"allowed: {', '.join(known)}"
 
 
 @dataclass(frozen=True)
@@ -126,12 +133,20 @@ class Reader:
             raise ConfigError(f"{place} = {show(data)}: must be a {'table' if '.' in place else f'section, [{place}]'}")
         items = {item.name: item for item in fields(record)}  # type: ignore[arg-type]
         if not data.keys() <= {*items, *also}:
-            check_keys(data, (*self.named.get(record, ()), *items, *also), place)
+            check_keys(data, (*self.keys(record), *also), place, self.full_names)
         values = self.values(record, data, place)
         for name, item in items.items():
             if name not in values and item.default is MISSING and item.default_factory is MISSING:
                 raise ConfigError(f"{place}.{name}: missing")
         return named(place, record, **values)
+
+    def keys(self, record: Any) -> tuple[str, ...]:
+        """The keys of a record (a class), those of names first."""
+        return *self.named.get(record, ()), *(item.name for item in fields(record))
+
+    def full_names(self, key: str) -> list[str]:
+        """SECTION.KEY for each section that has a key of this name."""
+        return [f"{name}.{key}" for name, section in SECTIONS.items() if key in self.keys(section.record)]
 
     def values(self, record: Any, data: Data, place: str) -> dict[str, Any]:
         """The values of those fields of a record (a class) that the data give."""

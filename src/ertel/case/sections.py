@@ -19,7 +19,7 @@ from ertel.physics.thermal import (
     WarmViscosity,
     thermal_loading,
 )
-from ertel.physics.units import Amount, Bounds, Meaning, explained
+from ertel.physics.units import Amount, Bounds, Meaning, Quantity, explained
 
 Method = Literal["2d", "radial", "steady", "transient"]
 Stop = Literal["max-approach", "rebound"]
@@ -159,6 +159,14 @@ class Time:
     ] = None
     tolerance: Annotated[float, units.SHARE, Meaning("error allowed in a time step, relative")] = 5e-5
     step: Annotated[Amount | None, units.DURATION, Meaning("a fixed time step, in place of tolerance", 0.01)] = None
+
+    def with_steps(self, factor: float) -> "Time":
+        """The same with steps that are larger by a factor; of those of a tolerance the size goes as its cube root."""
+        if self.step is None:
+            return replace(self, tolerance=self.tolerance * factor**3)
+        if isinstance(self.step, Quantity):
+            return replace(self, step=replace(self.step, value=factor * self.step.value))
+        return replace(self, step=factor * self.step)
 
 
 START_APPROACH = -1.0

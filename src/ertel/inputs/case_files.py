@@ -70,7 +70,7 @@ def parse_case(data: Mapping[str, object], folder: str | Path = ".") -> Case:
         raise ConfigError(f"contact: the section [contact] is missing; it takes {keys}")
     named = data
     try:
-        named = without_names(data)
+        named = without_names(data, Path(folder))
         read, maps = with_maps(named, Path(folder))
         case = Case.from_data(read, maps, READER)
     except ValueError as error:

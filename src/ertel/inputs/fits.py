@@ -61,8 +61,8 @@ class Unknown:
         return f"{float(value)!r} {self.unit}" if self.unit else float(value)
 
 
-def load_fit(path: str | Path, overrides: Sequence[str] = ()) -> tuple[Case, list[Mapping[str, Any]], Any]:
-    """The case of a fit in a TOML file, the tables of its measurements and its unknowns as they are written.
+def load_fit(path: str | Path, overrides: Sequence[str] = ()) -> tuple[Case, list[tuple[str, dict[str, Any]]], Any]:
+    """The case of a fit in a TOML file, the tables of its measurements with their places, and its unknowns as written.
 
     overrides: of the case, "solver.nodes=65".  Raises ConfigError.
     """
@@ -72,21 +72,20 @@ def load_fit(path: str | Path, overrides: Sequence[str] = ()) -> tuple[Case, lis
     for key, (kind, example) in KEYS.items():
         if not isinstance(data.get(key), kind):
             raise ConfigError(f"{key} = {show(data.get(key, ''))}: must be given, as {example}")
-    tables = [table for number, item in enumerate(data["measurements"], 1) for table in _one_by_one(number, item)]
+    places = [(f"measurements[{number}]", item) for number, item in enumerate(data["measurements"], 1)]
+    tables = [(place, table) for place, item in places for table in _one_by_one(place, item)]
     return load_case(path.parent / data["case"], overrides), tables, data["unknowns"]
 
 
-def _one_by_one(number: int, table: Any) -> Iterator[Mapping[str, Any]]:
+def _one_by_one(place: str, table: Any) -> Iterator[dict[str, Any]]:
     """The tables of the measurements for which one with lists of values and conditions stands."""
     if not isinstance(table, Mapping) or not isinstance(table.get("set", {}), Mapping):
-        raise ConfigError(f"measurements[{number}] = {show(table)}: must be a table, and so must its set")
+        raise ConfigError(f"{place} = {show(table)}: must be a table, and so must its set")
     size = len(table["value"]) if isinstance(table.get("value"), list) else 1
 
     def each(name: str, value: Any) -> list[Any]:
         if isinstance(value, list) and name in listed and len(value) != size:
-            raise ConfigError(
-                f"measurements[{number}].{name} = {show(value)}: must have {size} values, as many as value"
-            )
+            raise ConfigError(f"{place}.{name} = {show(value)}: must have {size} values, as many as value")
         return value if isinstance(value, list) and name in listed else [value] * size
 
     settings = table.get("set", {})

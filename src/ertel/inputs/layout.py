@@ -58,6 +58,7 @@ class NamedLubricant:
         Meaning("name of an oil, ertel oils lists them, or a table with its data sheet", "squalane"),
     ] = None
     temperature: Annotated[float | None, units.TEMPERATURE, Meaning("temperature of the inlet; goes with oil")] = None
+    oils: Annotated[str | None, Meaning("file of own oils, beside the case file; goes with oil", "my_oils.toml")] = None
 
 
 @dataclass(frozen=True)
@@ -116,6 +117,12 @@ class Key(NamedTuple):
         if self.default not in ("", NEEDED):
             return self.default
         return show(self.mark.example) if isinstance(self.mark, Unit) else ""
+
+    @property
+    def title(self) -> str:
+        """Name, kind of value and default."""
+        default = f"; default {self.default}" if self.default else ""
+        return f"{self.name}  ({self.kind}{'; needed' if self.default == NEEDED else default})"
 
     @property
     def options(self) -> Sequence[Any]:

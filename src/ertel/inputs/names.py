@@ -22,6 +22,7 @@ The section [thermal] takes from the oil and from the materials what it does not
 
 from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, fields
+from pathlib import Path
 from typing import Any
 
 from ertel.case.case import Case
@@ -40,12 +41,15 @@ OF_PRESSURE = ("alpha", "z", "p0")  # a given one makes the law Roelands', unles
 DIMENSIONLESS = ("M", "L", "lambda_bar", "alpha_bar")
 
 
-def without_names(data: Mapping[str, Any]) -> dict[str, Any]:
+def without_names(data: Mapping[str, Any], folder: Path = Path()) -> dict[str, Any]:
     """The plain data of a case with the numbers of the oil and the materials that it names.
 
-    Raises ValueError, naming the field, for a name that is not in the library, a temperature outside its data, and data
-    of [thermal] that are missing.
+    folder: that in which the file lubricant.oils lies.  Raises ValueError, naming the field, for a name that is not in
+    the library, a temperature outside its data, and data of [thermal] that are missing.
     """
+    (lubricant,) = _tables(data, "lubricant")
+    if isinstance(file := lubricant.get("oils"), str):
+        data = {**data, "lubricant": {**lubricant, "oils": str(folder / file)}}
     resolved = _with_thermal_data(data)
     for section, keys, resolve in (("lubricant", OIL_KEYS, _lubricant), ("contact", MATERIAL_KEYS, _contact)):
         written = data.get(section)
@@ -71,12 +75,14 @@ def _only_newtonian(data: Mapping[str, Any]) -> str:
 
 def _lubricant(written: Mapping[str, Any], data: Mapping[str, Any]) -> dict[str, Any]:
     given = {key: value for key, value in written.items() if key not in OIL_KEYS}
+    if "oils" in written and "oil" not in written:
+        raise ConfigError(f"oils = {show(written['oils'])}: needs lubricant.oil, the name of an oil in it")
     if "oil" not in written:
         raise ConfigError(
             f"temperature = {show(written['temperature'])}: needs lubricant.oil, one of {', '.join(oils.names())}; or "
             "give eta0 and alpha at the temperature of the inlet instead"
         )
-    oil = oil_of(written["oil"])
+    oil = oil_of(written)
     if "temperature" not in written:
         raise ConfigError(f'temperature: missing; oil = {show(written["oil"])} needs it, for example "40 degC"')
     temperature = written["temperature"]
@@ -95,11 +101,17 @@ def _lubricant(written: Mapping[str, Any], data: Mapping[str, Any]) -> dict[str,
     return {**numbers, **given, "rheology": rheology}
 
 
-def oil_of(written: Any) -> NamedOil:
-    """The oil of a name, or of a data sheet.  Raises ValueError, naming the key `oil`, where it is neither."""
-    if not isinstance(written, Mapping):
-        return oils.get(written)
-    return oils.oil_of_sheet(READER.record(DataSheet, written, "oil"), "oil.")
+def oil_of(lubricant: Mapping[str, Any]) -> NamedOil:
+    """The oil that [lubricant] names, or describes by its data sheet.  Raises ValueError, naming the key."""
+    written, file = lubricant["oil"], lubricant.get("oils")
+    if isinstance(written, Mapping):
+        return oils.oil_of_sheet(READER.record(DataSheet, written, "oil"), "oil.")
+    if not isinstance(file, str | None):
+        raise ConfigError(f"oils = {show(file)}: must be the path of a file of oils")
+    try:
+        return oils.get(written, file)
+    except ConfigError as error:  # of the name, or of the file
+        raise ConfigError(str(error) if str(error).startswith("oil = ") else f"oils: {error}") from error
 
 
 def _contact(written: Mapping[str, Any], data: Mapping[str, Any]) -> dict[str, Any]:
@@ -202,7 +214,7 @@ def _of_the_library(lubricant: Mapping[str, Any], contact: Mapping[str, Any], T:
     """Data in SI of the named oil (or of a data sheet) at T (K), and of the named bodies."""
     data: dict[str, float] = {}
     if T is not None and "oil" in lubricant:
-        oil = named("lubricant", oil_of, lubricant["oil"])
+        oil = named("lubricant", oil_of, lubricant)
         data["beta"] = oil.thinning_at(T)
         if oil.thermal:
             data["conductivity"] = oil.thermal.data.conductivity

@@ -1,8 +1,8 @@
 """The library of oils and materials, and oils from a data sheet: `ertel.oils`, and for `ertel.materials`.
 
 >>> from ertel import oils
->>> oils.names()
-('iso-vg-100', 'iso-vg-68', 'mineral-100', 'naphthenic-100', 'pao-100', 'polyglycol', 'squalane')
+>>> oils.names()[:5]
+('iso-vg-100', 'iso-vg-68', 'machine-oil-heavy', 'machine-oil-light', 'mineral-100')
 >>> round(oils.at("squalane", "40 degC").eta0, 4)
 0.0149
 >>> round(oils.data_sheet(nu40="68 mm^2/s", nu100="8.6 mm^2/s", density=880, temperature="60 degC").eta0, 4)
@@ -13,16 +13,32 @@ All data of an oil, with their sources and ranges, are in `oils.get("squalane")`
 A data file of the library is TOML.  Each of its tables gives data of one kind, their `source`, the temperatures
 `coldest` and `hottest` between which they are valid, and often a `note` on their accuracy.  What has no trustworthy
 source is left out of the file.
+
+A user's own oils stand in a file of their own, a table for each, with the same tables in it, or with the keys of a data
+sheet and its source as `reference`::
+
+    [gear-oil]
+    reference = "data sheet of March 2024"
+    nu40 = "68 mm^2/s"
+    nu100 = "8.7 mm^2/s"
+    density = "880 kg/m^3"
+
+Those in ertel/oils.toml in the folder of a user's configuration (XDG_CONFIG_HOME, otherwise ~/.config) are in the
+library; a case may name another file, lubricant.oils.  The resolved case holds their numbers and not their names.
 """
 
+import os
 import tomllib
 from collections.abc import Callable, Mapping
+from dataclasses import MISSING, dataclass, fields, replace
 from functools import cache
 from importlib.resources import files
-from typing import Any
+from pathlib import Path
+from typing import Annotated, Any
 
-from ertel.case.reading import Reader
+from ertel.case.reading import Reader, check_keys
 from ertel.case.records import ConfigError, refusing, show
+from ertel.inputs.height_maps import regular_content
 from ertel.inputs.layout import READER, DataSheet
 from ertel.inputs.quantities import NumberOrText, number_or_quantity, parse_temperature
 from ertel.physics.fluidity import Carreau, Fluidity
@@ -38,20 +54,22 @@ from ertel.physics.temperature_laws import (
     Vogel,
     Walther,
 )
+from ertel.physics.units import TEMPERATURE
 
-__all__ = ["at", "data_sheet", "get", "names"]
+__all__ = ["at", "data_sheet", "get", "names", "read_file"]
 
 FOLDER = files("ertel.inputs") / "library"
 COLDEST, HOTTEST = ZERO_CELSIUS, ZERO_CELSIUS + 150.0  # of a data sheet: D341 is a straight line here
-LAWS: Mapping[str, Callable[..., Any]] = {
-    "astm-d341": Walther,
-    "vogel": Vogel,
-    "so-klaus": SoKlaus,
-    "power-of-viscosity": PowerOfViscosity,
-    "modulus": ModulusOfTemperature,
-    "doolittle": DoolittleOfTemperature,
+LAWS: Mapping[str, Mapping[str, Callable[..., Any]]] = {  # by table of a data file, and by name
+    "viscosity": {"astm-d341": Walther, "vogel": Vogel},
+    "pressure": {
+        "so-klaus": SoKlaus,
+        "power-of-viscosity": PowerOfViscosity,
+        "modulus": ModulusOfTemperature,
+        "doolittle": DoolittleOfTemperature,
+    },
 }
-DATA: Mapping[str, Any] = {  # by table of a data file, which otherwise names a law
+DATA: Mapping[str, Any] = {  # by table of a data file, where that names no law
     "density": Expansion,
     "shear": Carreau,
     "limiting_stress": LimitingStress,
@@ -59,12 +77,26 @@ DATA: Mapping[str, Any] = {  # by table of a data file, which otherwise names a 
     "elasticity": Elasticity,
     "strength": Strength,
 }
-RECORDS = {"oils": NamedOil, "materials": Material}  # by folder of the library; their fields are the tables
+RECORDS: Mapping[str, Any] = {"oils": NamedOil, "materials": Material}  # by folder; their fields are the tables
+LARGEST_FILE = 1_000_000  # bytes
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Where the data of a table come from, and between which temperatures they hold (K)."""
+
+    source: str
+    coldest: Annotated[float, TEMPERATURE]
+    hottest: Annotated[float, TEMPERATURE]
+    note: str = ""
+
+
+ABOUT = tuple(item.name for item in fields(Origin))
 
 
 def names() -> tuple[str, ...]:
-    """The names of the oils of the library."""
-    return _names("oils")
+    """The names of the oils of the library, and of those in the user's own file."""
+    return tuple(sorted((*_names("oils"), *_own())))
 
 
 def material_names() -> tuple[str, ...]:
@@ -72,14 +104,54 @@ def material_names() -> tuple[str, ...]:
     return _names("materials")
 
 
-def get(name: str) -> NamedOil:
-    """An oil of the library.  Raises ConfigError for a name that is not there."""
-    return _entry("oil", name)
+def get(name: str, file: str | Path | None = None) -> NamedOil:
+    """An oil of the library, or of a user's own file.  Raises ConfigError for a name that is not there.
+
+    file: that of own oils; left out, the one in the folder of the user's configuration.
+    """
+    own = _own() if file is None else read_file(file)
+    return own[name] if isinstance(name, str) and name in own else _entry("oil", name, (*sorted(own), *_names("oils")))
+
+
+def read_file(file: str | Path) -> dict[str, NamedOil]:
+    """The oils in a user's own file, by name.
+
+    Raises ConfigError, naming the file and the key, where it cannot be read, for keys and values that are not allowed,
+    for data without a source, and for the name of an oil of the library.
+    """
+    path = Path(file)
+    try:
+        tables = tomllib.loads(regular_content(path, LARGEST_FILE).decode("utf-8-sig"))
+    except ValueError as error:
+        raise ConfigError(f"the file of oils {path}: {error}") from error
+    if taken := sorted(tables.keys() & set(_names("oils"))):
+        raise ConfigError(f"{path}: {taken[0]}: the library has an oil of this name; choose another")
+    return {name: _own_oil(name, table, f"{path}: {name}") for name, table in tables.items()}
+
+
+def own_file() -> Path:
+    """The file with a user's own oils, which need not be there."""
+    return Path(os.environ.get("XDG_CONFIG_HOME") or os.path.expanduser("~/.config")) / "ertel" / "oils.toml"
+
+
+def _own() -> dict[str, NamedOil]:
+    return read_file(own_file()) if own_file().exists() else {}
+
+
+def _own_oil(name: str, table: Any, place: str) -> NamedOil:
+    if not isinstance(table, Mapping) or "nu40" not in table:
+        return _built(NamedOil, name, table, place)
+    sheet = READER.record(DataSheet, table, place)
+    if not sheet.reference:
+        raise ConfigError(f"{place}.reference: missing; it is the source of the data")
+    oil = oil_of_sheet(sheet, f"{place}.")
+    viscosity = replace(oil.viscosity, source=f"{sheet.reference}; ASTM D341.")
+    return replace(oil, name=name, text=sheet.reference, viscosity=viscosity)
 
 
 def material(name: str) -> Material:
     """A material of the library.  Raises ConfigError for a name that is not there."""
-    return _entry("material", name)
+    return _entry("material", name, material_names())
 
 
 def at(name: str, temperature: NumberOrText, rheology: str | Fluidity | None = None) -> Oil:
@@ -186,9 +258,8 @@ def _names(folder: str) -> tuple[str, ...]:
     return tuple(sorted(name.removesuffix(".toml") for name in entries if name.endswith(".toml")))
 
 
-def _entry(noun: str, name: object) -> Any:
-    allowed = _names(f"{noun}s")
-    if not isinstance(name, str) or name not in allowed:
+def _entry(noun: str, name: object, allowed: tuple[str, ...]) -> Any:
+    if not isinstance(name, str) or name not in _names(f"{noun}s"):
         raise ConfigError(f"{noun} = {show(name)}: allowed: {', '.join(allowed)}")
     return _read(f"{noun}s", name)
 
@@ -197,13 +268,32 @@ def _entry(noun: str, name: object) -> Any:
 def _read(folder: str, name: str) -> Any:
     """The oil or the material in a data file."""
     data = tomllib.loads((FOLDER / folder / f"{name}.toml").read_text(encoding="utf-8"))
-    text = data.pop("text")
-    return RECORDS[folder](name, text, **{key: _sourced(table, key, f"{name}.{key}") for key, table in data.items()})
+    return _built(RECORDS[folder], name, data, name)
 
 
-def _sourced(table: dict[str, Any], key: str, place: str) -> Sourced[Any]:
+def _built(record: Any, name: str, data: Any, place: str) -> Any:
+    """The oil or the material that tables define.  place: before their names in messages."""
+    if not isinstance(data, Mapping):
+        raise ConfigError(f"{place} = {show(data)}: must be a table")
+    tables = {item.name: item for item in fields(record) if item.name != "name"}
+    check_keys(data, tuple(tables), place)
+    for key, item in tables.items():
+        if key not in data and item.default is MISSING:
+            raise ConfigError(f"{place}.{key}: missing")
+    parts = {key: _sourced(table, key, f"{place}.{key}") for key, table in data.items() if key != "text"}
+    return record(name, str(data["text"]), **parts)
+
+
+def _sourced(table: Any, key: str, place: str) -> Sourced[Any]:
     """A table with its source and range; its other keys are the fields of its record, or of the law that it names."""
-    source, note = table.pop("source"), table.pop("note", "").strip()
-    coldest, hottest = (parse_temperature(table.pop(end)) for end in ("coldest", "hottest"))
-    record = LAWS[table.pop("law")] if "law" in table else DATA[key]
-    return Sourced(READER.record(record, table, place), source, coldest, hottest, note)
+    if not isinstance(table, Mapping):
+        raise ConfigError(f"{place} = {show(table)}: must be a table")
+    about = READER.record(Origin, {name: table[name] for name in ABOUT if name in table}, place)
+    content, record = {name: value for name, value in table.items() if name not in ABOUT}, DATA.get(key)
+    if record is None:
+        law = content.pop("law", None)
+        if law not in LAWS[key]:
+            raise ConfigError(f"{place}.law = {show(law)}: allowed: {', '.join(LAWS[key])}")
+        record = LAWS[key][law]
+    data = READER.record(record, content, place)
+    return Sourced(data, about.source, about.coldest, about.hottest, about.note.strip())

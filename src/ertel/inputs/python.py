@@ -8,15 +8,16 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from inspect import Parameter, Signature
+from textwrap import wrap
 from typing import Any, TypedDict, Unpack, get_type_hints
 
 from ertel.case.case import Case
-from ertel.case.conditions import Conditions, Kind
+from ertel.case.conditions import FOREIGN, Conditions, Kind
 from ertel.case.reading import hint_for
 from ertel.case.records import ConfigError, law_data, oil_data, show, with_unit
 from ertel.case.sections import Output, Solver, Thermal, Time
 from ertel.inputs.case_files import parse_case
-from ertel.inputs.layout import Materials, NamedLubricant, field_names
+from ertel.inputs.layout import READER, Materials, NamedLubricant, field_names
 from ertel.inputs.quantities import NumberOrText, parse_quantity, plain_data
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Oil as Oil
@@ -114,22 +115,52 @@ SPECIAL: Mapping[str, Meaning] = {  # keywords that are no fields of a record
     ),
     "name": Meaning("for titles and directories"),
 }
-RECORDS = (Conditions, Materials, NamedLubricant, Oil, Solver, Time, Output)
+GROUPS: Mapping[str, tuple[tuple[Any, ...], tuple[str, ...]]] = {  # of the keywords: records with them, and others
+    "contact": ((Materials, Conditions), ("roughness",)),
+    "oil": ((NamedLubricant, Oil), ("thermal",)),
+    "grid": ((Solver,), ()),
+    "time and output": ((Time, Output), ("time_tolerance", "motion", "name")),
+}
+# sections that are one keyword, with a key as it is written
+TABLES = {"lubricant": "oil=Oil({}=...)", "motion": "motion={{'{}': ...}}", "thermal": "thermal={{'{}': ...}}"}
+OFTEN = ("material_1", "material_2", "M", "L", "oil", "temperature", "method", "nodes", "until")  # most cases need
 
 
-def _explain(function: Callable[..., Case], keywords: Any) -> None:
-    """Name the keywords in the signature of a function and explain them in its docstring."""
+def _explain(function: Callable[..., Case], keywords: Any, often: Sequence[str]) -> None:
+    """Name the keywords in the signature of a function and explain them in its docstring, group by group.
+
+    often: the keywords that most cases need, which come first in their group and have a section of their own.
+    """
     hints = get_type_hints(keywords)
-    lines: list[str] = ["Parameters", "----------"]
-    for name in hints:
-        if name in SPECIAL:
-            lines += parameter_lines(name, SPECIAL[name], None)
-        else:
-            record = next(record for record in RECORDS if name in field_names(record))
-            lines += parameter_lines(name, meanings(record)[name], marks(record).get(name))
+    groups = _grouped(sorted(hints, key=lambda name: often.index(name) if name in often else len(often)))
+    order = [name for names in groups.values() for name in names]
+    lines = [f"* {group}: {', '.join(names)}" for group, names in groups.items()]
+    lines = [part for line in lines for part in wrap(line, 110, subsequent_indent="  ")]
+    seldom = [name for name in order if name not in often]
+    for title, names in {"Parameters": [*filter(often.__contains__, order)], "Other Parameters": seldom}.items():
+        lines += ["", title, "-" * len(title), *(line for name in names for line in _explanation(name))]
     function.__doc__ = (function.__doc__ or "").replace("{parameters}", "\n    ".join(lines))
-    given = [Parameter(name, Parameter.KEYWORD_ONLY, default=None, annotation=hints[name]) for name in hints]
+    given = [Parameter(name, Parameter.KEYWORD_ONLY, default=None, annotation=hints[name]) for name in order]
     function.__signature__ = Signature(given, return_annotation=Case)  # type: ignore[attr-defined]
+
+
+def _grouped(names: Sequence[str]) -> dict[str, list[str]]:
+    """The keywords by group, in their order; the first group that knows a keyword has it."""
+    groups: dict[str, list[str]] = {}
+    for group, (records, others) in GROUPS.items():
+        known = {*others, *(name for record in records for name in field_names(record))}
+        groups[group] = [name for name in names if name in known]
+        names = [name for name in names if name not in known]
+    return groups
+
+
+def _explanation(name: str) -> tuple[str, ...]:
+    """A keyword as a docstring has it."""
+    if name in SPECIAL:
+        return parameter_lines(name, SPECIAL[name], None)
+    records = (record for group, _ in GROUPS.values() for record in group)
+    record = next(record for record in records if name in field_names(record))
+    return parameter_lines(name, meanings(record)[name], marks(record).get(name))
 
 
 def impact(**given: Unpack[ImpactKeywords]) -> Case:
@@ -138,6 +169,8 @@ def impact(**given: Unpack[ImpactKeywords]) -> Case:
     A dimensionless contact is given by `M` and `L` or by `lambda_bar` and `alpha_bar`; a physical one by a radius, mass
     or density, speed or drop height, and the elasticity or the materials.  Quantities are floats in SI or texts with a
     unit, "10 mm".
+
+    The keywords by what they are about; those that most cases need come first.
 
     {parameters}
 
@@ -169,6 +202,8 @@ def rolling(**given: Unpack[RollingKeywords]) -> Case:
     has no inertia.  The method is "transient" if anything changes in time: load, speed, moving roughness.  Quantities
     are floats in SI or texts with a unit, "10 mm".
 
+    The keywords by what they are about; those that most cases need come first.
+
     {parameters}
 
     Returns
@@ -189,8 +224,8 @@ def rolling(**given: Unpack[RollingKeywords]) -> Case:
     return _case("rolling", given, RollingKeywords)
 
 
-_explain(impact, ImpactKeywords)
-_explain(rolling, RollingKeywords)
+_explain(impact, ImpactKeywords, ("radius", "speed", *OFTEN))
+_explain(rolling, RollingKeywords, ("radius", "load", "mean_speed", *OFTEN))
 
 
 def quantity(text: str) -> Quantity:
@@ -219,9 +254,10 @@ def quantity(text: str) -> Quantity:
 
 def _case(kind: Kind, given: Mapping[str, Any], keywords: Any) -> Case:
     """The case of keyword arguments, read in the same way as a case file."""
+    known = tuple(keywords.__annotations__)
     for name in given:
-        if name not in keywords.__annotations__:
-            hint = hint_for(name, tuple(keywords.__annotations__))
+        if name not in known:
+            hint = FOREIGN[kind].get(name) or hint_for(name, known, _in_tables(name, known))
             raise TypeError(f"{kind}() got an unexpected keyword argument '{name}': {hint}")
     values = {key: plain_data(value) for key, value in given.items() if value is not None}
     if not isinstance(values.get("oil"), Oil | str | None):
@@ -249,6 +285,13 @@ def _case(kind: Kind, given: Mapping[str, Any], keywords: Any) -> Case:
     }
     case = parse_case({name: table for name, table in sections.items() if table is not None})
     return replace(case, roughness=(*case.roughness, *records)) if records else case
+
+
+def _in_tables(name: str, known: Sequence[str]) -> list[str]:
+    """The ways to write a key of a section that is one keyword in Python."""
+    places = (full.split(".") for full in READER.full_names(name))
+    ways = (TABLES[section].format(key) for section, key in places if section in TABLES)
+    return [way for way in ways if way.partition("=")[0] in known]
 
 
 def _lubricant(values: Mapping[str, Any]) -> dict[str, Any] | None:

@@ -19,7 +19,7 @@ value in them may.
 
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from math import prod
 from pathlib import Path
@@ -30,6 +30,7 @@ from ertel.case.definition import SECTIONS
 from ertel.case.reading import check_keys
 from ertel.case.records import ConfigError, field_name, is_number, refusing, show
 from ertel.case.rules import plain_name
+from ertel.case.sections import FEWEST_NODES
 from ertel.inputs.case_files import apply_overrides, parse_case, path_of, read_toml
 from ertel.inputs.layout import READER, Key, section, shape_place
 from ertel.inputs.quantities import LOG, parse_quantity, plain_data, spaced, split
@@ -69,7 +70,8 @@ class Axis:
 class Study:
     """The cases of a study, in the order of its axes: of a product the last axis varies fastest.
 
-    data: the case with its first values, as plain data.
+    data: the case with its first values, as plain data.  purpose: "convergence" for a `convergence_series`; the files
+    with its numbers have this name.
     """
 
     name: str
@@ -77,6 +79,7 @@ class Study:
     axes: tuple[Axis, ...]
     cases: tuple[Case, ...]
     data: Mapping[str, Any]
+    purpose: Literal["sweep", "convergence"] = "sweep"
 
 
 def load_study(path: str | Path, overrides: Sequence[str] = ()) -> Study:
@@ -221,6 +224,47 @@ def _put(data: dict[str, Any], axes: Sequence[Axis], values: Sequence[Any]) -> N
         for part in axis.place[:-1]:
             table = table[part]
         table[axis.place[-1]] = value
+
+
+# -- a convergence series ----------------------------------------------------------------------------------------------
+
+SERIES = ("grid", "time")  # what is refined
+FEWEST_GRIDS, MOST_GRIDS = 3, 6  # an order needs three
+
+
+def convergence_series(case: Case, grids: int = FEWEST_GRIDS, along: str = "grid") -> Study:
+    """The study whose cases show the order of convergence of a case, coarsest first.
+
+    grids: how many cases.  along: "grid", the last case has the grid of the given one, each the double spacing of the
+    next, and in time the double steps; or "time", the steps alone.  The steps of the given case are those of the first:
+    larger ones are not in the range where an order is seen.  Raises ConfigError, naming the argument or the field.
+    """
+    if along not in SERIES:
+        raise ConfigError(f"along = {show(along)}: allowed: {', '.join(SERIES)}")
+    if not isinstance(grids, int) or not FEWEST_GRIDS <= grids <= MOST_GRIDS:
+        raise ConfigError(f"grids = {show(grids)}: must be a whole number from {FEWEST_GRIDS} to {MOST_GRIDS}")
+    if along == "time" and case.time is None:
+        raise ConfigError('along = "time": a steady contact has no time steps; use along = "grid"')
+    cells, coarsening = case.solver.nodes - 1, 2 ** (grids - 1)
+    if along == "grid" and (cells % coarsening or cells // coarsening + 1 < FEWEST_NODES):
+        coarsest = max(cells // coarsening, FEWEST_NODES - 1)
+        allowed = " or ".join(str(coarsening * each + 1) for each in (coarsest, coarsest + 1))
+        raise ConfigError(
+            f"solver.nodes = {cells + 1}: has no {grids} grids of {FEWEST_NODES} nodes or more, each the half of the "
+            f"next; use solver.nodes = {allowed}, or another number of grids"
+        )
+    cases = [case] * grids
+    for number in reversed(range(grids - 1)) if along == "grid" else ():
+        cases[number] = cases[number + 1].on_half_grid()
+    if case.time is not None:
+        cases = [replace(each, time=case.time.with_steps(0.5**number)) for number, each in enumerate(cases)]
+    tables = [each.to_data() for each in cases]
+    axes = []
+    for section_name, key in (("solver", "nodes"), ("time", "tolerance"), ("time", "step")):
+        values = tuple((table.get(section_name) or {}).get(key) for table in tables)
+        if len(set(values)) > 1:
+            axes.append(Axis((section_name, key), values))
+    return Study(case.name or case.kind, "zip", tuple(axes), tuple(cases), tables[0], "convergence")
 
 
 # -- the coordinates of its numbers -----------------------------------------------------------------------------------

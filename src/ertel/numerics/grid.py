@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import ceil
+from math import ceil, nan
 from typing import NamedTuple
 
 import numpy as np
@@ -86,10 +86,14 @@ class Grid:
         """Y of the nodes, shape (nodes_y,)."""
         return _axis(self.nodes_y, self.spacing, self.centre_y)
 
+    def middle(self) -> "Grid":
+        """The nodes in the middle of this grid: half as many cells a side, of the same size (`stencils.middle`)."""
+        nodes_x, nodes_y = ((nodes - 1) // 2 + 1 for nodes in (self.nodes_x, self.nodes_y))
+        return replace(self, nodes_x=nodes_x, nodes_y=nodes_y)
+
     def coarser(self) -> "Grid":
         """Every second node of this grid."""
-        nodes_x, nodes_y = ((nodes - 1) // 2 + 1 for nodes in (self.nodes_x, self.nodes_y))
-        return replace(self, nodes_x=nodes_x, nodes_y=nodes_y, spacing=2.0 * self.spacing)
+        return replace(self.middle(), spacing=2.0 * self.spacing)
 
     def hierarchy(self) -> tuple["Grid", ...]:
         """This grid and its coarser grids, down to the coarsest useful one that has nodes on the axes of symmetry."""
@@ -180,6 +184,18 @@ def extrapolate(coarse: float, fine: float, coarsest: float | None = None) -> Ex
     """
     step, expected = (fine - coarse) / 3, 0.0 if coarsest is None else (coarse - coarsest) / 12
     return Extrapolation(fine, max(abs(step), abs(expected)), fine + step)
+
+
+def on_grids(values: Sequence[float], regular: bool = True) -> list[Extrapolation]:
+    """Values on grids, coarsest first and each with half the spacing, with their errors; the coarsest has none.
+
+    regular: whether the order is; where not, the error follows from three grids.
+    """
+    found = [Extrapolation(values[0], nan, nan)]
+    for k in range(1, len(values)):
+        coarsest = None if regular or k < 2 else values[k - 2]
+        found.append(extrapolate(values[k - 1], values[k], coarsest))
+    return found
 
 
 def expected_next(values: Sequence[float]) -> float:

@@ -119,7 +119,7 @@ class NewtonKrylov:
     def size(self, P: Array, s: Array, r: Array) -> Array:
         """The largest residual in units of the tolerance."""
         misfit = jnp.abs(self.border.misfit(P, s)) / self.border.tolerance
-        return jnp.maximum(jnp.max(jnp.abs(_free(P, r) * r) / self.tolerance), misfit)
+        return jnp.maximum(largest_residual(P, r, self.tolerance), misfit)
 
     def is_unsolved(self, it: Solution) -> Array:
         options = self.options
@@ -176,6 +176,11 @@ def _forcing(options: Options, gain: Array, size: Array) -> Array:
     """
     useful = jnp.clip(gain**2, options.krylov_reduction, LOOSEST)
     return jnp.maximum(useful, jnp.minimum(0.3 / size, 0.3))
+
+
+def largest_residual(P: Array, r: Array, tolerance: Array | float) -> Array:
+    """The largest residual r of the nodes where the equation holds, in units of its tolerance."""
+    return jnp.max(jnp.abs(_free(P, r) * r) / tolerance)
 
 
 def _free(P: Array, r: Array) -> Array:

@@ -61,6 +61,12 @@ def folded(field: Array, even: Symmetry) -> Array:
     return field[rows // 2 if even.y else 0 :, columns // 2 if even.x else 0 :]
 
 
+def middle(shape: tuple[int, ...], even: Symmetry) -> tuple[slice, ...]:
+    """The indices of `Grid.middle` in a field of this shape."""
+    before = (0 if mirror else (nodes - 1) // 4 for mirror, nodes in zip(even, shape, strict=True))
+    return tuple(slice(first, first + (nodes + 1) // 2) for first, nodes in zip(before, shape, strict=True))
+
+
 def total(field: Array, even: Symmetry) -> Array:
     """The sum over the whole plane."""
     rows = 2.0 * jnp.sum(field, axis=0) - field[0] if even.y else jnp.sum(field, axis=0)

@@ -11,7 +11,7 @@ has an index.  The layers, their indices and the oil's index are parameters, wit
 """
 
 from ertel.optics.inverse import DoubtfulFilm, film_of_intensity
-from ertel.optics.light import BlackBody, Chart, Daylight, Lamp, Light, Monochromatic, White
+from ertel.optics.light import BlackBody, Chart, Daylight, Interferometer, Lamp, Light, Monochromatic, White
 from ertel.optics.rig import (
     BK7,
     CHROMIUM,
@@ -31,6 +31,6 @@ from ertel.optics.rig import (
 
 __all__ = [
     "BK7", "CHROMIUM", "SILICA", "STEEL", "BlackBody", "Chart", "Constant", "Daylight", "DoubtfulFilm", "Fringes",
-    "JohnsonChristy", "Lamp", "Layer", "Light", "Medium", "Monochromatic", "Rig", "Sellmeier", "TwoBeams", "White",
-    "film_of_intensity", "lorentz_lorenz", "reflection",
+    "Interferometer", "JohnsonChristy", "Lamp", "Layer", "Light", "Medium", "Monochromatic", "Rig",
+    "Sellmeier", "TwoBeams", "White", "film_of_intensity", "lorentz_lorenz", "reflection",
 ]  # fmt: skip

@@ -7,14 +7,13 @@ Spectra are summed with the CIE 1931 functions of the 2 degree observer every 5 
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from math import log, pi, sqrt
 from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.ndimage import map_coordinates
 
 from ertel.optics.rig import NM, ORDERS, Rig, Visibility, data_table
 
@@ -222,6 +221,14 @@ FAINT = 3e-4  # share of the light: fainter orders of fringes beside air are lef
 BLUR = 0.8  # pixels: the standard deviation of a microscope's own blur
 
 
+def _between(channel: Array, places: Sequence[Array]) -> Array:
+    """A channel at places between its entries."""
+    from scipy.ndimage import map_coordinates  # here: other pictures do without it
+
+    found: Array = map_coordinates(channel, places, order=1, mode="nearest")
+    return found
+
+
 @dataclass(frozen=True)
 class Chart:
     """The colours of films, computed once for many pictures.
@@ -283,7 +290,7 @@ class Chart:
         light: Array = np.zeros(())
         for m, k, channels in self._beside_air:
             place = (m * path + (k - m) * air) / SPACING + channels.shape[1] // 2
-            order = [map_coordinates(channel, [place], order=1, mode="nearest") for channel in channels]
+            order = [_between(channel, [place]) for channel in channels]
             light = light + np.stack(order, axis=-1) * self._fading(m * change + (k - m) * air_change)
         return light
 
@@ -322,7 +329,7 @@ class Chart:
         first, last = self._indices[0], self._indices[-1]
         places = [film * n / SPACING, (n - first) / (last - first) * (INDICES - 1)]
         channels = np.moveaxis(self._colours, -1, 0)
-        seen = np.stack([map_coordinates(c, places, order=1, mode="nearest") for c in channels], axis=-1)
+        seen = np.stack([_between(c, places) for c in channels], axis=-1)
         means = self.light.mean(self.rig, self._indices)  # of films without fringes
         mean: Array = np.stack([np.interp(n, self._indices, channel) for channel in means.T], axis=-1)
         light: Array = mean + (seen - mean) * self._fading(change)
@@ -347,3 +354,26 @@ class Chart:
         down, across = np.gradient(np.array([path, void]), axis=(1, 2))
         change, void_change = down + 1j * across
         return self.shown(film, density, change, void, void_change)
+
+
+@dataclass(frozen=True)
+class Interferometer:
+    """A rig and its light before a detector of intensity.
+
+    Attributes
+    ----------
+    rig, light : Rig, Light
+        The layers, and what they are lit with.
+    """
+
+    rig: Rig = field(default_factory=Rig)
+    light: Light = field(default_factory=Monochromatic)
+
+    def intensity(self, film: Array, density: Array, void: ArrayLike = 0.0) -> Array:
+        """The share of the light that comes back, of white light its luminance.
+
+        film, density, void : as of `Chart.linear`; of the shape of the film.
+        """
+        chart = Chart(self.rig, self.light, float(np.max(film)), float(np.max(density)))
+        light = chart.linear(film, density, void=void)
+        return light @ LUMINANCE if light.shape[-1] == 3 else light[..., 0]

@@ -2,13 +2,14 @@
 
     ertel.plots.overview(result.dataset, at="max-approach").savefig("impact.png")
 
-`interferogram` shows any run in SI as an experimenter sees it, `animation` a run in time.
+`interferogram` shows any run in SI as an experimenter sees it, `animation` a run in time; `movie` shows the film or the
+pressure of a run in time.
 
-A run in time has overview, film, pressure, oil, maps, profiles, history and friction, and an impact front; a steady
-contact overview, film, pressure, oil, maps, midlines, convergence and friction.  `at` chooses the moment of a run in
-time: a time in t0, or with its unit, "95 us" (the map next to it is drawn, and the title says its time), or an event,
-"max-approach" or "end"; by default maximum approach, of a rolling contact the thinnest film where it is thinner than at
-both ends of the run, or else the last map.
+A run in time has overview, film, pressure, oil, maps, profiles, history, friction and spacetime, and an impact front;
+a steady contact overview, film, pressure, oil, maps, midlines, convergence and friction. `at` chooses the moment of a
+run in time: a time in t0, or with its unit, "95 us" (the map next to it is drawn, and the title says its time), or an
+event, "max-approach" or "end"; by default maximum approach, of a rolling contact the thinnest film where it is
+thinner than at both ends of the run, or else the last map.
 
 `ax=` draws into axes of your own; `columns=1` or `columns=2` makes a figure of 85 or 170 mm for print,
 `figsize=` one of another size; `title=False` leaves headings out; see `Sheet`.
@@ -18,6 +19,7 @@ the run does not have.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Unpack
 
 import numpy as np
@@ -25,19 +27,20 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ertel.plots import fields, histories
+from ertel.plots import drawing, fields, histories
 from ertel.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, NoFigure, Sheet, SheetOptions, compose
 from ertel.plots.fields import comparison
-from ertel.plots.interferograms import animation, interferogram
-from ertel.plots.measurements import measured
-from ertel.plots.view import View
+from ertel.plots.interferograms import animation, interferogram, interferogram_of
+from ertel.plots.measurements import Overlay, measured, measured_view
+from ertel.plots.movies import movie
+from ertel.plots.view import View, in_same_units
 from ertel.results.profiles import At
 from ertel.results.variables import figures_of, is_steady
 
 __all__ = [
     "BLUE", "GREEN", "GREY", "NAMES", "ORANGE", "ORDERED_COLOURS", "NoFigure", "Sheet", "animation", "comparison",
     "convergence", "draw", "film", "friction", "front", "history", "interferogram", "maps", "measured", "midlines",
-    "names_of", "oil", "overview", "pressure", "profiles",
+    "movie", "names_of", "oil", "overview", "pressure", "profiles", "side_by_side", "spacetime",
 ]  # fmt: skip
 
 Rows = Sequence[Sequence[Callable[[Axes, View], None]]]
@@ -81,9 +84,11 @@ PANELS: Mapping[str, Rows | Callable[[View], Rows]] = {  # of each figure
     "convergence": [[histories.draw_convergence, histories.draw_grids]],
     "friction": _friction_rows,
     "front": [[histories.draw_place, histories.draw_front_speed]],
+    "spacetime": [[histories.draw_film_through_time]],
 }
-PARTS_IN_TIME, PARTS_STEADY = ("film", "pressure", "oil", "front"), ("oil", "maps")  # of another figure
+PARTS_IN_TIME, PARTS_STEADY = ("film", "pressure", "oil", "front", "spacetime"), ("oil", "maps")  # of another figure
 NAMES = tuple(PANELS)
+OVERLAID = ("profiles", "midlines")  # figures that show measured profiles
 
 
 def names_of(dataset: xr.Dataset) -> tuple[str, ...]:
@@ -92,7 +97,9 @@ def names_of(dataset: xr.Dataset) -> tuple[str, ...]:
     return tuple(name for name in figures_of(dataset) if name not in parts)
 
 
-def draw(dataset: xr.Dataset, name: str, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:
+def draw(
+    dataset: xr.Dataset, name: str, at: At = None, measured: Overlay = None, **sheet: Unpack[SheetOptions]
+) -> Figure:
     """One figure of a run by its name, one of `NAMES`.
 
     Parameters
@@ -102,7 +109,9 @@ def draw(dataset: xr.Dataset, name: str, at: At = None, **sheet: Unpack[SheetOpt
     name : str
         The name of the figure.
     at : float, str or Quantity, optional
-        The moment of a run in time: a time in t0 or with its unit, or an event.
+        The moment of a run in time: a time in t0 or with its unit, or an event.  Left out, that of what is measured.
+    measured : Measurement or several of them, optional
+        Measured profiles of film or pressure, drawn on those of the run.
     **sheet
         Axes or a size, and whether there is a title: ax, figsize, columns, title, see `Sheet`.
 
@@ -111,12 +120,56 @@ def draw(dataset: xr.Dataset, name: str, at: At = None, **sheet: Unpack[SheetOpt
     NoFigure
         The run does not have this figure or this moment, or there is nothing to draw yet.
     """
-    if name not in figures_of(dataset):
+    _require(dataset, name)
+    return _draw(measured_view(dataset, at, measured), name, Sheet(**sheet))
+
+
+def _require(dataset: xr.Dataset, name: str) -> None:
+    if name not in (found := figures_of(dataset)):
         run = "a steady contact" if is_steady(dataset) else "a run in time"
-        raise NoFigure(f"{name}: {run} has no such figure; it has {', '.join(figures_of(dataset))}")
-    view, rows = View.of(dataset, at), PANELS[name]
+        raise NoFigure(f"{name}: {run} has no such figure; it has {', '.join(found)}")
+
+
+def _draw(view: View, name: str, sheet: Sheet) -> Figure:
+    rows = PANELS[name]
+    if view.measured and name not in OVERLAID:
+        raise NoFigure(f"{name}: does not show what is measured; {' and '.join(OVERLAID)} do")
+    across = [each.measurement.name for each in view.measured if each.measurement.along == "y"]
+    if name == "profiles" and across and not view.is_radial:
+        raise NoFigure(f"measured: {across[0]} is along y; {name} are along x")
     outcome = view.friction if name == "friction" and view.frame is None else view.outcome
-    return compose(view, rows(view) if callable(rows) else rows, [*view.title, *outcome], Sheet(**sheet))
+    return compose(view, rows(view) if callable(rows) else rows, [*view.title, *outcome], sheet)
+
+
+def side_by_side(
+    runs: Sequence[xr.Dataset], name: str, at: Sequence[At] = (None, None), **sheet: Unpack[SheetOptions]
+) -> list[Figure]:
+    """The same figure of two runs, with the same units, colours and limits of axes.
+
+    Parameters
+    ----------
+    runs : sequence of xarray.Dataset
+        Two runs; they are drawn in SI where both have SI scales.
+    name : str
+        The name of the figure, one of `NAMES`, or "interferogram" in green light.
+    at : sequence of float, str or Quantity
+        The moments of runs in time.
+    **sheet
+        A size, and whether there is a title: figsize, columns, title, see `Sheet`.
+
+    Raises
+    ------
+    NoFigure
+        A run does not have this figure or this moment, or there is nothing to draw yet.
+    """
+    one, two = in_same_units([View.of(run, moment) for run, moment in zip(runs, at, strict=True)])
+    pair, size = (replace(one, beside=two), replace(two, beside=one)), Sheet(**sheet)
+    is_optical = name == "interferogram"
+    for run in () if is_optical else runs:
+        _require(run, name)
+    figures = [interferogram_of(view, size) if is_optical else _draw(view, name, size) for view in pair]
+    drawing.share_limits(figures)
+    return figures
 
 
 def overview(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:
@@ -144,9 +197,9 @@ def maps(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> F
     return draw(dataset, "maps", at, **sheet)
 
 
-def profiles(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:
+def profiles(dataset: xr.Dataset, at: At = None, measured: Overlay = None, **sheet: Unpack[SheetOptions]) -> Figure:
     """Film thickness and pressure along the mid-line of a run in time, the moment `at` in black."""
-    return draw(dataset, "profiles", at, **sheet)
+    return draw(dataset, "profiles", at, measured, **sheet)
 
 
 def history(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:
@@ -159,9 +212,14 @@ def front(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> 
     return draw(dataset, "front", at, **sheet)
 
 
-def midlines(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:
+def spacetime(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:
+    """Film thickness along the mid-line through time: waves that are frozen into the film, and where they go."""
+    return draw(dataset, "spacetime", at, **sheet)
+
+
+def midlines(dataset: xr.Dataset, at: At = None, measured: Overlay = None, **sheet: Unpack[SheetOptions]) -> Figure:
     """Film thickness and pressure through the centre of a steady contact, along the flow and across it."""
-    return draw(dataset, "midlines", at, **sheet)
+    return draw(dataset, "midlines", at, measured, **sheet)
 
 
 def convergence(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:

@@ -263,6 +263,18 @@ def _composed(
     return figure
 
 
+def share_limits(figures: Sequence[Figure]) -> None:
+    """Give panels that stand at the same place in figures of one kind the same limits, where their units are equal."""
+    panels = [[axes for axes in figure.axes if axes.get_label() != "<colorbar>"] for figure in figures]
+    for same in zip(*panels, strict=False):
+        for name, label in (("x", Axes.get_xlabel), ("y", Axes.get_ylabel)):
+            limits = np.array([getattr(axes, f"get_{name}lim")() for axes in same])
+            if len({label(axes) for axes in same}) == 1:
+                widest = limits.min(), limits.max()
+                for axes, (first, last) in zip(same, limits, strict=True):
+                    getattr(axes, f"set_{name}lim")(widest if first < last else widest[::-1])
+
+
 def _height(axes: Axes, width: float) -> float:
     """The height of a panel in inches: of a map as high as its data, with its axis, title and colour bar."""
     if axes.get_aspect() == "auto":

@@ -13,6 +13,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
 
 from ertel.plots.drawing import (
     BLUE,
@@ -29,7 +30,9 @@ from ertel.plots.drawing import (
     compose,
     levels,
 )
-from ertel.plots.view import LOADED, NOT_FULL, WIDEST, View
+from ertel.plots.measurements import draw_measured
+from ertel.plots.view import LOADED, WIDEST, View, in_same_units
+from ertel.results.alignment import NOT_FULL
 from ertel.results.dataset import largest_of
 from ertel.results.profiles import At, events_of
 
@@ -51,22 +54,26 @@ LOOKS = ((BLUE, "-"), (ORANGE, "--"))  # of two runs
 
 def draw_film_map(axes: Axes, view: View) -> None:
     """Film thickness, with contour lines at equal steps as an interferometer shows them, and the edge of the oil."""
-    if view.frame is None:
-        top, lines = 1.75 * float(view.dataset["H_c"].values[-1]), 16
-    else:
-        top, lines = 1.5 * view.film_inside(), 10
+    top = view.limits.top if view.limits else view.largest("H", _top_of_film)
+    is_steady = all(each.frame is None for each in (view, view.beside) if each)
     z = view.scale("H", top / 2)
     film = view.map("H")
-    _draw_map(axes, view, film, z, levels(top * z.factor, lines), "Film thickness", "YlGnBu_r", "P")
+    _draw_map(axes, view, film, z, levels(top * z.factor, 16 if is_steady else 10), "Film thickness", "YlGnBu_r", "P")
     gap = (film, view.map("void"))
     edge = draw_edge_of_oil(axes, view, *((each.T for each in gap) if view.is_turned else gap))
     draw_legend(axes, [*edge, *_draw_roughness(axes, view)], view.is_turned)
 
 
+def _top_of_film(view: View) -> float:
+    """The film up to which a map has colours."""
+    return 1.75 * float(view.dataset["H_c"].values[-1]) if view.frame is None else 1.5 * view.film_inside()
+
+
 def draw_pressure_map(axes: Axes, view: View) -> None:
     """Pressure, with contour lines at equal steps."""
     field = view.map("P")
-    top = max(float(field.max()), 0.01)  # p_h*: something to divide where the contact carries nothing
+    top = view.limits.top if view.limits else view.largest("P", lambda each: float(each.values("P").max()))
+    top = max(top, 0.01)  # p_h*: something to divide if unloaded
     z = view.scale("P", top)
     _draw_map(axes, view, field, z, levels(top * z.factor), "Pressure", "YlOrRd", "P")
     draw_legend(axes, _draw_roughness(axes, view), view.is_turned)
@@ -83,15 +90,19 @@ def draw_oil_map(axes: Axes, view: View) -> None:
 def draw_stress_map(axes: Axes, view: View) -> None:
     """Size of the shear stress in the middle of the film, with contour lines at equal steps."""
     field = xr.apply_ufunc(np.hypot, view.map("tau_x"), view.map("tau_y"))
-    top = max(float(field.max()), 1e-9)  # something to divide where there is no friction
+    top = max(view.largest("tau_x", _largest_stress), 1e-9)  # something to divide where there is no friction
     z = replace(view.scale("tau_x", top), symbol=r"$\tau_\mathrm{m}$", long_name="shear stress")
     _draw_map(axes, view, field, z, levels(top * z.factor), "Shear stress", "BuPu", "loss")
+
+
+def _largest_stress(view: View) -> float:
+    return float(np.hypot(view.values("tau_x"), view.values("tau_y")).max())
 
 
 def draw_loss_map(axes: Axes, view: View) -> None:
     """Power loss per area, with contour lines at equal steps."""
     field = view.map("loss")
-    top = max(float(field.max()), 1e-9)
+    top = max(view.largest("loss", lambda each: float(each.values("loss").max())), 1e-9)
     z = replace(view.scale("loss", top), symbol="")
     _draw_map(axes, view, field, z, levels(top * z.factor), "Power loss", "YlOrBr", "loss")
 
@@ -103,16 +114,19 @@ def _draw_map(
 
     Along x the map ends where `shown_where`, "P" or "loss", does; along y it reaches as far as suits the shape of the
     contact.  That of a contact that is long along y is turned by a quarter; a very flat map is enlarged across, and its
-    axis says so.  Values above the highest step have its colour.
+    axis says so.  Values above the highest step have its colour.  In a movie the colour bar of the first map stays.
     """
-    side = _side(view, shown_where)
+    side = view.limits.side if view.limits else view.largest("X", partial(_side, name=shown_where))
     top = side * view.stretch
     cut = field.sel(X=slice(-side, side), Y=slice(-top, top)) * z.factor
     cut = cut.T if view.is_turned else cut
     y, x = (cut[name].values * view.across.factor for name in cut.dims)
     shown = cut.values
-    limits = Normalize(0.0, steps[-1])
-    image = axes.pcolormesh(x, y, shown, cmap=colours, norm=limits, shading="gouraud", rasterized=True)
+    colour_range = Normalize(0.0, steps[-1])
+    half_x, half_y = (x[1] - x[0]) / 2, (y[1] - y[0]) / 2
+    edges = (x[0] - half_x, x[-1] + half_x, y[0] - half_y, y[-1] + half_y)  # of the cells around the nodes
+    image = axes.imshow(shown, colours, colour_range, extent=edges, origin="lower", interpolation="bilinear")
+    axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
     if shown.min() < steps[-1] and shown.max() > steps[1]:
         axes.contour(x, y, shown, levels=steps[1:], colors="black", linewidths=0.4, alpha=0.6)
     wide, tall = (view.axis_label(axis) for axis in ("yx" if view.is_turned else "xy"))
@@ -123,9 +137,10 @@ def _draw_map(
         axes.yaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
     if view.is_turned:
         axes.invert_yaxis()
-    extend = "max" if shown.max() > steps[-1] else "neither"
+    extend = "max" if view.limits or shown.max() > steps[-1] else "neither"
     place = "bottom" if shape < FLAT else "right"
-    axes.figure.colorbar(image, ax=axes, label=z.label, extend=extend, location=place)
+    if view.limits is None or len(axes.figure.axes) == 1:
+        axes.figure.colorbar(image, ax=axes, label=z.label, extend=extend, location=place)
     axes.set_title(f"{heading}, a line every {steps[1]:.3g} {z.unit}")
     if view.flow:
         ways = "\N{DOWNWARDS ARROW}\N{UPWARDS ARROW}" if view.is_turned else ARROWS
@@ -187,9 +202,10 @@ def draw_legend(axes: Axes, lines: Sequence[Line2D], is_turned: bool = False) ->
 
 def draw_film_profiles(axes: Axes, view: View) -> None:
     """Film along the mid-line through time, the chosen moment in black."""
-    top = 2.0 * view.film_inside()
+    top = view.largest("H", lambda each: 2.0 * each.film_inside())
     z = view.scale("H", top / 2)
     rough = _draw_profiles(axes, view, view.midlines("H") * z.factor, top * z.factor)
+    draw_measured(axes, view, "H", z)
     axes.set(ylabel=z.label)
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, FOOT if rough else 0.0), edgecolor="none", fontsize="small")
 
@@ -197,8 +213,10 @@ def draw_film_profiles(axes: Axes, view: View) -> None:
 def draw_pressure_profiles(axes: Axes, view: View) -> None:
     """Pressure along the mid-line through time, the chosen moment in black."""
     P = view.midlines("P")
-    z = view.scale("P", float(P.max()))
-    _draw_profiles(axes, view, P * z.factor, 1.35 * float(P.max()) * z.factor)
+    top = view.largest("P", lambda each: float(each.midlines("P").max()))
+    z = view.scale("P", top)
+    _draw_profiles(axes, view, P * z.factor, 1.35 * top * z.factor)
+    draw_measured(axes, view, "P", z)
     axes.set(ylabel=z.label)
     axes.legend(loc="upper center", frameon=False, fontsize="small")
 
@@ -208,11 +226,12 @@ def _draw_profiles(axes: Axes, view: View, values: Values, top: float) -> bool:
 
     Returns whether there is any roughness.
     """
-    P, T, x = view.midlines("P"), view.dataset["frame"].values, view.x * view.across.factor
+    T, x, loaded = view.dataset["frame"].values, view.x * view.across.factor, _loaded(view)
     time = view.scale("time")
-    loaded = np.flatnonzero(P.max(axis=1) > LOADED * P.max())
     shown = loaded[:: max(1, round(len(loaded) / MOST_PROFILES))]
-    colours = ScalarMappable(Normalize(T[loaded[0]] * time.factor, T[loaded[-1]] * time.factor), ORDERED_COLOURS)
+    first = -view.largest("time", lambda each: -float(each.dataset["frame"].values[_loaded(each)[0]]))
+    end = view.largest("time", lambda each: float(each.dataset["frame"].values[_loaded(each)[-1]]))
+    colours = ScalarMappable(Normalize(first * time.factor, end * time.factor), ORDERED_COLOURS)
     last = events_of(view.dataset).get("max-approach", len(T)) + 1  # a run until then may have one map after it
     for frame in shown[shown != view.frame]:
         style, width = ("--", 0.8) if frame > last else ("-", 1.2)
@@ -226,6 +245,12 @@ def _draw_profiles(axes: Axes, view: View, values: Values, top: float) -> bool:
     axes.set(xlim=(-side, min(side, x[-1])), xlabel=view.axis_label("x"))
     axes.figure.colorbar(colours, ax=axes, label=time.label)
     return rough
+
+
+def _loaded(view: View) -> NDArray[np.intp]:
+    """The maps that carry load."""
+    P = view.midlines("P")
+    return np.flatnonzero(P.max(axis=1) >= LOADED * P.max())
 
 
 # -- a steady contact -------------------------------------------------------------------------------------------------
@@ -248,10 +273,18 @@ def _draw_section(axes: Axes, view: View, along: str, heading: str) -> None:
     central, across = float(view.dataset["H_c"].values[-1]), view.across.factor
     geometry, load = view.geometry, float(view.dataset["load"].values[-1])
     dry = geometry.dry_pressure(load / geometry.hertz_load, *((x, 0 * x) if along == "x" else (0 * x, x)))
-    h, p, right = view.scale("H", central), view.scale("P", float(P.max())), axes.twinx()
+    h = view.scale("H", view.largest("H", lambda each: float(each.dataset["H_c"].values[-1])))
+    p = view.scale("P", view.largest("P", lambda each: float(each.values("P").max())))
+    right = axes.twinx()
     right.plot(x * across, dry * p.factor, color=GREY, linewidth=0.8, linestyle="--")
     right.plot(x * across, P * p.factor, color=ORANGE)
     axes.plot(x * across, H * h.factor, color=BLUE)
+    draw_measured(axes, view, "H", h, along)
+    draw_measured(right, view, "P", p, along, ORANGE)
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="upper left", fontsize="small", framealpha=0.85)
+    if right.get_legend_handles_labels()[0]:
+        right.legend(loc="upper right", fontsize="small", framealpha=0.85)
     side = view.extent(view.x, view.values("P").max(axis=0)) * (1.0 if along == "x" else view.stretch) * across
     axes.set(xlim=(-side, min(side, x[-1] * across)), xlabel=view.axis_label(along), title=heading)
     rough = _draw_roughness_below(axes, view, x, 4.0 * central * h.factor, along)
@@ -292,7 +325,7 @@ def _draw_roughness_below(axes: Axes, view: View, x: Values, top: float, along: 
 
 def _set_height(axes: Axes, top: float, rough: bool) -> None:
     """Limit a profile to zero and `top`, with room below for the roughness where there is any."""
-    axes.set_ylim(0.0, top)
+    axes.set_ylim(0.0, top or 1.0)
     if rough:
         axes.set_yticks([tick for tick in axes.get_yticks() if 0.0 <= tick <= top])
         axes.set_ylim(-BAND * top, top)
@@ -322,9 +355,7 @@ def comparison(
     NoFigure
         A run has no such moment or no map.
     """
-    views = [View.of(run, at) for run in runs]
-    if not all(view.in_si for view in views):
-        views = [replace(view, dataset=_without_si(view.dataset)) for view in views]
+    views = in_same_units([View.of(run, at) for run in runs])
     panels = [("X", "H"), ("X", "P")]
     if all(view.frame is not None for view in views):
         panels.append(("time", "H_min"))
@@ -357,11 +388,3 @@ def _curve(view: View, name: str) -> xr.DataArray:
     else:
         values = view.midline(name) if name in ("H", "P") else np.asarray(view.dataset[name].values)
     return xr.DataArray(values * about.get("si_factor", 1.0), attrs={**about, "si_factor": 1.0})
-
-
-def _without_si(dataset: xr.Dataset) -> xr.Dataset:
-    """A run whose variables have no SI scales."""
-    bare = dataset.copy()
-    for variable in bare.variables.values():
-        variable.attrs = {key: value for key, value in variable.attrs.items() if not key.startswith("si_")}
-    return bare

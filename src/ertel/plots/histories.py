@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.colors import Normalize
 from matplotlib.ticker import LogLocator, MaxNLocator
-from scipy.integrate import cumulative_trapezoid
 
 from ertel.physics import hertz
 from ertel.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, NoFigure, Values, plain_ticks
-from ertel.plots.view import LOADED, View, on_grids
+from ertel.plots.view import LOADED, WIDEST, View
 from ertel.results import fronts
 from ertel.results.profiles import LAST, events_of
 
@@ -28,6 +28,11 @@ def _draw_series(axes: Axes, view: View, lines: Iterable[tuple[Values, Look]], f
     if view.moment != LAST:
         axes.axvline(view.time * time.factor, color="black", linewidth=0.8, linestyle=":")
     axes.set(xlabel=time.label, xlim=(0.0, T[-1]) if T[-1] > 0 else None)
+
+
+def _integral(values: Values, T: Values) -> Values:
+    """The integral over time from the beginning, by trapezia."""
+    return np.append(0.0, np.cumsum(np.diff(T) * (values[1:] + values[:-1]) / 2))
 
 
 def _stored(view: View, looks: Mapping[str, Look]) -> list[tuple[Values, Look]]:
@@ -125,13 +130,13 @@ def draw_front_speed(axes: Axes, view: View) -> None:
 
 def draw_film_history(axes: Axes, view: View) -> None:
     """Central and minimum film thickness through time, over decades where the film falls by as much."""
-    z = view.scale("H_c", float(view.dataset["H_c"].min()))
+    z = view.scale("H_c", view.largest("H_c", lambda each: float(each.dataset["H_c"].min())))
     looks = {"H_c": (view.legend("H_c"), BLUE, "-"), "H_min": (view.legend("H_min"), ORANGE, "-")}
     _draw_series(axes, view, _stored(view, looks), z.factor)
     axes.set(ylabel=f"film thickness ({z.unit})")
     axes.legend(loc="upper right", edgecolor="none", fontsize="small")
     central, minimum = (view.dataset[name].values * z.factor for name in looks)
-    if np.max(central) < 5.0 * np.min(central):
+    if all(each.dataset["H_c"].max() < 5.0 * each.dataset["H_c"].min() for each in (view, view.beside) if each):
         axes.set(ylim=(0.0, 1.35 * max(central.max(), minimum.max())))
         return
     low = 0.6 * float(minimum[minimum > 0].min(initial=minimum.max()))  # a film may vanish on a coarse grid
@@ -139,18 +144,61 @@ def draw_film_history(axes: Axes, view: View) -> None:
     plain_ticks(axes.yaxis)
 
 
+def draw_film_through_time(axes: Axes, view: View) -> None:
+    """Film along the mid-line, time upwards, where there is pressure; of an impact with the edge of the dry contact.
+
+    What is frozen into the film moves with the mean speed of the surfaces, as the dotted lines do.
+    """
+    data, across, time = view.dataset, view.across, view.scale("time")
+    P, T, history = view.midlines("P"), data["frame"].values, data["time"].values
+    loaded = LOADED * P.max() <= P  # all of it where nothing carries load
+    top = 1.5 * view.film_inside()
+    z = view.scale("H", top / 2)
+    film = np.where(loaded, view.midlines("H"), np.nan) * z.factor
+    x, shades = view.x * across.factor, Normalize(0.0, top * z.factor)
+    image = axes.pcolormesh(x, T * time.factor, film, cmap="YlGnBu_r", norm=shades, rasterized=True)
+    axes.figure.colorbar(image, ax=axes, label=z.label, extend="max")
+    lines = []
+    if data.attrs["kind"] == "impact":
+        edge = _dry_edge(view, history) * across.factor
+        lines = axes.plot(np.transpose([edge, -edge]), history * time.factor, "k--", linewidth=0.8)[:1]
+        lines[0].set_label("edge of the dry contact")
+    moved = _integral(data["U"].values, history)
+    if np.any(moved):
+        starts = np.arange(-WIDEST - moved.max(), WIDEST - moved.min(), 0.5) * across.factor
+        paths = starts + moved[:, None] * across.factor
+        lines += axes.plot(paths, history * time.factor, "k:", linewidth=0.8)[:1]
+        lines[-1].set_label("path with the mean speed")
+    axes.legend(handles=lines, loc="lower left", fontsize="small")
+    if view.moment != LAST:
+        axes.axhline(view.time * time.factor, color="black", linewidth=0.4)
+    side = view.extent(view.x, P.max(axis=0)) * across.factor
+    span = T[loaded.any(axis=1)][[0, -1]] * time.factor
+    axes.set(xlim=(-side, side), ylim=span, xlabel=view.axis_label("x"), ylabel=time.label)
+    axes.set_title("Film along the middle through time")
+
+
 def draw_pressure_history(axes: Axes, view: View) -> None:
     """Central and maximum pressure through time; the last spike of a rebound, of the grid, is cut off."""
     data, T = view.dataset, view.dataset["time"].values * view.scale("time").factor
-    end = len(T) if data.attrs["kind"] != "impact" else int(np.append(0, np.flatnonzero(_loaded(data))).max()) + 1
+    end = _end(data)
     top = float(data["P_max"][:end].max())
-    z = view.scale("P_max", top)
+    z = view.scale(
+        "P_max", view.largest("P_max", lambda each: float(each.dataset["P_max"][: _end(each.dataset)].max()))
+    )
     looks = {"P_max": (view.legend("P_max"), ORANGE, "-"), "P_c": (view.legend("P_c"), BLUE, "-")}
     _draw_series(axes, view, _stored(view, looks), z.factor)
     if data["P_max"].size > end and data["P_max"][end:].max() > data["P_max"][end - 1]:
         axes.axvspan(T[end - 1], T[-1], color=GREY, alpha=0.25, linewidth=0.0, label="spike of the grid")
     axes.set(ylabel=f"pressure ({z.unit})", ylim=(0.0, 1.45 * top * z.factor))
     axes.legend(loc="upper left", edgecolor="none", fontsize="small")
+
+
+def _end(data: xr.Dataset) -> int:
+    """The number of steps up to the last one that carries load; all of a rolling contact."""
+    if data.attrs["kind"] != "impact":
+        return data.sizes["time"]
+    return int(np.append(0, np.flatnonzero(_loaded(data))).max()) + 1
 
 
 def draw_coefficients(axes: Axes, view: View) -> None:
@@ -178,7 +226,7 @@ def _loaded(data: xr.Dataset) -> xr.DataArray:
 def draw_power(axes: Axes, view: View) -> None:
     """Power loss through time; that of a rebound, which has a tooth for every cell, pale behind its mean."""
     values = view.dataset["power_loss"].values
-    top = max(float(values.max()), 1e-9)
+    top = max(view.largest("power_loss", lambda each: float(each.dataset["power_loss"].max())), 1e-9)
     z = replace(view.scale("power_loss", top), symbol="")
     mean = _without_teeth(view, values)
     lines: list[tuple[Values, Look]] = [(values, (z.long_name, BLUE, "-"))]
@@ -203,7 +251,7 @@ def _without_teeth(view: View, power: Values) -> Values | None:
         return None
     begin, x = float(T[late][0]), data["r" if view.is_radial else "X"].values
     half = 0.5 * (T[-1] - begin) * float(x[1] - x[0]) / front
-    lost = cumulative_trapezoid(power, T, initial=0.0)
+    lost = _integral(power, T)
     before, after = np.maximum(T - half, begin), np.minimum(T + half, T[-1])
     with np.errstate(invalid="ignore", divide="ignore"):  # before the rebound
         mean = (np.interp(after, T, lost) - np.interp(before, T, lost)) / (after - before)
@@ -232,7 +280,7 @@ def draw_grids(axes: Axes, view: View) -> None:
     names = _grid_names(view)
     z, place, top = view.scale("H_c", float(view.dataset["H_c"].values[-1])), np.arange(len(names) + 1), 0.0
     for name, colour, marker in (("H_c", BLUE, "o"), ("H_min", ORANGE, "s")):
-        shown, errors, (*_, limit) = z.factor * np.transpose(on_grids(view.dataset, name))
+        shown, errors, (*_, limit) = z.factor * np.transpose(view.on_grids(name))
         axes.errorbar(
             place[:-1], shown, errors, color=colour, marker=marker, markersize=4.0, capsize=4.0, label=view.legend(name)
         )

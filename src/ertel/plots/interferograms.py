@@ -8,7 +8,7 @@ there, with the oil as dense as it is there, and with as much oil where the gap 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, Unpack
 
 import numpy as np
@@ -17,20 +17,20 @@ from matplotlib.animation import FuncAnimation
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from scipy.interpolate import CubicSpline, RectBivariateSpline
 
-from ertel.optics import Chart, Light, Monochromatic, Rig, White
-from ertel.plots.drawing import NoFigure, Scale, Sheet, SheetOptions, Values, compose
+from ertel.optics import Chart, Interferometer, Light, Monochromatic, Rig, White
+from ertel.plots.drawing import ORANGE, NoFigure, Scale, Sheet, SheetOptions, Values, compose
 from ertel.plots.fields import ARROWS, draw_edge_of_oil, draw_legend
+from ertel.plots.measurements import Overlay, draw_light, draw_measured, measured_view
+from ertel.plots.movies import PER_SECOND, in_motion, laid_out
 from ertel.plots.view import View, field
+from ertel.results.alignment import INTENSITY
 from ertel.results.profiles import At
-from ertel.results.variables import is_steady
 
 PIXELS = 480  # along the longer side of a picture
 ROUND = 1.7  # how far round the contact the picture reaches, in its half widths
 ORDERS = 4.5  # fringes of the film that the colour chart shows, at least
 FRAMES = 120  # of an animation, at most
-PER_SECOND = 12
 LIGHTS: Mapping[str, type[Light]] = {"mono": Monochromatic, "white": White}
 TICKS = 6  # along the longer side of a picture
 
@@ -38,7 +38,7 @@ TICKS = 6  # along the longer side of a picture
 def pixels_around(views: Sequence[View]) -> tuple[Values, Values]:
     """The pixels round the contact, x and y in a*, as wide as all moments of a run need."""
     view = views[0]
-    side = max(_side(each) for each in views)
+    side = max(each.largest("X", _side) for each in views)
     x, top = view.x, float(view.dataset["r" if view.is_radial else "Y"].values[-1])
     x0, x1, y1 = max(-side, float(x[0])), min(side, float(x[-1])), min(side * view.stretch, top)
     spacing = max(x1 - x0, 2.0 * y1) / PIXELS
@@ -94,6 +94,8 @@ def _without_grey_axis(picture: Values) -> Values:
 
 def _on_pixels(view: View, name: str, x: Values, y: Values, smooth: bool) -> Values:
     """A field on the pixels: by cubic splines, or linear where it has edges."""
+    from scipy.interpolate import CubicSpline, RectBivariateSpline  # here: other pictures do without it
+
     values, data = view.values(name), view.dataset
     if not view.is_radial:
         order = 3 if smooth else 1
@@ -149,6 +151,8 @@ def draw_chart(axes: Axes, scene: Scene) -> None:
     _show(axes, _without_grey_axis(colours), (left, right, 0.0, top * nm.factor))
     for colour, width in (("white", 3.0), ("black", 1.2)):
         axes.plot(x * view.across.factor, film * nm.factor, color=colour, linewidth=width)
+    stored = replace(nm, factor=nm.factor * view.dataset["H"].attrs.get("si_factor", 1.0))
+    draw_measured(axes, view, "H", stored, color=ORANGE)
     axes.set(xlabel=view.axis_label("x"), ylabel=nm.label, xlim=(left, right), ylim=(0.0, top * nm.factor))
     axes.set(aspect="auto", title="Film along the mid-line, on the chart of films there")
 
@@ -162,6 +166,7 @@ def interferogram(
     light: Light | Literal["mono", "white"] | None = None,
     rig: Rig | None = None,
     film_scale: float | None = None,
+    measured: Overlay = None,
     **sheet: Unpack[SheetOptions],
 ) -> Figure:
     """The contact as an experimenter sees it, and the film along its mid-line on the colours of films.
@@ -182,6 +187,9 @@ def interferogram(
         chromium on glass, against steel.
     film_scale : float, optional
         a*^2/R in m; a dimensionless run needs it.
+    measured : Measurement or several of them, optional
+        Measured profiles: a film is drawn on the chart, an intensity beside the computed one.  One without optics is
+        that of this light and rig.
     **sheet
         Axes or a size, and whether there is a title: ax, figsize, columns, title, see `Sheet`.
 
@@ -190,18 +198,26 @@ def interferogram(
     NoFigure
         There is nothing to draw; a dimensionless run without a film_scale; a light that is none.
     """
-    scaled, view = _film_scale(dataset, film_scale), View.of(dataset, at)
+    interferometer = Interferometer(rig or Rig(), _light(light))
+    view = measured_view(dataset, at, measured, ("h", INTENSITY), interferometer)
+    return interferogram_of(view, Sheet(**sheet), interferometer, film_scale)
+
+
+def interferogram_of(
+    view: View, sheet: Sheet, interferometer: Interferometer | None = None, film_scale: float | None = None
+) -> Figure:
+    """The interferogram of a view, see `interferogram`."""
+    scaled = _film_scale(view.dataset, film_scale)
+    interferometer = interferometer or Interferometer(Rig(), _light(None))
     pixels = pixels_around([view])
     middle = np.linspace(pixels[0][0], pixels[0][-1], PIXELS), np.zeros(1)
     seen = seen_on(view, pixels, scaled)
-    chart = Chart(rig or Rig(), _light(light), float(seen["film"].max()), float(seen["density"].max()))
+    chart = Chart(interferometer.rig, interferometer.light, float(seen["film"].max()), float(seen["density"].max()))
     scene, row = (Scene(view, each, chart) for each in (seen, seen_on(view, middle, scaled)))
-    return compose(
-        scene,
-        [[draw_interferogram, lambda axes, _: draw_chart(axes, row)]],
-        [*view.title, *view.outcome],
-        Sheet(**sheet),
-    )
+    panels = [draw_interferogram, lambda axes, _: draw_chart(axes, row)]
+    if any(each.measurement.quantity == INTENSITY for each in view.measured):
+        panels.append(lambda axes, _: draw_light(axes, view))
+    return compose(scene, [panels], [*view.title, *view.outcome], sheet)
 
 
 def _light(given: Light | str | None) -> Light:
@@ -234,23 +250,20 @@ def animation(
     light: Light | Literal["mono", "white"] | None = None,
     rig: Rig | None = None,
     film_scale: float | None = None,
+    rate: float = PER_SECOND,
 ) -> FuncAnimation:
     """The interferogram of a run in time as an animation: `animation(...).save("impact.gif", writer="pillow")`.
 
-    The parameters are those of `interferogram`.  The picture is as wide as its widest moment needs and equally
-    bright throughout.  Of more than 120 maps every second, third, ... is shown.
+    The parameters are those of `interferogram`, and the rate in frames a second.  The picture is as wide as its widest
+    moment needs and equally bright throughout.  Of more than 120 maps every second, third, ... is shown.
 
     Raises
     ------
     NoFigure
         A steady contact, too few maps, and as `interferogram`.
     """
-    if is_steady(dataset):
-        raise NoFigure("animation: a steady contact does not move; draw its interferogram")
-    scaled, dataset = _film_scale(dataset, film_scale), dataset.load()
+    scaled, dataset = _film_scale(dataset, film_scale), in_motion(dataset)
     count = dataset.sizes["frame"]
-    if count < 2:
-        raise NoFigure(f"animation: the run has {count} maps, and needs 2 to move; let it run on")
     views = {frame: View(dataset, frame) for frame in range(0, count, -(-count // FRAMES))}
     pixels = pixels_around(list(views.values()))
     thickest = max(float(view.values("H").max()) for view in views.values()) * scaled
@@ -261,18 +274,15 @@ def animation(
         return Scene(views[frame], seen_on(views[frame], pixels, scaled), chart)
 
     figure = compose(scene(0), [[draw_interferogram]], views[0].title)
-    figure.set_dpi(100)
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")  # what was laid out once stays
-    (axes,) = figure.axes
+    (axes,) = laid_out(figure).axes
     (image,) = axes.images
-    time, heading = views[0].scale("time"), _heading(chart.light)
+    heading = _heading(chart.light)
 
     def update(frame: int) -> list[object]:
         shown = scene(frame)
         image.set_data(shown.picture())
         _draw_edge(axes, shown)
-        axes.set_title(f"{heading}, {time.symbol} = {views[frame].time * time.factor:.4g} {time.unit}")
+        axes.set_title(f"{heading}, {views[frame].clock}")
         return []
 
-    return FuncAnimation(figure, update, frames=list(views), interval=1000 / PER_SECOND)  # type: ignore[arg-type]
+    return FuncAnimation(figure, update, frames=list(views), interval=1000 / rate)  # type: ignore[arg-type]

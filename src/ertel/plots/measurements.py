@@ -1,5 +1,7 @@
-"""Pictures of measurements: beside a run, or with the curves that were fitted, and the differences."""
+"""Pictures of measurements: on the profiles of a run, beside a run, or with the curves that were fitted."""
 
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any, Unpack
 
@@ -10,8 +12,10 @@ from matplotlib.figure import Figure
 
 from ertel.plots.drawing import BLUE, ORANGE, NoFigure, Panel, Scale, Sheet, SheetOptions, Values, compose
 from ertel.plots.view import View
+from ertel.results.alignment import INTENSITY, QUANTITIES, Comparison, Optics
 from ertel.results.dataset import largest_of
-from ertel.results.measurements import QUANTITIES, Comparison
+from ertel.results.measurements import Measurement
+from ertel.results.profiles import At
 from ertel.results.variables import Variable
 
 ROOM = 0.15  # of the measured range, shown beside it
@@ -39,6 +43,62 @@ def _draw_difference(axes: Axes, x: Values, difference: Values, label: str) -> N
     axes.set(ylabel=label)
 
 
+# -- on the profiles of a run -----------------------------------------------------------------------------------------
+
+Overlay = Measurement | Sequence[Measurement] | None
+
+
+def measured_view(
+    dataset: xr.Dataset, at: At, given: Overlay, shown: Sequence[str] = ("h", "p"), optics: Optics | None = None
+) -> View:
+    """The view of a run at a moment, with measured profiles.
+
+    at: where it is not given, that of the measurements, which without one of their own are of the moment of the view.
+    shown: the quantities that the picture shows.  optics: of intensities without one of their own.  Raises NoFigure
+    where a measurement is not a profile of these, ValueError where the run does not reach as far, TypeError for
+    anything else.
+    """
+    several: list[Any] = list(given) if isinstance(given, list | tuple) else [] if given is None else [given]
+    for each in several:
+        if not isinstance(each, Measurement):
+            raise TypeError(f"measured = {each!r}: must be a Measurement, or a list of them")
+        if each.kind != "profile" or each.quantity not in shown:
+            what = f"{each.name} is a {each.kind} of {each.quantity}"
+            raise NoFigure(f"measured: {what}; this picture shows profiles of {' and '.join(shown)}")
+    view = View.of(dataset, next((each.at for each in several if each.at is not None), None) if at is None else at)
+    own = {"at": None if view.frame is None else view.time, "optics": optics}
+    missing = [{name: value for name, value in own.items() if getattr(each, name) is None} for each in several]
+    filled = [replace(each, **more) for each, more in zip(several, missing, strict=True)]
+    return replace(view, measured=tuple(each.compared(view) for each in filled))
+
+
+def draw_measured(axes: Axes, view: View, name: str, z: Scale, along: str = "x", color: str = BLUE) -> None:
+    """Draw the measured values of H or P along x or y.  z: of these, as they are stored."""
+    for each in view.measured:
+        measurement = each.measurement
+        if measurement.quantity == name.lower() and (view.is_radial or measurement.along == along):
+            factor = z.factor / view.dataset[name].attrs["si_factor"]
+            look = {**POINTS, "color": color, "label": f"measured, {measurement.name}"}
+            bars = None if each.sigma is None else each.sigma * factor
+            axes.errorbar(_across(view, each.x), each.measured * factor, bars, zorder=4, **look)
+
+
+def _across(view: View, x: Values) -> Values:
+    """Places in m, as shown."""
+    return x * view.across.factor / view.dataset["r" if view.is_radial else "X"].attrs["si_factor"]
+
+
+def draw_light(axes: Axes, view: View) -> None:
+    """The computed intensity of light along a line, and the measured one."""
+    found = next(each for each in view.measured if each.measurement.quantity == INTENSITY)
+    along, line = found.measurement.along, found.line
+    assert line is not None
+    line = line.sel({along: slice(found.x.min(), found.x.max())})
+    points, curve = (_across(view, found.x), found.measured), (_across(view, line[along].values), line.values)
+    _draw_values(axes, points, found.sigma, curve, (f"measured, {found.measurement.name}", "computed"))
+    axes.set(xlabel=view.axis_label(along), ylabel="intensity, as measured", title="Light along the line")
+
+
 # -- beside a run -----------------------------------------------------------------------------------------------------
 
 
@@ -63,7 +123,11 @@ def measured(dataset: xr.Dataset, comparison: Comparison, **sheet: Unpack[SheetO
     ------
     NoFigure
         The measurement is one number.
+    TypeError
+        Anything else than a comparison.
     """
+    if not isinstance(comparison, Comparison):
+        raise TypeError(f"comparison = {comparison!r}: must be that of result.compare(measurement)")
     line, measurement = comparison.line, comparison.measurement
     if line is None:
         raise NoFigure(f"{measurement.name}: is one number; a picture needs a profile or a history")
@@ -81,7 +145,7 @@ def measured(dataset: xr.Dataset, comparison: Comparison, **sheet: Unpack[SheetO
     }
 
     def draw_values(axes: Axes, _: Comparison) -> None:
-        bars = None if measurement.sigma is None else np.full_like(x, measurement.sigma) * z.factor
+        bars = None if comparison.sigma is None else comparison.sigma * z.factor
         points, curve = (
             (x * along.factor, comparison.measured * z.factor),
             (there.values * along.factor, line.values * z.factor),

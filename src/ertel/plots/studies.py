@@ -31,6 +31,7 @@ from ertel.plots.drawing import (
     plain_ticks,
 )
 from ertel.plots.view import case_of, conditions_in_si, name_of
+from ertel.results.convergence import SEEN, limits_of
 from ertel.results.dataset import largest_of
 from ertel.results.variables import name_in_si, with_prefix
 
@@ -59,26 +60,33 @@ def figure(dataset: xr.Dataset, **options: Unpack[SheetOptions]) -> Figure:
     """The key numbers of a study over what varies most, with error bars where there are any.
 
     There is a line for each combination of the other values that vary: its colour says one of them, line and marker the
-    others; the legend stands below the panels.  A traction curve has panels of its own.  Raises NoFigure where no run
-    has any numbers.
+    others; the legend stands below the panels.  Traction curves and convergence series have panels of their own.
+    Raises NoFigure where no run has any numbers.
     """
     if "varies" in dataset.attrs:
         return _traction_figure(dataset, Sheet(**options))
+    if "assumed_order" in dataset.attrs:
+        return _convergence_figure(dataset, Sheet(**options))
     shown = [[name for name in names if _has_numbers(dataset, name)] for names in PANELS]
     panels: list[Panel[xr.Dataset]] = [partial(_draw, names=names) for names in shown if names]
     if not panels:
         raise NoFigure("dataset: no run has any numbers yet, there is nothing to draw")
     sheet = Sheet(**options)
     picture = compose(dataset, [panels], [str(dataset.attrs["title"]).replace("_", " ")], sheet)
-    entries = _legend(dataset)
-    if entries and sheet.ax is not None:
-        sheet.own_axes(len(panels))[-1].legend(handles=entries, frameon=False, fontsize="small")
-    elif entries:
-        columns, letters = max(1, int(picture.get_figwidth() // WIDTH_OF_NAME)), 7.5 if sheet.width else 9.0
-        picture.legend(handles=entries, loc="outside lower center", ncols=columns, frameon=False, fontsize=letters)
-        if sheet.figsize is None:
-            picture.set_figheight(picture.get_figheight() + 0.1 + 1.7 * letters / 72.0 * -(-len(entries) // columns))
+    if entries := _legend(dataset):
+        _add_legend(picture, entries, WIDTH_OF_NAME, sheet)
     return picture
+
+
+def _add_legend(picture: Figure, entries: Sequence[Any], width: float, sheet: Sheet) -> None:
+    """Put a legend below the panels, or into the last axes of a figure of the user.  width: of a column, in inches."""
+    if sheet.ax is not None:
+        np.ravel(np.asarray(sheet.ax, dtype=object))[-1].legend(handles=entries, frameon=False, fontsize="small")
+        return
+    columns, letters = max(1, int(picture.get_figwidth() // width)), 7.5 if sheet.width else 9.0
+    picture.legend(handles=entries, loc="outside lower center", ncols=columns, frameon=False, fontsize=letters)
+    if sheet.figsize is None:
+        picture.set_figheight(picture.get_figheight() + 0.1 + 1.7 * letters / 72.0 * -(-len(entries) // columns))
 
 
 def _has_numbers(dataset: xr.Dataset, name: str) -> bool:
@@ -219,6 +227,46 @@ def _heading(dataset: xr.Dataset) -> list[str]:
     else:
         conditions.append(f"slide-to-roll {case_of(dataset).motion.slide_to_roll:.3g}")
     return [name_of(about), *conditions]
+
+
+# -- convergence series -----------------------------------------------------------------------------------------------
+
+POWERS = {"nodes": 1.0, "step": -1.0, "tolerance": -1.0 / 3.0}  # of what varies: the number of cells or steps goes so
+WIDTH_OF_ORDER = 2.4  # inches: of a column of the legend
+
+
+def _convergence_figure(dataset: xr.Dataset, sheet: Sheet) -> Figure:
+    """The distance of the numbers of a series from their limits, over the grids, with the slope of the order."""
+    if not limits_of(dataset):
+        raise NoFigure("dataset: not all runs have numbers yet, there is nothing to draw")
+    picture = compose(dataset, [[_draw_distances]], [str(dataset.attrs["title"]).replace("_", " ")], sheet)
+    _add_legend(
+        picture, sheet.own_axes(1)[0].lines if sheet.ax is not None else picture.axes[0].lines, WIDTH_OF_ORDER, sheet
+    )
+    return picture
+
+
+def _draw_distances(axes: Axes, dataset: xr.Dataset) -> None:
+    """Relative distances from the limits; of a number whose order is not seen hollow, from the finest grid."""
+    along, limits = next(iter(dataset.coords.values())), limits_of(dataset)
+    shades = ORDERED_COLOURS(np.linspace(0.0, 1.0, len(limits)))
+    for (name, one), shade, (marker, line) in zip(limits.items(), shades, cycle(LOOKS), strict=False):
+        away = np.abs(dataset[name].where(dataset[name] != one.value).values / one.value - 1.0)
+        base = name.partition("_")[0]
+        symbol = mathtext(name) if len(base) <= 2 or base.lower() == "delta" else _spoken(dataset[name])
+        has_order = one.order >= SEEN[0]
+        label = f"{symbol}, {f'order {one.order:.2f}' if has_order else 'order not seen'}"
+        axes.loglog(
+            along, away, marker + line, color=shade, markerfacecolor=shade if has_order else "white", label=label
+        )
+    slope = along.values ** -(dataset.attrs["assumed_order"] * POWERS[str(along.name)])
+    middle = np.sqrt(np.prod(axes.get_ylim()) / (slope[0] * slope[-1]))
+    axes.loglog(along, middle * slope, "k--", linewidth=0.8, label="slope of second order")
+    axes.set_xticks(along.values, [f"{value:.3g}" for value in along.values])
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.set(xlabel=_spoken(along), ylabel="relative distance from the limit")
+    if along.values[-1] < along.values[0]:
+        axes.invert_xaxis()  # what is refined stands to the right
 
 
 # -- axes -------------------------------------------------------------------------------------------------------------

@@ -1,11 +1,10 @@
 """A run at the moment that a picture shows: its values, scales and words for the panels."""
 
 import json
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -13,11 +12,12 @@ from numpy.typing import ArrayLike
 
 from ertel.case.case import Case
 from ertel.case.height_map import HeightMap
-from ertel.numerics.grid import Extrapolation, extrapolate
+from ertel.numerics.grid import Extrapolation, on_grids
 from ertel.physics import surfaces
 from ertel.physics.geometry import Geometry
 from ertel.physics.geometry import geometry as geometry_of
 from ertel.plots.drawing import NoFigure, Scale, Values
+from ertel.results.alignment import NOT_FULL, Comparison
 from ertel.results.dataset import maps_of
 from ertel.results.numbers import plus_minus
 from ertel.results.profiles import At, mirrored, moment_of
@@ -25,7 +25,6 @@ from ertel.results.variables import FILMS, FRICTION, is_steady, with_prefix
 
 MARGIN, WIDEST = 1.3, 2.0  # of what is shown round the contact, at most so many half widths from its centre
 LOADED = 0.02  # of the maximum pressure or load: with less the film carries nothing
-NOT_FULL = 0.01  # void, as a share of the gap, from which on the gap is not full
 LONG = 2.0  # ratio of the sides from which a contact is long
 THINNER = 0.9  # of the film at the ends of a run: a thinner film between them is worth the picture
 NOTHING = 1e-6  # of the scale of a load or a speed
@@ -78,6 +77,13 @@ def conditions_in_si(attributes: Mapping[str, Any], hidden: Sequence[str] = ()) 
     return [f"{symbol} = {with_prefix(attributes[key], unit)}" for symbol, key, unit in named if key not in hidden]
 
 
+class Limits(NamedTuple):
+    """The same for all maps of a movie: the value at the top of its colours, and how far it reaches along x (a*)."""
+
+    top: float
+    side: float
+
+
 @dataclass(frozen=True)
 class View:
     """A run, and the map of it that is shown.
@@ -90,11 +96,20 @@ class View:
         The number of the map; None of a steady contact.
     moment : str
         The name of the moment: maximum approach, thinnest film, last map, end of the run or chosen map.
+    beside : View or None
+        Another run: the panels of both have equal scales.
+    measured : tuple of Comparison
+        Measured profiles that are drawn beside those of the run.
+    limits : Limits or None
+        Of the maps of a movie.
     """
 
     dataset: xr.Dataset
     frame: int | None = None
     moment: str = ""
+    measured: tuple[Comparison, ...] = ()
+    limits: Limits | None = None
+    beside: "View | None" = None
 
     @classmethod
     def of(cls, dataset: xr.Dataset, at: At = None) -> "View":
@@ -110,16 +125,16 @@ class View:
                 raise NoFigure(f"at = {at!r}: a steady contact has no moments to choose from; leave it out")
             if not dataset.sizes["grid"]:
                 raise NoFigure("dataset: has no solution yet, there is nothing to draw")
-            return cls(dataset.load())
+            return cls(dataset)
         if not dataset.sizes["frame"]:
             raise NoFigure("dataset: has no maps yet, there is nothing to draw")
         if at is None and (thinnest := _thinnest(dataset)):
-            return cls(dataset.load(), thinnest, "thinnest film")
+            return cls(dataset, thinnest, "thinnest film")
         try:
             moment = moment_of(dataset, at)
         except ValueError as error:
             raise NoFigure(str(error)) from error
-        return cls(dataset.load(), moment.frame, moment.name)
+        return cls(dataset, moment.frame, moment.name)
 
     # -- properties of the run ----------------------------------------------------------------------------------------
 
@@ -162,14 +177,29 @@ class View:
 
     # -- scales and words ---------------------------------------------------------------------------------------------
 
-    def scale(self, name: str, largest: float = 1.0) -> Scale:
-        """The scale of a variable whose largest value, as stored, is given."""
-        return Scale.of(self.dataset[name], largest, self.dataset.attrs["kind"])
+    def scale(self, name: str, largest: float | None = None) -> Scale:
+        """The scale of a variable whose largest value, as stored, is given; where it is not, that of 1."""
+        largest = self.largest(name, lambda _: 1.0) if largest is None else largest
+        return Scale.of(self.variable(name), largest, self.dataset.attrs["kind"])
+
+    def largest(self, name: str, of: "Callable[[View], float]") -> float:
+        """The largest of a value that is found in a view: of this run, and of that beside it in units of this one.
+
+        name: of a variable with the same units.
+        """
+        if self.beside is None or (name == "time" and self.beside.frame is None):
+            return of(self)
+        here, there = (each.variable(name).attrs.get("si_factor", 1.0) for each in (self, self.beside))
+        return max(of(self), of(self.beside) * there / here)
+
+    def variable(self, name: str) -> xr.DataArray:
+        """A variable of the Dataset; "X" also where that is a radius."""
+        return self.dataset["r" if self.is_radial and name == "X" else name]
 
     @property
     def across(self) -> Scale:
         """The scale of distances along the surface."""
-        return self.scale("r" if self.is_radial else "X")
+        return self.scale("X")
 
     def axis_label(self, axis: str) -> str:
         """The label of distances along "x" or "y"."""
@@ -206,13 +236,19 @@ class View:
         """The films of a steady contact with their errors; of a run in time the moment, its load and its speed."""
         if self.frame is None:
             return [self._film_with_error(name) for name in FILMS]
-        data, time = self.dataset, self.scale("time")
-        parts = [f"{self.moment} at {time.symbol} = {self.time * time.factor:.4g} {time.unit}"]
+        data = self.dataset
+        parts = [f"{self.moment} at {self.clock}"]
         if "F" in data:
-            parts.append(f"load {self.with_unit('F', self._now('F'))}")
+            parts.append(f"load {self.with_unit('F', self._value('F'))}")
         if "U" in data and np.any(data["U"].values):
             parts.append(f"speed {self.with_unit('U', self.flow)}")
         return parts
+
+    @property
+    def clock(self) -> str:
+        """The time of the map, as t = 60 µs."""
+        time = self.scale("time")
+        return f"{time.symbol} = {self.time * time.factor:.4g} {time.unit}"
 
     @property
     def friction(self) -> list[str]:
@@ -226,9 +262,13 @@ class View:
 
     def _film_with_error(self, name: str) -> str:
         """A film on the finest grid as h_c = 146 ± 10 nm: as many digits as the error deserves."""
-        film = on_grids(self.dataset, name)[-1]
+        film = self.on_grids(name)[-1]
         z = self.scale(name, film.value)
         return f"{z.symbol} = {plus_minus(film.value * z.factor, film.error * z.factor)} {z.unit}"
+
+    def on_grids(self, name: str) -> list[Extrapolation]:
+        """A value of a steady contact on every grid with its estimated error, which the coarsest does not have."""
+        return on_grids(self.dataset[name].values.tolist(), regular=not self.case.layer)
 
     # -- values at the moment -----------------------------------------------------------------------------------------
 
@@ -237,14 +277,14 @@ class View:
         """T of the map; 0 of a steady contact."""
         return 0.0 if self.frame is None else float(self.dataset["frame"].values[self.frame])
 
-    def _now(self, name: str) -> float:
+    def _value(self, name: str) -> float:
         return float(np.interp(self.time, self.dataset["time"].values, self.dataset[name].values))
 
     @property
     def flow(self) -> float:
         """The entrainment; of a steady contact +1 where the oil goes to the right."""
         if self.frame is not None:
-            return self._now("U") if "U" in self.dataset else 0.0
+            return self._value("U") if "U" in self.dataset else 0.0
         X = self.dataset["X"].values  # pressure reaches far upstream, and ends soon behind the contact
         return -float(np.sign(np.mean(X[(self.dataset["P"].values > 0).any(axis=0)])))
 
@@ -254,8 +294,13 @@ class View:
             H = self.values("H")
             void = H - self.values("oil") if "oil" in self.dataset else np.zeros_like(H)
             return np.where(void > NOT_FULL * H, void, 0.0)
-        values = self.dataset[name] if self.frame is None else self.dataset[name].isel(frame=self.frame)
-        return np.asarray(values.values)
+        return np.asarray(self._now[name].values)
+
+    @cached_property
+    def _now(self) -> xr.Dataset:
+        """The maps at the moment; those of other moments stay on the disk where the Dataset was opened so."""
+        maps = self.dataset[[name for name, each in self.dataset.items() if {"Y", "r"} & set(each.dims)]]
+        return (maps if self.frame is None else maps.isel(frame=self.frame)).load()
 
     @property
     def x(self) -> Values:
@@ -264,9 +309,12 @@ class View:
 
     def midlines(self, name: str) -> Values:
         """A variable along the mid-line; in a run in time of all maps, (frames, x)."""
-        if self.is_radial:
-            return mirrored(self.dataset[name].values)
-        return np.asarray(self.dataset[name].sel(Y=0.0, method="nearest").values)
+        return mirrored(self._along_x[name].values) if self.is_radial else np.asarray(self._along_x[name].values)
+
+    @cached_property
+    def _along_x(self) -> xr.Dataset:
+        fields = self.dataset[["H", "P"]]
+        return (fields if self.is_radial else fields.sel(Y=0.0, method="nearest")).load()
 
     def midline(self, name: str) -> Values:
         """A variable along the mid-line at the moment."""
@@ -327,7 +375,16 @@ def reach(x: Values, P: Values) -> float:
     return max(farthest, 0.2 * float(x.max()))  # something to see even at first touch
 
 
-def on_grids(dataset: xr.Dataset, name: str) -> list[Extrapolation]:
-    """A value of a steady contact on every grid with its estimated error, which the coarsest does not have."""
-    values = dataset[name].values.tolist()
-    return [Extrapolation(values[0], np.nan, np.nan), *(extrapolate(*pair) for pair in pairwise(values))]
+def in_same_units(views: Sequence[View]) -> Sequence[View]:
+    """Views of runs in SI, or without their SI scales where one has none."""
+    if all(view.in_si for view in views):
+        return views
+    return [replace(view, dataset=_without_si(view.dataset)) for view in views]
+
+
+def _without_si(dataset: xr.Dataset) -> xr.Dataset:
+    """A run whose variables have no SI scales."""
+    bare = dataset.copy()
+    for variable in bare.variables.values():
+        variable.attrs = {key: value for key, value in variable.attrs.items() if not key.startswith("si_")}
+    return bare

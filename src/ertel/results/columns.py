@@ -25,13 +25,14 @@ class Columns:
     """The columns of a file.
 
     file: its name.  header: the names in its first line.  texts, units: of the columns that are known, by quantity;
-    "" is a unit that is not known.
+    "" is a unit that is not known.  lines: of the rows in the file, counted from 1.
     """
 
     file: str
     header: Sequence[str]
     texts: Mapping[str, Sequence[str]]
     units: Mapping[str, str]
+    lines: Sequence[int]
 
     @classmethod
     def read(
@@ -43,9 +44,9 @@ class Columns:
         header does not say it; a file without a header has these columns, in this order.
 
         Raises ValueError where the file has no numbers, its lines have unlike numbers of columns, or a heading is not
-        there.
+        there, and where there is no file.
         """
-        rows = _rows(path)
+        lines, rows = _rows(path)
         header = rows[0]
         if not np.isnan([_number(text) for text in header]).any():
             if len(units) != len(header):
@@ -55,7 +56,7 @@ class Columns:
                 )
             named = [(quantity, "") for quantity in units]
         else:
-            rows = rows[1:]
+            rows, lines = rows[1:], lines[1:]
             if missing := [heading for heading in headings.values() if heading not in header]:
                 raise ValueError(f"{path.name}: has no column {missing[0]!r}; {_listed(header)}")
             named = [_quantity(heading, headings, known) for heading in header]
@@ -64,7 +65,7 @@ class Columns:
                 advice = f'say which one is {twice[0]}, such as columns={{"{twice[0]}": "{header[-1]}"}}'
                 raise ValueError(f"{path.name}: {_listed(header)}; {advice}")
         texts = {name: column for (name, _), column in zip(named, zip(*rows, strict=True), strict=False) if name}
-        return cls(path.name, header, texts, {**dict(named), **units})
+        return cls(path.name, header, texts, {**dict(named), **units}, lines)
 
     @property
     def listed(self) -> str:
@@ -87,28 +88,33 @@ class Columns:
             except ValueError as error:
                 raise ValueError(f"{self.file}: column {name!r} in {unit!r}: {error}") from error
         numbers = [_number(text) for text in self.texts[name]]
-        for row, (text, number) in enumerate(zip(self.texts[name], numbers, strict=True), 1):
+        for line, text, number in zip(self.lines, self.texts[name], numbers, strict=True):
             if np.isnan(number) and text.lower() not in GAPS:
-                raise ValueError(f"{self.file}: column {name!r} has {text!r} in row {row}; must be a number")
+                raise ValueError(f"{self.file}: column {name!r} has {text!r} in line {line}; must be a number")
         return factor * np.array(numbers)
 
 
-def _rows(path: Path) -> list[list[str]]:
-    """The cells of a file, the first line its header if it has one."""
-    content = path.read_bytes()
+def _rows(path: Path) -> tuple[list[int], list[list[str]]]:
+    """The numbers of the lines of a file, and their cells; the first one is its header if it has one."""
+    try:
+        content = path.read_bytes()
+    except (FileNotFoundError, IsADirectoryError) as error:
+        raise ValueError(f"{path.name}: not a file in {path.parent.absolute()}") from error
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError:
         text = content.decode("latin-1")
-    lines = [line for line in text.splitlines() if line.strip(" \t;,") and not line.startswith("#")]
+    lines = {n: line for n, line in enumerate(text.splitlines(), 1) if line.strip(" \t;,") and not line.startswith("#")}
     if len(lines) < 2:
         raise ValueError(f"{path.name}: has no rows of numbers")
-    separator = next((each for each in SEPARATORS if each in lines[0]), None)
-    rows = list(csv.reader(lines, delimiter=separator)) if separator else [line.split() for line in lines]
-    rows = [[cell.strip() for cell in row] for row in rows]
-    if odd := next((n for n, row in enumerate(rows, 1) if len(row) != len(rows[0])), 0):
-        raise ValueError(f"{path.name}: line {odd} has {len(rows[odd - 1])} columns and the first has {len(rows[0])}")
-    return rows
+    first = next(iter(lines.values()))
+    separator = next((each for each in SEPARATORS if each in first), None)
+    cells = [next(csv.reader([line], delimiter=separator)) if separator else line.split() for line in lines.values()]
+    rows = [[cell.strip() for cell in row] for row in cells]
+    for number, row in zip(lines, rows, strict=True):
+        if len(row) != len(rows[0]):
+            raise ValueError(f"{path.name}: line {number} has {len(row)} columns and the first has {len(rows[0])}")
+    return list(lines), rows
 
 
 def _quantity(heading: str, headings: Mapping[str, str], known: Collection[str]) -> tuple[str, str]:

@@ -10,7 +10,7 @@ from ertel.case.case import Case
 from ertel.case.definition import grid_of, radii
 from ertel.case.height_map import Measured
 from ertel.case.sections import MOST_NODES, WIDEST_HALF_WIDTH
-from ertel.numerics.grid import Extrapolation, allowed_nodes, extrapolate
+from ertel.numerics.grid import Extrapolation, allowed_nodes, on_grids
 from ertel.physics import hertz
 from ertel.physics.lubricant import Barus
 from ertel.physics.surfaces import CELLS_KEPT, has_waves
@@ -245,11 +245,8 @@ def film_errors(case: Case, solutions: "Sequence[SteadyGrid]") -> dict[str, Extr
     """
     if len(solutions) < 2 or not all(s.status.ok for s in solutions[-2:]):
         return {}
-    errors = {}
-    for name in FILMS:
-        *coarser, coarse, fine = (s.measure()[name] for s in solutions)
-        errors[name] = extrapolate(coarse, fine, *(coarser[-1:] if case.layer else ()))
-    return errors
+    films = {name: [s.measure()[name] for s in solutions] for name in FILMS}
+    return {name: on_grids(values, regular=not case.layer)[-1] for name, values in films.items()}
 
 
 def _grid(case: Case, solutions: "Sequence[SteadyGrid]") -> Iterator[str]:

@@ -1,11 +1,13 @@
 """Measurements beside results: a film profile, a history or a number, in SI, and what a run has in their place.
 
-A `Measurement` is read from a file or made of arrays.  It may be aligned: where its zero in place or time, its offset
-or its tilt are not known, they are those for which the squares of the differences from the run are smallest.
+A `Measurement` is read from a file or made of arrays.  It may be aligned: where its zero in place or time, its offset,
+its tilt or the index of the oil are not known, they are those for which the squares of the differences from the run are
+smallest; see `alignment`.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from os import PathLike
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -13,24 +15,26 @@ from typing import Any, Literal, get_args
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
 
-from ertel.physics.units import Unit, in_si
+from ertel.case.reading import hint_for
+from ertel.physics.units import Quantity, Unit, in_si
+from ertel.results.alignment import INTENSITY, QUANTITIES, Comparison, Optics, Unaligned, light_along, si_unit
 from ertel.results.columns import Columns
 from ertel.results.numbers import IN_SI, numbers
 from ertel.results.profiles import At, profile
-from ertel.results.variables import OUTCOME, VARIABLES, Variable, to_si, with_prefix
+from ertel.results.variables import to_si, with_prefix
 
 Values = NDArray[np.float64]
+Size = float | str | Quantity  # in SI, or with a unit
 Kind = Literal["profile", "history", "number"]
 PLACES, TIME, SIGMA = ("x", "y", "r"), "t", "sigma"
+READ = ("at", "along", "align", "sigma", "columns", "index")  # what a file takes beside units, and a number
+NUMBER = ("quantity", "value", "sigma")
 USUAL = {"profile": "h", "history": "h_c"}  # quantities, of a file with several
-ALIGNMENTS = ("centre", "offset", "tilt")
-SHIFTS = 401  # of the centre that are tried before the best is refined
-QUANTITIES: Mapping[str, Variable] = {  # by the names of the SI Dataset and of the summary
-    **{variable.si_name or name: variable for name, variable in VARIABLES.items()},
-    **{name: VARIABLES[name] for name in OUTCOME},
-}
+ALIGNMENTS = ("centre", "offset", "tilt", "index")
+ALWAYS_ALIGNED = ("gain", "background")  # of an intensity
+FILMS = ("h", "h_c", "h_min", "h_oil")  # that can have an index
+NOT_BELOW_ZERO = (*FILMS, "contact_time", "restitution")  # unless the zero is not known
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +46,8 @@ class Measurement:
     kind : "profile", "history" or "number"
         Over a place at a moment, over time, or one number.
     quantity : str
-        Its name in the SI Dataset of a run, "h", "p", "h_c", or in its summary, "restitution", "contact_time", ...
+        Its name in the SI Dataset of a run, "h", "p", "h_c", or in its summary, "restitution", "contact_time", ...; or
+        "intensity", of light, in arbitrary units.
     values : array
         The measured values, (n,).
     x : array, optional
@@ -54,9 +59,14 @@ class Measurement:
     along : "x" or "y"
         The direction of a profile.
     align : sequence of str
-        What is not known: "centre", a shift in place or time; "offset" of the values; "tilt", a slope of the values.
+        What is not known: "centre", a shift in place or time; "offset" of the values; "tilt", a slope of the values;
+        "index" of the oil.  Of an intensity "gain" and "background" are never known.
     name : str
         For messages and pictures.
+    index : float, optional
+        The index of the oil with which films were computed from fringes; to align "index".
+    optics : Interferometer, optional
+        The rig and the light of an intensity: `ertel.optics.Interferometer(rig, light)`.
 
     Raises
     ------
@@ -73,15 +83,24 @@ class Measurement:
     along: str = "x"
     align: Sequence[str] = ()
     name: str = "measurement"
+    index: float | None = None
+    optics: Optics | None = None
 
     def __post_init__(self) -> None:
         values = np.atleast_1d(np.asarray(self.values, dtype=np.float64))
         x = np.zeros_like(values) if self.x is None else np.asarray(self.x, dtype=np.float64)
         sigma = np.asarray(1.0 if self.sigma is None else self.sigma, dtype=np.float64)
         align = (self.align,) if isinstance(self.align, str) else tuple(self.align)
-        _unit(self.quantity)
-        if unknown := [name for name in align if name not in ALIGNMENTS]:
-            raise ValueError(f"align = {unknown[0]!r}: must be of {', '.join(ALIGNMENTS)}")
+        si_unit(self.quantity)
+        light = self.quantity == INTENSITY
+        possible = ("centre", "tilt", *ALWAYS_ALIGNED) if light else ALIGNMENTS
+        if unknown := [name for name in align if name not in possible]:
+            raise ValueError(f"align = {unknown[0]!r}: {hint_for(unknown[0], possible)}")
+        align = (*align, *(name for name in ALWAYS_ALIGNED if light and name not in align))
+        if "index" in align and (self.quantity not in FILMS or self.index is None):
+            raise ValueError(f"index = {self.index}: must be the index with which {self.name}, a film, was computed")
+        if self.index is not None and not 1.0 < self.index < 3.0:
+            raise ValueError(f"index = {self.index:g}: must be above 1 and below 3; oils have 1.4 to 1.7")
         if (self.x is None) != (self.kind == "number"):
             raise ValueError(f"x: must be {'left out of' if self.kind == 'number' else 'given for'} a {self.kind}")
         if values.shape != x.shape or values.ndim != 1 or sigma.shape not in ((), values.shape):
@@ -98,21 +117,23 @@ class Measurement:
             raise ValueError(f"{self.name}: sigma has {np.min(sigma):g} (in SI); must be finite and above zero")
         if not (np.all(np.isfinite(values)) and np.all(np.isfinite(x))):
             raise ValueError(f"{self.name}: has values or x that are not finite")
+        _check_possible(self.name, self.quantity, values, align)
         object.__setattr__(self, "values", values)
         object.__setattr__(self, "x", None if self.x is None else x)
         object.__setattr__(self, "align", align)
+        object.__setattr__(self, "at", str(self.at) if isinstance(self.at, Quantity) else self.at)
 
     @classmethod
-    def number(cls, quantity: str, value: float | str, sigma: float | str | None = None) -> "Measurement":
+    def number(cls, quantity: str, value: Size, sigma: Size | None = None) -> "Measurement":
         """The measurement of one number of a run.
 
         Parameters
         ----------
         quantity : str
             Its name in the summary: "restitution", "contact_time", "h_c", "mu_sliding", ...
-        value : float or str
+        value : float, str or Quantity
             In SI, or a text with a unit, "95 us".
-        sigma : float or str, optional
+        sigma : float, str or Quantity, optional
             Its standard error, in the same way.
 
         Returns
@@ -136,23 +157,25 @@ class Measurement:
         at: At = None,
         along: str = "x",
         align: Sequence[str] = (),
-        sigma: float | str | None = None,
+        sigma: Size | None = None,
         columns: Mapping[str, str] | None = None,
+        index: float | None = None,
+        optics: Optics | None = None,
         **units: str,
     ) -> "Measurement":
         """A profile or a history from a file of columns: `Measurement.read("film.csv", x="um", h="nm", at="60 us")`.
 
-        The file has a place x, y or r, or a time t, and a quantity by its name in the SI Dataset: h, p, h_c, ...  Units
-        stand in the header, as "x_um", "x (um)", "x [um]" or "x/um", or are given.  A file without header has the
-        columns that are given, in this order.  Rows with a gap are left out.
+        The file has a place x, y or r, or a time t, and a quantity by its name in the SI Dataset: h, p, h_c, ..., or
+        intensity, whose unit does not count.  Units stand in the header, as "x_um", "x (um)", "x [um]" or "x/um", or
+        are given.  A file without header has the columns that are given, in this order.  Rows with a gap are left out.
 
         Parameters
         ----------
         path : str or Path
             The file, see `results.columns`.
-        at, along, align
+        at, along, align, index, optics
             As of `Measurement`.
-        sigma : float or str, optional
+        sigma : float, str or Quantity, optional
             Standard error, in SI or with a unit.  A column "sigma" goes before; without a unit it has that of the
             values.
         columns : mapping, optional
@@ -168,11 +191,14 @@ class Measurement:
         Raises
         ------
         ValueError
-            A column or a unit is missing; the message names the columns that there are.
+            There is no such file; a column or a unit is missing, and the message names the columns that there are; a
+            value cannot be.
         """
-        if unknown := {*units, *(columns or {})} - {*QUANTITIES, SIGMA}:
+        if unknown := sorted({*units, *(columns or {})} - {*QUANTITIES, SIGMA}):
+            close = get_close_matches(unknown[0], [*QUANTITIES, SIGMA, *READ], n=1, cutoff=0.85)
+            advice = f"did you mean {close[0]}? " if close else ""
             raise ValueError(
-                f"{sorted(unknown)[0]}: must be the name of a place, a time or a result, such as x, t, h, h_c"
+                f"{unknown[0]}: {advice}must be the name of a place, a time or a result, such as x, t, h, h_c"
             )
         file = Columns.read(Path(path), {*QUANTITIES, SIGMA}, columns or {}, units)
         axis = next((name for name in (*PLACES, TIME) if name in file.texts), "")
@@ -185,13 +211,17 @@ class Measurement:
             raise ValueError(
                 f'{file.file}: has no {wanted}; {file.listed}; give columns={{"{USUAL[kind] if axis else "x"}": ...}}'
             )
-        unit = _unit(name)
-        rows = [file.values(axis, _unit(axis)), file.values(name, unit)]
+        unit = si_unit(name)
+        if name == INTENSITY:  # in arbitrary units
+            file = replace(file, units={**file.units, INTENSITY: "", SIGMA: ""})
+        rows = [file.values(axis, si_unit(axis)), file.values(name, unit)]
         rows += [file.values(SIGMA, unit, file.units[name])] if SIGMA in file.texts else []
+        _check_possible(file.file, name, rows[1], align, file.lines)
         whole = np.array(rows)[:, np.all(np.isfinite(rows), axis=0)]
         x, values, *errors = whole[:, np.argsort(whole[0], kind="stable")]
         error = errors[0] if errors else None if sigma is None else _in_si(name, sigma)
-        return cls(kind, name, values, x, error, at, "y" if axis == "y" else along, align, file.file)
+        along = "y" if axis == "y" else along
+        return cls(kind, name, values, x, error, at, along, align, file.file, index, optics)
 
     # -- beside a run -------------------------------------------------------------------------------------------------
 
@@ -216,25 +246,39 @@ class Measurement:
         ------
         ValueError
             The run is dimensionless, does not have this quantity or moment, or does not reach as far.
+        TypeError
+            The result is not one.
         """
-        compared = self.compared(result)
-        return self.values - compared.difference
+        return self.compared(result).shown
 
-    def compared(self, result: Any) -> "Comparison":
+    def compared(self, result: Any) -> Comparison:
         """The measurement beside a run, aligned.  Parameters and errors are those of `predicted`."""
+        if not hasattr(result, "dataset"):
+            raise TypeError(f"result = {result!r}: must be the Result of a run")
         if self.x is None:
-            return Comparison(self, np.zeros(1), self.values, np.array([self._number(result)]))
+            value = np.array([self._number(result)])
+            return Comparison(self, np.zeros(1), self.values, value, value)
         line, shift = self._line(result), {}
         there, values = line[self.axis].values, line.values
+        weight = np.ones_like(self.values) / (1.0 if self.sigma is None else self.sigma)
+        unaligned = Unaligned(self.x, self.values, weight, self.align)
         if "centre" in self.align:
-            shift["centre"] = self._best_centre(there, values)
+            shift["centre"] = unaligned.best_centre(there, values)
         x = self.x - shift.get("centre", 0.0)
         if x.min() < there[0] or x.max() > there[-1]:
-            ends = [with_prefix(end, _unit(self.axis)) for end in (x.min(), x.max(), there[0], there[-1])]
+            ends = [with_prefix(end, si_unit(self.axis)) for end in (x.min(), x.max(), there[0], there[-1])]
             raise ValueError("{}: reaches from {} to {}, and the run only from {} to {}".format(self.name, *ends))
         computed = np.interp(x, there, values)
-        lines, difference = self._straightened(self.values - computed)
-        return Comparison(self, x, computed + difference, computed, shift | lines, line)
+        parts, shown = unaligned.shown(computed)
+        factor = parts.get("index", 1.0)
+        if "gain" in parts:  # an intensity stays in the units in which it was measured
+            computed, line = (parts["gain"] * each + parts["background"] for each in (computed, line))
+        elif "index" in parts:
+            parts["index"] *= self.index or 1.0
+        sigma = None if self.sigma is None else np.ones_like(x) * self.sigma / factor
+        return Comparison(
+            self, x, computed + (self.values - shown) / factor, computed, shown, shift | parts, line, sigma
+        )
 
     @property
     def axis(self) -> str:
@@ -259,113 +303,37 @@ class Measurement:
             data = profile(data, self.at, self.along)
         elif "time" in data.dims:
             data = data.drop_dims([name for name in data.dims if name != "time"])
-            data = to_si(data) if "si_factor" in data["time"].attrs else data
+            data = _from_the_start(to_si(data)) if "si_factor" in data["time"].attrs else data
         else:
             raise ValueError(f"{self.name}: is a history, and a steady contact has none")
         if self.axis not in data.coords:
             raise ValueError(f"{self.name}: is in SI, and the case is dimensionless")
+        if self.kind == "profile" and self.quantity == INTENSITY:
+            if self.optics is None:
+                raise ValueError(f"{self.name}: is an intensity; give optics=ertel.optics.Interferometer(rig, light)")
+            data = light_along(data, result.case, self.optics).to_dataset(name=INTENSITY).assign_attrs(data.attrs)
         if self.quantity not in data:
             raise ValueError(f"{self.quantity}: the run has no such {self.kind}; it has {', '.join(map(str, data))}")
         return data[self.quantity].assign_attrs(moment=data.attrs.get("moment", ""))
 
-    # -- alignment ----------------------------------------------------------------------------------------------------
 
-    def _straightened(self, difference: Values) -> tuple[dict[str, float], Values]:
-        """The offset and the tilt, as far as they are not known, that leave the smallest squares, and what is left."""
-        assert self.x is not None
-        ways = {"offset": np.ones_like(self.x), "tilt": self.x - self.x.mean()}  # the tilt is about the middle
-        names = [name for name in ways if name in self.align]
-        shapes = np.reshape([ways[name] for name in names], (len(names), len(self.x))).T
-        scale = np.abs(shapes).max(axis=0)
-        shares = np.linalg.lstsq(shapes / scale * self._weight[:, None], difference * self._weight)[0] / scale
-        return dict(zip(names, shares.tolist(), strict=True)), difference - shapes @ shares
-
-    @property
-    def _weight(self) -> Values:
-        return np.ones_like(self.values) / (1.0 if self.sigma is None else self.sigma)
-
-    def _best_centre(self, there: Values, values: Values) -> float:
-        """The shift that leaves the smallest squares, as far as the run reaches, which has these values there."""
-        x = self.x
-        assert x is not None
-        low, high = x.max() - there[-1], x.min() - there[0]
-        if low >= high:  # the run is shorter than the measurement, of which the caller tells
-            return 0.0
-
-        def squares(centre: float) -> float:
-            _, difference = self._straightened(self.values - np.interp(x - centre, there, values))
-            return float(np.sum((self._weight * difference) ** 2))
-
-        tried = np.linspace(low, high, SHIFTS)
-        best, step = tried[np.argmin([squares(each) for each in tried])], (high - low) / (SHIFTS - 1)
-        bounds = max(low, best - step), min(high, best + step)
-        return float(minimize_scalar(squares, bounds=bounds, options={"xatol": 1e-6 * step}).x)
+def _check_possible(name: str, quantity: str, values: Values, align: Sequence[str], lines: Sequence[int] = ()) -> None:
+    """Raise ValueError for a film or a time below zero, unless the zero is not known.  lines: in the file of a name."""
+    below = np.flatnonzero(values < 0.0)
+    if len(below) and quantity in NOT_BELOW_ZERO and not {"offset", "tilt"} & {*align}:
+        where = f"{name}, line {lines[below[0]]}" if lines else name
+        allowed = "must not be below zero" + ("; its zero may be aligned, offset" if quantity in FILMS else "")
+        raise ValueError(f"{where}: {quantity} = {with_prefix(float(values[below[0]]), si_unit(quantity))}: {allowed}")
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class Comparison:
-    """A measurement beside a run, in SI.
-
-    Attributes
-    ----------
-    measurement : Measurement
-        As it was given.
-    x : array (n,)
-        Its places or times, aligned; zero of a number.
-    measured, computed : array (n,)
-        The values, aligned, and those of the run.
-    shift : mapping
-        What the alignment took off: "centre" (m or s) of x, "offset" and "tilt" (per m or s) of the values.
-    line : DataArray or None
-        All that the run has along the line or through time, its attribute `moment` in words; None of a number.
-    """
-
-    measurement: Measurement
-    x: Values
-    measured: Values
-    computed: Values
-    shift: Mapping[str, float] = field(default_factory=dict)
-    line: xr.DataArray | None = None
-
-    @property
-    def difference(self) -> Values:
-        """Measured less computed, (n,)."""
-        return self.measured - self.computed
-
-    @property
-    def rms(self) -> float:
-        """The root mean square of the difference."""
-        return float(np.sqrt(np.mean(self.difference**2)))
-
-    @property
-    def where(self) -> str:
-        """The moment of a profile in words, "" of a history and of a number."""
-        return "" if self.line is None else str(self.line.attrs["moment"])
-
-    @property
-    def text(self) -> str:
-        """The rms difference in words, with its share of the mean."""
-        share = self.rms / float(np.abs(self.computed).mean() or 1.0)
-        return f"rms difference {with_prefix(self.rms, _unit(self.measurement.quantity))} ({share:.1%} of the mean)"
-
-    def __repr__(self) -> str:
-        m = self.measurement
-        units = {"centre": _unit(m.axis), "offset": _unit(m.quantity), "tilt": f"{_unit(m.quantity)}/{_unit(m.axis)}"}
-        shift = "".join(f"; {name} {with_prefix(value, units[name])}" for name, value in self.shift.items())
-        where = f", {self.where}" if self.where else ""
-        return f"{m.name}: {QUANTITIES[m.quantity].long_name}{where}: {self.text}, {len(self.x)} values{shift}"
+def _from_the_start(history: xr.Dataset) -> xr.Dataset:
+    """The history of a run, in SI, from the start: before the first step it is as after it."""
+    start = history.isel(t=[0]).assign_coords(t=[0.0])
+    return xr.concat([start, history], "t", combine_attrs="no_conflicts") if float(history["t"][0]) > 0 else history
 
 
-def _unit(quantity: str) -> str:
-    """The SI unit of a quantity, "1" of a plain number.  Raises ValueError for a name that is not known."""
-    if quantity not in QUANTITIES:
-        raise ValueError(f"quantity = {quantity!r}: must be the name of a result, such as h, h_c, restitution")
-    about = QUANTITIES[quantity]
-    return about.si_units or (about.unit if about.unit in IN_SI else "1")
-
-
-def _in_si(quantity: str, value: float | str) -> float:
-    unit = _unit(quantity)
+def _in_si(quantity: str, value: Size) -> float:
+    unit, value = si_unit(quantity), str(value) if isinstance(value, Quantity) else value
     is_number = unit == "1" or not isinstance(value, str)
     try:
         return float(value) if is_number else in_si(value, Unit(unit, f"1 {unit}", True))

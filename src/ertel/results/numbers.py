@@ -178,6 +178,13 @@ class Scalar(NamedTuple):
     attributes: Mapping[str, Any]
 
 
+def duration(seconds: float) -> str:
+    """A rough duration in words."""
+    if seconds < 90:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
+
+
 def scalars(summary: Outcome, in_si: bool = True) -> dict[str, Scalar]:
     """The numbers of a summary by name; those of a physical case in SI under SI names (h_c for H_c), if `in_si`.
 

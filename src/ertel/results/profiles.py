@@ -124,9 +124,15 @@ def _at(fields: xr.Dataset, moment: Instant) -> tuple[xr.Dataset, str]:
         now, words = fields.isel(frame=moment.frame), f"{moment.name} at {text(moment.T)}"
     else:
         first = int(np.searchsorted(T, moment.T)) - 1
-        now = fields.isel(frame=slice(first, first + 2)).load().interp(frame=moment.T)
+        now = between(fields, moment.T).isel(frame=0)
         words = f"{text(moment.T)}, between the maps at {text(T[first])} and {text(T[first + 1])}"
     return now.assign_coords(time=((), moment.T, frame.attrs)), words
+
+
+def between(dataset: xr.Dataset, T: float) -> xr.Dataset:
+    """A run in time with one map, at T (t0): between the two maps around it each field is interpolated linearly."""
+    first = int(np.clip(np.searchsorted(dataset["frame"], T) - 1, 0, dataset.sizes["frame"] - 2))
+    return dataset.isel(frame=slice(first, first + 2)).load().interp(frame=[T])
 
 
 def mirrored(values: Values, odd: bool = False) -> Values:

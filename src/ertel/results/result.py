@@ -14,7 +14,8 @@ from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.physics.amplitude_reduction import lambda_ratio
 from ertel.physics.units import RMS, in_si, plain
-from ertel.results.measurements import Comparison, Measurement
+from ertel.results.alignment import Comparison
+from ertel.results.measurements import Measurement
 from ertel.results.numbers import Number, html_image, html_table, lines, numbers, plus_minus, values_of
 from ertel.results.profiles import At, moment_of, profile
 from ertel.results.variables import FIGURES_IN_TIME, FIGURES_STEADY, figures_of, prefixed, to_si
@@ -147,6 +148,8 @@ class Result:
 
     def compare(self, measurement: Measurement) -> Comparison:
         """The run beside a measurement: aligned values, their difference and its rms; see `Measurement.predicted`."""
+        if not isinstance(measurement, Measurement):
+            raise TypeError(f"measurement = {measurement!r}: must be a Measurement, such as Measurement.read gives")
         return measurement.compared(self)
 
     def lambda_ratio(self, sigma_1: Sigma = None, sigma_2: Sigma = None) -> float:

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from html import escape
-from math import nan
+from math import isnan, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Unpack
 
@@ -20,6 +20,7 @@ import xarray as xr
 
 from ertel.case.case import Case
 from ertel.physics.units import FINITE, LOAD, VELOCITY, Mark
+from ertel.results.convergence import ORDER, SEEN, Limit, limits_of
 from ertel.results.dataset import largest_of, with_units
 from ertel.results.numbers import SHOWN, Scalar, aligned, html_columns, html_image
 from ertel.results.variables import name_in_si, prefixed, value_in_si, variable_attributes
@@ -221,6 +222,50 @@ def column(head: str, values: xr.DataArray) -> list[str]:
     one, name = prefixed(unit, largest_of(values))
     shown = ["-" if np.isnan(value) else f"{value:.4g}" for value in values.values / one]
     return [f"{head} ({name})" if name else head, *shown]
+
+
+# -- convergence series -----------------------------------------------------------------------------------------------
+
+EXPLAINED = (
+    "second order is assumed; where it is not seen the value is that of the finest grid, and the error the largest "
+    "difference between grids, thrice where they do not fall; faster: the error that the grid before lets expect"
+)
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class ConvergenceResult(StudyResult):
+    """A convergence series: the numbers of a case on several grids, coarsest first, and their limits."""
+
+    @property
+    def limits(self) -> dict[str, Limit]:
+        """Observed order, extrapolated value, its error and whether second order is seen, by number, SI where it is."""
+        return limits_of(self.dataset)
+
+    def as_data(self) -> dict[str, Any]:
+        """The series as plain data for JSON."""
+        limits = {name: each._asdict() for name, each in self.limits.items()}
+        for each in limits.values():
+            each["order"] = None if isnan(each["order"]) else each["order"]
+        return {**super().as_data(), "assumed_order": ORDER, "limits": limits}
+
+    def table(self) -> list[list[str]]:
+        """The columns of a table to read: a row for each number, a column for each grid, then the limit."""
+        axes = self.dataset.coords.values()
+        rows = [[str(axis.name), *(f"{each:.4g}" for each in axis.values), *[""] * 4] for axis in axes]
+        rows[0][-4:] = ["order", "second order", "value", "error"]
+        for name, one in self.limits.items():
+            variable = self.dataset[name]
+            scale, unit = prefixed(variable.attrs["units"], one.value)
+            *shown, last = [f"{value / scale:.5g}" for value in (*variable.values, one.value)]
+            order = "-" if isnan(one.order) else f"{one.order:.2f}"
+            seen = "seen" if one.seen else "faster" if one.order > SEEN[1] else "not seen"
+            rows.append([f"{name} ({unit})" if unit else name, *shown, order, seen, last, f"{one.error / scale:.2g}"])
+        return [list(column) for column in zip(*rows, strict=True)]
+
+    @property
+    def remarks(self) -> list[str]:
+        """Lines below the table: what the errors are, then those of a study."""
+        return [EXPLAINED, *super().remarks]
 
 
 # -- traction curves --------------------------------------------------------------------------------------------------

@@ -15,14 +15,13 @@ import xarray as xr
 
 from ertel.case import definition
 from ertel.case.case import Case
-from ertel.case.sections import Solver, Time
+from ertel.case.sections import Solver
 from ertel.case.status import Status
 from ertel.numerics.grid import allowed_nodes, extrapolate
-from ertel.physics.units import Quantity
 from ertel.results import balances, diagnostics, variables
 from ertel.results.dataset import SteadyGrid
 from ertel.results.parameters import parameters_of, scale_values
-from ertel.results.variables import FILMS, values_in_si, with_coefficients
+from ertel.results.variables import ESTIMATED, FILMS, values_in_si, with_coefficients
 
 # share of a maximum by which the pressure may fall to the next nodes; below, P_max changes by some per cent
 NARROW = 0.1
@@ -161,7 +160,7 @@ def _contact(data: xr.Dataset) -> dict[str, float | None]:
     """
     T, V, F = (data[name].values for name in ("time", "V", "F"))
     if not (len(T) and V[-1] < 0 and F[-1] < UNLOADED):
-        return dict.fromkeys(("restitution", "contact_time", "F_max"))
+        return dict.fromkeys(variables.WHOLE)
     above = np.flatnonzero(F > LIGHT * F.max())
     ends = [max(above[0] - 1, 0), above[0]], [above[-1] + 1, above[-1]]  # the lighter side first
     start, end = (float(np.interp(LIGHT * F.max(), F[pair], T[pair])) for pair in ends)
@@ -252,17 +251,8 @@ def comparisons(case: Case) -> Mapping[str, Case]:
     half = case.on_half_grid()
     cases = {"grid": half, "domain": replace(half, solver=wider(half.solver))}
     if case.time is not None:
-        cases["time"] = replace(half, time=in_smaller_steps(case.time))
+        cases["time"] = replace(half, time=case.time.with_steps(SMALLER_STEPS))
     return cases
-
-
-def in_smaller_steps(time: Time) -> Time:
-    """Steps smaller by sqrt(1/2); of those that a tolerance controls, the size goes as its cube root."""
-    step = time.step
-    if step is None:
-        return replace(time, tolerance=time.tolerance * SMALLER_STEPS**3)
-    smaller = replace(step, value=SMALLER_STEPS * step.value) if isinstance(step, Quantity) else SMALLER_STEPS * step
-    return replace(time, step=smaller)
 
 
 def wider(solver: Solver) -> Solver:
@@ -296,22 +286,23 @@ def error_estimate(fine: float, others: Mapping[str, float]) -> dict[str, Any]:
 
 
 def with_error(case: Case, fine: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-    """The summary of a run with the errors of its films that other runs tell, and their parts under `error_estimate`.
+    """The summary of a run with the errors that other runs tell, of all numbers in `variables.ESTIMATED` that it has.
 
-    Those of an impact hold at maximum approach, and there is that of Delta too; `error_estimate` is None where one of
-    the runs did not reach it.
+    The films also have theirs as H_c_error, H_c_extrapolated, ...; all errors with their parts are under
+    `error_estimate`.  Those of an impact hold at maximum approach (Delta is Delta_max there) and, restitution, contact
+    time and largest load, for the whole of it.  `error_estimate` is None where one of the runs did not reach maximum
+    approach.
 
     fine: the summary of the run.  others: those of the other runs, by their part as in `comparisons`.
     """
-    values, compared, names = fine, others, {name: name for name in FILMS}
-    if case.starts_apart:
-        values, compared = fine["max_approach"], {part: summary["max_approach"] for part, summary in others.items()}
-        names["Delta_max"] = "Delta"
-        if values is None or None in compared.values():
-            return {**fine, "error_estimate": None}
+    if case.starts_apart and not all(summary["max_approach"] for summary in (fine, *others.values())):
+        return {**fine, "error_estimate": None}
+    values, *compared = ({**each, **(each.get("max_approach") or {})} for each in (fine, *others.values()))
+    names = {"Delta_max" if name == "Delta" and case.starts_apart else name: name for name in ESTIMATED}
     estimates = {
-        name: error_estimate(values[key], {part: other[key] for part, other in compared.items()})
+        name: error_estimate(values[key], {part: one[key] for part, one in zip(others, compared, strict=True)})
         for name, key in names.items()
+        if all(known := [each.get(key) for each in (values, *compared)]) and len(set(known)) > 1  # else given, or zero
     }
     content = {**fine, "error_estimate": estimates}
     for name in FILMS:

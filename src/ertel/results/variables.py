@@ -170,9 +170,14 @@ VARIABLES: Mapping[str, Variable] = {
     name: replace(variable, si_name=variable.si_name or name.lower()) if variable.scale else variable
     for name, variable in _DEFINED.items()
 }
-FILMS = ("H_c", "H_min")  # that have an error estimate
+FILMS = ("H_c", "H_min")
+WHOLE = ("restitution", "contact_time", "F_max")  # of an impact as a whole
+# with an error under --error and in a convergence series; P_max and places are values of single nodes
+ESTIMATED = (*FILMS, "T", "Delta", "P_c", "F", *FRICTION, *WHOLE)
 MEASURED = ("H_c", "H_min", "X_min", "Y_min", "Delta", "P_c", "P_max", "load")  # of a rolling contact's summary
-FIGURES_IN_TIME = ("overview", "film", "pressure", "oil", "maps", "profiles", "history", "friction", "front")
+FIGURES_IN_TIME = (
+    "overview", "film", "pressure", "oil", "maps", "profiles", "history", "friction", "front", "spacetime",
+)  # fmt: skip
 FIGURES_STEADY = ("overview", "film", "pressure", "oil", "maps", "midlines", "convergence", "friction")
 AT_MAXIMUM = ("T", "Delta", "F", "P_c", "P_max", "H_c", "H_min", "X_min", "Y_min")  # of a summary
 

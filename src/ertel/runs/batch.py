@@ -19,6 +19,7 @@ the constants of the oil, tolerances, times or how far the grid reaches.
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from math import inf
 from os import PathLike
 from typing import Any
 
@@ -35,7 +36,7 @@ from ertel.equations.state import StepSolution
 from ertel.inputs.case_files import CaseLike, ConfigError, as_case, parse_case, written
 from ertel.numerics.programs import double_precision, require_double
 from ertel.results.result import Result
-from ertel.runs.drive import METHODS, Recorder, method_of, result_of, run_of
+from ertel.runs.drive import METHODS, Recorder, result_of, run_of
 from ertel.runs.stepping import Step, TransientRun
 from ertel.runs.workers import Failure, check_fork
 from ertel.solvers.transient import StepProblem, Transient2D, solve_step
@@ -81,7 +82,7 @@ def simulate_batch(
 
 def _asking(case: Case, on_step: Callable[[Step], object]) -> Generator[StepProblem, StepSolution, Result]:
     """The loop of `drive.drive` over a run in memory; the caller solves its problems."""
-    run = TransientRun(case, method_of(case))
+    run = TransientRun(case, Transient2D(case, small=inf))  # all cases are solved on the whole grid, by one program
     recorder, step = Recorder(run), run.begin()
     while step.status is Status.RUNNING:
         step = yield from run.attempts(step)

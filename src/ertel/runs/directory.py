@@ -184,7 +184,7 @@ class ProgressFile:
         self._directory, self._run = directory, run
         before = read_progress(directory)
         if before and before["status"] == Status.RUNNING.value:
-            self._replace({**before, "status": Status.INTERRUPTED.value})
+            write_progress(directory, **{**before, "status": Status.INTERRUPTED.value})
         self._started = time.monotonic()
         self._first: tuple[float, float] | None = None  # time and share done at the first result with a record
         self._written = -INTERVAL
@@ -199,24 +199,18 @@ class ProgressFile:
             self.write(result)
 
     def write(self, result: Any) -> None:
-        """Write the progress; a disk that refuses it stops no run."""
+        """Write the progress."""
         progress = self._run.progress(result)
         done = 1.0 if result.status.ok else progress.done
-        content = {
-            "status": result.status.value,
-            "T": progress.T,
-            "step": progress.step,
-            "done": round(done, 4),
-            "seconds": round(time.monotonic() - self._started, 1),
-            "seconds_left": self._left(result.status, done),
-            "written": datetime.now(UTC).isoformat(timespec="seconds"),
-            "process": os.getpid(),
-        }
-        self._replace(content)
-
-    def _replace(self, content: Mapping[str, Any]) -> None:
-        with suppress(OSError):
-            replace(self._directory / PROGRESS, (json.dumps(content) + "\n").encode(), durable=False)
+        write_progress(
+            self._directory,
+            status=result.status.value,
+            T=progress.T,
+            step=progress.step,
+            done=round(done, 4),
+            seconds=round(time.monotonic() - self._started, 1),
+            seconds_left=self._left(result.status, done),
+        )
 
     def _left(self, status: Status, done: float) -> float | None:
         """Seconds to the end at the pace since the first result; compiling came before it."""
@@ -226,6 +220,16 @@ class ProgressFile:
             return None
         then, share = self._first
         return round((time.monotonic() - then) * (1.0 - done) / (done - share), 1)
+
+
+def write_progress(directory: Path, **content: Any) -> None:
+    """Replace the progress of a run, or of a fit; a disk that refuses it stops neither.
+
+    content: as in progress.json, and more of a fit.  When it is written and by which process is added.
+    """
+    now = {"written": datetime.now(UTC).isoformat(timespec="seconds"), "process": os.getpid()}
+    with suppress(OSError):
+        replace(directory / PROGRESS, (json.dumps({**now, **content}) + "\n").encode(), durable=False)
 
 
 def read_progress(directory: Path) -> dict[str, Any] | None:

@@ -10,13 +10,18 @@ stop.
 import time as clock
 import warnings
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from math import inf
 from typing import Any
 
 import jax
 import numpy as np
+import rich.progress
 import xarray as xr
 from numpy.typing import NDArray
+from rich.console import Console
+from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
 
 from ertel.case.case import Case
 from ertel.case.definition import grid_of
@@ -26,6 +31,7 @@ from ertel.inputs.case_files import CaseLike, as_case
 from ertel.numerics.grid import Grid, Symmetry
 from ertel.numerics.programs import double_precision
 from ertel.results.dataset import Frame, assemble_steady
+from ertel.results.numbers import duration
 from ertel.results.result import Result
 from ertel.results.summary import attributes, steady_summary
 from ertel.runs import workers
@@ -205,7 +211,7 @@ def simulate(case: CaseLike, progress: bool = False, observers: Sequence[Observe
     case : Case, str, Path or mapping
         From `impact` or `rolling`; or a case file, or its plain data, as for `load_case` and `parse_case`.
     progress : bool
-        Whether to show a progress bar.
+        Whether to show a progress bar; in a file, a line a minute.
     observers : sequence of callables
         Each sees every accepted time step, or every grid of a steady contact; one that returns True stops the run.
 
@@ -239,26 +245,66 @@ def warn(sentences: Sequence[str], frames: int = 2) -> None:
 
 # -- progress bars ----------------------------------------------------------------------------------------------------
 
+LOG_INTERVAL = 60.0  # s between two lines in a log
 
-def bars(shown: bool) -> Any:
-    """Bars on stderr (a `rich.progress.Progress`); none if stderr is not a terminal or they are not wanted."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
+def bars(shown: bool) -> rich.progress.Progress:
+    """Bars on stderr, or lines where stderr is not a terminal; neither if they are not wanted."""
     console = Console(stderr=True)
+    if shown and not (console.is_terminal or console.is_jupyter):
+        return LogLines(console)
     label, message = (TextColumn(text, markup=False) for text in ("{task.description}", "{task.fields[message]}"))
-    hidden = not shown or not (console.is_terminal or console.is_jupyter)
-    return Progress(label, BarColumn(24), message, TimeElapsedColumn(), console=console, disable=hidden)
+    columns = label, BarColumn(24), message, TimeElapsedColumn()
+    return rich.progress.Progress(*columns, console=console, disable=not shown)
 
 
-def watch(progress: Any, run: Run, label: str = "") -> Observer:
+class LogLines(rich.progress.Progress):
+    """Progress in a file, such as the log of a cluster: a line a minute in place of bars.
+
+    The line is that of the newest run, or of a study as a whole, with the shares of its runs.  The rest is expected at
+    the pace since the first result; compiling came before it.
+    """
+
+    def __init__(self, console: Console, get_time: Callable[[], float] | None = None):
+        super().__init__(console=console, get_time=get_time, speed_estimate_period=inf)
+        self._next = self.get_time() + LOG_INTERVAL
+
+    def start(self) -> None:
+        """Show no bars."""
+
+    def stop(self) -> None:
+        """No bars are shown."""
+
+    def update(self, *task: Any, **changes: Any) -> None:
+        """Take the progress of a task, and write a line if the last one is a minute old.
+
+        A file that refuses it stops no run.
+        """
+        super().update(*task, **changes)
+        if self.get_time() >= self._next:
+            self._next = self.get_time() + LOG_INTERVAL
+            with suppress(OSError):
+                self.console.out(self._line(), highlight=False)
+
+    def _line(self) -> str:
+        """Label, share, message, time so far and time left."""
+        whole = max(reversed(self.tasks), key=lambda task: task.total or 0.0)
+        total = whole.total or 1.0
+        done = whole.completed + sum(part.completed for part in self.tasks if (part.total or 0.0) < total)
+        left = whole.time_remaining
+        rest = "" if left is None else f", about {duration(left)} left"
+        so_far = f"{duration(whole.elapsed or 0.0)} so far{rest}"
+        return "  ".join(filter(None, (whole.description, f"{done / total:.0%}", whole.fields["message"], so_far)))
+
+
+def watch(shown: rich.progress.Progress, run: Run, label: str = "") -> Observer:
     """An observer that shows a run in a new bar."""
     label = label or run.case.name or run.case.kind
-    bar = progress.add_task(label, total=1.0, message="compiling (once per machine and grid size)")
+    bar = shown.add_task(label, total=1.0, message="compiling (once per machine and grid size)")
 
     def show(result: Any) -> None:
         if result.record:
             now = run.progress(result)
-            progress.update(bar, completed=now.done, message=now.message)
+            shown.update(bar, completed=now.done, message=now.message)
 
     return show

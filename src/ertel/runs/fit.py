@@ -6,14 +6,14 @@
 Least squares in the logarithms of the unknowns (`scipy.optimize.least_squares`).  A point of the search is one run, and
 one more for each unknown, whose logarithm is then larger by `STEP`; these are independent of each other and go to the
 workers of `studies` at once.  STEP: a derivative by a difference has an error of the curvature, half of STEP where the
-number goes as a power of the unknown, and of the noise of the time steps over STEP.  In impacts by the radial method
-that noise is 1e-6 of films and restitution, up to 7e-5 of contact times (`validation/fit/validate.py noise`): a STEP of
-0.01 leaves 0.5 % by curvature, and 0.03 % (contact times on 33 rings: 2 %) by noise.
+number goes as a power of the unknown, and of the noise of the time steps over STEP: with 0.01, in impacts by the radial
+method, 0.5 % and 0.03 % (contact times on 33 rings: 2 %), see `validation/fit/validate.py noise`.
 
 Each run is a run directory, runs/DIGEST of its case, as in a study.  The search has no randomness: the same call takes
-the same path, finds the runs that are done, and goes on where it was.
+the same path, finds the runs that are done, and goes on where it was.  progress.json tells how far it is.
 """
 
+import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -24,16 +24,19 @@ from typing import Any
 import numpy as np
 
 from ertel.case.case import Case
+from ertel.case.reading import check_keys
 from ertel.case.records import ConfigError, show
 from ertel.case.status import Status
+from ertel.inputs import rigs
 from ertel.inputs.case_files import CaseLike, as_case, written
 from ertel.inputs.fits import Settings, Unknown, load_fit, parse_unknowns, with_settings
+from ertel.results.alignment import QUANTITIES
 from ertel.results.fit_result import FitPoint, FitResult, Values, amount, fit_dataset
-from ertel.results.measurements import QUANTITIES, Measurement
+from ertel.results.measurements import NUMBER, READ, Measurement
 from ertel.results.result import Result
 from ertel.runs import studies
 from ertel.runs.compile import check_jax
-from ertel.runs.directory import CASE
+from ertel.runs.directory import CASE, read_progress, write_progress
 from ertel.runs.drive import warn
 from ertel.runs.store import RunStore
 from ertel.runs.tasks import Engine
@@ -41,12 +44,13 @@ from ertel.runs.workers import Condition, Failure, Workers, never
 
 NAME = "fit"  # of the files with the outcome
 STEP = 0.01  # of a logarithm, for derivatives
-NEAR = 1e-3  # a step of the search that is smaller, in the logarithms, is the last one
+FINE_STEP = 1e-3  # the same, where the standard errors are smaller than STEP
+NEAR = 1e-3  # a step of the search that is smaller, in the logarithms, is the last one; with FINE_STEP less
 FLAT = 0.01  # a change of chi square that does not matter
 MOST_POINTS = 40  # of a search
 
 COLUMNS = {  # of the data: what they are
-    "measurement": "number of the measurement",
+    "measurement": "number of the measurement, from 1",
     "quantity": "SI name",
     "conditions": "what differs from the case",
     "measured_unit": "SI unit",
@@ -168,7 +172,7 @@ class FitProblem:
     def columns(self) -> dict[str, tuple[Any, str]]:
         """The data one after the other: name -> values, and what they are."""
         rows = []
-        for number, (each, index) in enumerate(self.data):
+        for number, (each, index) in enumerate(self.data, 1):
             settings = self.conditions[index].items()
             conditions = ", ".join(f"{path.rpartition('.')[2]} = {value}" for path, value in settings)
             units = QUANTITIES[each.quantity].si_units or "1", {"profile": "m", "history": "s"}.get(each.kind, "")
@@ -185,18 +189,24 @@ class FitProblem:
 def load_fit_problem(path: str | Path, overrides: Sequence[str] = ()) -> FitProblem:
     """The problem in the file of a fit, see `inputs.fits`.  Raises ConfigError."""
     case, tables, unknowns = load_fit(path, overrides)
-    given: list[Given] = []
-    for table in tables:
-        content = dict(table)
-        settings, file = content.pop("set"), content.pop("file", None)
-        try:
-            each = Measurement.read(Path(path).parent / file, **content) if file else Measurement.number(**content)
-        except TypeError as error:
-            raise ConfigError(f"measurements: {show(table)}: must have a file, or quantity, value and sigma") from error
-        except (ValueError, OSError) as error:
-            raise ConfigError(f"measurements: {show(table)}: {error}") from error
-        given.append((each, settings))
+    given: list[Given] = [(_measurement(place, table, Path(path).parent), table["set"]) for place, table in tables]
     return fit_problem(case, given, unknowns)
+
+
+def _measurement(place: str, table: Mapping[str, Any], folder: Path) -> Measurement:
+    """The measurement that a table of a file in a folder describes.  Raises ConfigError, naming the place."""
+    content = {name: value for name, value in table.items() if name not in ("set", "file")}
+    file = str(table.get("file", ""))
+    check_keys(content, (*READ, *rigs.KEYS, *QUANTITIES) if file else NUMBER, place)
+    try:
+        if not file:
+            return Measurement.number(**content)
+        rig = {name: content.pop(name) for name in rigs.KEYS if name in content and name != "index"}
+        return Measurement.read(folder / file, **content, optics=rigs.interferometer(**rig, index=content.get("index")))
+    except TypeError as error:
+        raise ConfigError(f"{place} = {show(table)}: must have a file, or quantity, value and sigma") from error
+    except ValueError as error:
+        raise ConfigError(f"{place}: {error}") from error
 
 
 def fit_problem(case: Case, measurements: Measurement | Sequence[Given], unknowns: Any) -> FitProblem:
@@ -204,17 +214,21 @@ def fit_problem(case: Case, measurements: Measurement | Sequence[Given], unknown
     found = parse_unknowns(unknowns, case)
     conditions: list[Settings] = []
     data = []
-    given = [measurements] if isinstance(measurements, Measurement) else list(measurements)
-    for number, item in enumerate(given):
+    given = [measurements] if isinstance(measurements, Measurement) else measurements
+    if not isinstance(given, list | tuple):
+        raise ConfigError(f"measurements = {written(measurements)}: must be a Measurement, or a list of them")
+    for number, item in enumerate(given, 1):
         each, settings = item if isinstance(item, tuple) and len(item) == 2 else (item, {})
         if not (isinstance(each, Measurement) and isinstance(settings, Mapping)):
             allowed = "must be a Measurement, or a pair of one and its conditions by path"
             raise ConfigError(f"measurements[{number}] = {written(item)}: {allowed}")
+        place = f"measurements[{number}], {each.name}"
         if each.sigma is None:
-            allowed = "must be given: a fit weighs the data by their standard deviation"
-            raise ConfigError(f"measurements[{number}].sigma = None: {allowed}")
+            raise ConfigError(
+                f"{place}: sigma = None: must be given: a fit weighs the data by their standard deviation"
+            )
         if both := {unknown.field for unknown in found} & set(settings):
-            raise ConfigError(f"measurements[{number}]: {min(both)} is an unknown and cannot be a condition")
+            raise ConfigError(f"{place}: {min(both)} is an unknown and cannot be a condition")
         if settings not in conditions:
             conditions.append(dict(settings))
         data.append((each, conditions.index(dict(settings))))
@@ -230,53 +244,61 @@ def fit_problem(case: Case, measurements: Measurement | Sequence[Given], unknown
 
 
 class Search:
-    """The least squares of a problem.  runner: gives the results of cases in their order."""
+    """The least squares of a problem.
 
-    def __init__(self, problem: FitProblem, runner: Runner):
-        self.problem, self._runner = problem, runner
+    runner: gives the results of cases in their order.  note: called before a point is computed.
+    """
+
+    def __init__(self, problem: FitProblem, runner: Runner, note: Callable[["Search"], object]):
+        self.problem, self._runner, self._note = problem, runner, note
         self.columns = problem.columns()
         self.measured, self.sigma = self.columns["measured"][0], self.columns["sigma"][0]
         self.runs: set[str] = set()  # digests of their cases
         self._failures: list[str] = []
-        self._points: dict[bytes, FitPoint] = {}
+        self._step = STEP
+        self.points: dict[bytes, FitPoint] = {}
 
     def solve(self) -> tuple[FitPoint, bool]:
         """Where the search ends, and whether it has converged.  Raises FitError where it cannot begin."""
         from scipy.optimize import least_squares  # slow to import
 
-        unknowns = self.problem.unknowns
-        start, lower, upper = np.array([(u.start, u.lower, u.upper) for u in unknowns]).T
+        start, lower, upper = np.array([(u.start, u.lower, u.upper) for u in self.problem.unknowns]).T
         if not np.isfinite(self.at(start).residuals).all():
-            where = ", ".join(f"{u.field} = {amount(u.start, u.unit)}" for u in unknowns)
+            where = ", ".join(f"{u.field} = {amount(u.start, u.unit)}" for u in self.problem.unknowns)
             raise FitError(f"the fit cannot begin: a run at {where}, or next to it, failed: {self._failures[0]}")
 
         def point(u: Values) -> FitPoint:
             """Here one is added to the logarithms, so that scipy's xtol is a relative change of values."""
             return self.at(start * np.exp(u - 1.0))
 
-        found = least_squares(
+        search = partial(
+            least_squares,
             lambda u: point(u).rows[0],
-            np.ones_like(start),
-            lambda u: point(u).rows[1],
-            (np.log(lower / start) + 1.0, np.log(upper / start) + 1.0),
-            xtol=NEAR,
+            jac=lambda u: point(u).rows[1],
+            bounds=(np.log(lower / start) + 1.0, np.log(upper / start) + 1.0),
             ftol=FLAT / len(self.measured),
             gtol=None,
             max_nfev=MOST_POINTS,
         )
+        found = search(np.ones_like(start), xtol=NEAR)
+        finest = float(np.sqrt(np.diag(point(found.x).covariance)).min())
+        if found.status > 0 and finest < STEP:  # data that decide better than the model is straight over a step
+            self._step = FINE_STEP
+            found = search(found.x, xtol=NEAR * finest / STEP)
         return point(found.x), found.status > 0
 
     def at(self, values: Values) -> FitPoint:
         """The point with these values; its residuals are nan where a run failed, from which the search steps back."""
-        key = values.tobytes()
-        if key not in self._points:
-            self._points[key] = self._computed(values)
-        return self._points[key]
+        key = np.append(values, self._step).tobytes()
+        if key not in self.points:
+            self._note(self)
+            self.points[key] = self._computed(values)
+        return self.points[key]
 
     def _computed(self, values: Values) -> FitPoint:
         unknowns, size = self.problem.unknowns, len(values)
         bounds = np.array([(u.lower, u.upper) for u in unknowns]).T
-        steps = np.where(values * np.exp(STEP) <= bounds[1], STEP, -STEP)
+        steps = self._step * np.where(values * np.exp(self._step) <= bounds[1], 1.0, -1.0)
         predicted = self._predicted(values * np.exp(np.vstack([np.zeros(size), np.diag(steps)])))
         return FitPoint(
             self.problem.names,
@@ -307,9 +329,9 @@ class Search:
             return np.full((len(places), len(self.measured)), np.nan)
 
 
-def solve_fit(problem: FitProblem, runner: Runner) -> FitResult:
-    """The result of a fit.  runner: gives the results of cases in their order.  Raises FitError."""
-    search = Search(problem, runner)
+def solve_fit(problem: FitProblem, runner: Runner, note: Callable[[Search], object] = lambda _: None) -> FitResult:
+    """The result of a fit.  runner, note: see `Search`.  Raises FitError."""
+    search = Search(problem, runner, note)
     solution, converged = search.solve()
     unfinished = [] if converged else [f"the search has not converged after {MOST_POINTS} points; start nearer"]
     predicted = solution.residuals * search.sigma + search.measured
@@ -335,10 +357,27 @@ def store_fit(
     """
     batch = len(problem.conditions) * (1 + len(problem.unknowns))
     with engine.workers(batch) as workers, studies.alone(directory):
-        result = solve_fit(problem, partial(_stored_runs, directory, workers, asked, progress))
+        note = partial(_note_progress, directory, time.monotonic())
+        result = solve_fit(problem, partial(_stored_runs, directory, workers, asked, progress), note)
         result = replace(result, directory=directory)
         studies.write_study(result, directory, NAME)
+        so_far = read_progress(directory) or {}
+        write_progress(directory, **{**so_far, "status": Status.CONVERGED.value, "done": 1.0})
     return result
+
+
+def _note_progress(directory: Path, started: float, search: Search) -> None:
+    """Write how far a search is, with the best point so far."""
+    message = f"point {len(search.points) + 1} of the search, {len(search.runs)} runs done"
+    points = [point for point in search.points.values() if np.isfinite(point.residuals).all()]
+    if points:
+        best = min(points, key=lambda point: point.chi_square)
+        off = (best.chi_square / len(best.rows[0])) ** 0.5
+        texts = zip(best.names, best.values, best.units, strict=True)
+        values = ", ".join(f"{name} = {amount(value, unit)}" for name, value, unit in texts)
+        message += f", residuals {off:.2g} times their sigma at {values}"
+    so_far = {"status": Status.RUNNING.value, "T": None, "step": len(search.points), "done": 0.0, "message": message}
+    write_progress(directory, **so_far, seconds=round(time.monotonic() - started, 1), seconds_left=None)
 
 
 def _stored_runs(

@@ -22,19 +22,22 @@ from contextlib import contextmanager, suppress
 from functools import partial
 from itertools import islice
 from pathlib import Path
-from typing import Any
+from tempfile import TemporaryDirectory
+from typing import Any, Literal, cast
 from uuid import uuid4
 
 from ertel.case.case import Case
 from ertel.case.height_map import HeightMap
 from ertel.case.status import Status
-from ertel.inputs.studies import Study, coordinates, load_study, parse_study
+from ertel.inputs.case_files import CaseLike, as_case
+from ertel.inputs.studies import Study, convergence_series, coordinates, load_study, parse_study
 from ertel.numerics.programs import double_precision
+from ertel.results.convergence import with_limits
 from ertel.results.numbers import scalars
-from ertel.results.study_result import MISSING, StudyResult, StudyRun, grouped, study_dataset
+from ertel.results.study_result import MISSING, ConvergenceResult, StudyResult, StudyRun, grouped, study_dataset
 from ertel.runs.batch import STEPS, program_of
 from ertel.runs.compile import check_jax
-from ertel.runs.directory import CASE, STOP, Taken, heeding_stop, is_asked_to_stop, read_progress, status_of
+from ertel.runs.directory import CASE, PROGRESS, STOP, Taken, heeding_stop, is_asked_to_stop, read_progress, status_of
 from ertel.runs.drive import bars
 from ertel.runs.files import StoreError, locked
 from ertel.runs.store import RunStore, compute
@@ -84,7 +87,7 @@ def sweep(
         For a scheduler at tls://: a PEM file with a certificate, its key and the certificate of the authority.  Without
         it the configuration of dask holds.
     progress : bool
-        Whether to show a progress bar.
+        Whether to show a progress bar; in a file, a line a minute.
 
     Returns
     -------
@@ -99,15 +102,70 @@ def sweep(
     StoreError
         Another process is working on the study, or the directory holds other files.
     """
-    check_jax()
-    engine = Engine(jobs, scheduler, scheduler_file, tls)
     planned = parse_study(study) if isinstance(study, Mapping) else load_study(study, overrides)
-    path = require_place(directory)
-    left = left_of(planned.cases, path)
-    with engine.workers(len(left)) as workers, alone(path):
-        statuses = run_study(planned.cases, path, workers, progress=progress)
-        result = gather(planned, path, statuses)
-        write_study(result, path)
+    return _do(planned, directory, Engine(jobs, scheduler, scheduler_file, tls), progress)
+
+
+def converge(
+    case: CaseLike,
+    directory: str | Path | None = None,
+    *,
+    grids: int = 3,
+    along: Literal["grid", "time"] = "grid",
+    jobs: int | None = 1,
+    scheduler: str | None = None,
+    scheduler_file: str | Path | None = None,
+    tls: str | Path | None = None,
+    progress: bool = False,
+) -> ConvergenceResult:
+    """Run a case on several grids: the observed order of its numbers, their extrapolated values and errors.
+
+    Parameters
+    ----------
+    case : Case, str, Path or mapping
+        Its grid is the finest one.
+    directory : str or Path, optional
+        Of the series, a study as that of `sweep`: what is missing or unfinished in it is done.  Left out, no run is
+        kept.
+    grids : int
+        How many, 3 to 6; each has the double spacing of the next.
+    along : "grid" or "time"
+        A run in time halves its steps, too, from grid to grid; the coarsest has those of the case (a tolerance goes as
+        the third power of the step).  "time" halves the steps alone.
+    jobs, scheduler, scheduler_file, tls
+        Who does the runs, as in `sweep`.
+    progress : bool
+        Whether to show a progress bar.
+
+    Returns
+    -------
+    ConvergenceResult
+        It shows itself as a table; `limits`, `dataset`, `plot()`, `to_csv(path)`.  The domain is that of the case.
+
+    Raises
+    ------
+    ConfigError
+        The case is steady and `along` is "time", its grid has no half grids, or an argument is not allowed.
+    StoreError
+        Another process is working on the series, or the directory holds other files.
+    """
+    series, engine = convergence_series(as_case(case), grids, along), Engine(jobs, scheduler, scheduler_file, tls)
+    if directory is not None:
+        return cast(ConvergenceResult, _do(series, directory, engine, progress))
+    with TemporaryDirectory(prefix="ertel-convergence-") as place:
+        result = _do(series, place, engine, progress)
+    result.dataset["directory"][...] = ""
+    return ConvergenceResult(result.dataset)
+
+
+def _do(study: Study, directory: str | Path, engine: Engine, progress: bool) -> StudyResult:
+    """Do what is left of a study, gather its numbers and write them."""
+    check_jax()
+    path = require_place(directory, study.purpose)
+    with engine.workers(len(left_of(study.cases, path))) as workers, alone(path):
+        statuses = run_study(study.cases, path, workers, progress=progress)
+        result = gather(study, path, statuses)
+        write_study(result, path, study.purpose)
     return result
 
 
@@ -143,11 +201,11 @@ def require_place(directory: str | Path, name: str = NAME, option: str = "direct
     """
     place = Path(directory).absolute()
     visible = {path.name for path in place.glob("[!.]*")}
-    own = {RUNS, STOP, *(f"{name}.{ending}" for ending in ENDINGS)}
+    own = {RUNS, STOP, PROGRESS, *(f"{name}.{ending}" for ending in ENDINGS)}
     is_own = f"{name}.zarr" in visible or (RUNS in visible and visible <= own)
     if visible and not is_own:
         some = ", ".join(sorted(visible)[:LISTED])
-        earlier = {NAME: "study", "traction": "curve"}.get(name, name)
+        earlier = {NAME: "study", "traction": "curve", "convergence": "series"}.get(name, name)
         allowed = f"give a new or empty directory, or that of an earlier {earlier}"
         raise Taken(f"{option} {place}: holds other files ({some}); {allowed}")
     return place
@@ -262,9 +320,9 @@ class StudyBars:
     def done(self, digest: str, status: str) -> None:
         """Count a run that is done."""
         self._directories.pop(digest, None)
-        self._progress.update(self._all, advance=1, message=f"{digest[:8]} {status}"[:60])
         if digest in self._bars:
             self._progress.remove_task(self._bars.pop(digest))
+        self._progress.update(self._all, advance=1, message=f"{digest[:8]} {status}"[:60])
 
 
 # -- numbers ----------------------------------------------------------------------------------------------------------
@@ -276,7 +334,10 @@ def gather(study: Study, directory: Path, statuses: Mapping[str, str] | None = N
     about: dict[str, Any] = {"title": study.name, "kind": study.cases[0].kind}
     warnings = grouped(((run.directory, each) for run in runs for each in run.warnings), "run")
     about |= {"warnings": warnings} if warnings else {}
-    return StudyResult(study_dataset(study.mode, coordinates(study), runs, about), directory)
+    data = study_dataset(study.mode, coordinates(study), runs, about)
+    if study.purpose == "convergence":
+        return ConvergenceResult(with_limits(data), directory)
+    return StudyResult(data, directory)
 
 
 def study_run(case: Case, directory: Path, statuses: Mapping[str, str]) -> StudyRun:

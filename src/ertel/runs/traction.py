@@ -74,7 +74,7 @@ def traction(
         an earlier curve, whose films are used again as far as they are the same.  What is missing or unfinished is
         done.  The table and the picture are those of the last curve.
     progress : bool
-        Whether to show a progress bar.
+        Whether to show a progress bar; in a file, a line a minute.
 
     Returns
     -------

@@ -94,6 +94,34 @@ def solve(problem: Problem, P: Array, approach: FloatLike) -> tuple[newton.Solut
     return solution._replace(**fields), closed.approach(solution)
 
 
+class Middle(NamedTuple):
+    """The elastic kernels of the middle of a grid, as in `Contact` and in `Problem`."""
+
+    kernel: Array
+    elastic: tuple[multigrid.DeformationOperator, ...]
+
+    def solve(self, problem: Problem, P: Array, approach: FloatLike) -> tuple[newton.Solution, Array]:
+        """As the function `solve`, for a film with P = 0 outside the middle, at a quarter of the cost.
+
+        A residual outside that asks for pressure there counts as one that is left.
+        """
+        c, rate = problem.contact, problem.rate
+        middle = stencils.middle(P.shape, c.even)
+        inner = replace(
+            problem,
+            contact=replace(c, gap=c.gap[middle], kernel=self.kernel),
+            elastic=self.elastic,
+            rate=rate._replace(past=jnp.asarray(rate.past)[middle]),
+            tolerance=jnp.asarray(problem.tolerance)[middle],
+        )
+        solution, found = solve(inner, P[middle], approach)
+        P = jnp.zeros_like(P).at[middle].set(solution.P)
+        H = contact.film_thickness(c, P, found)
+        left = contact.residual(c, P, H, rate)
+        residual = jnp.maximum(solution.residual, newton.largest_residual(P, left, problem.tolerance))
+        return solution._replace(P=P, H=H, left=left, residual=residual), found
+
+
 def filled(problem: Problem, r: Array) -> Array:
     """Negative where the oil fills a cavity.  r: the residual in the cavity, zero elsewhere.
 

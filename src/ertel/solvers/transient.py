@@ -21,7 +21,7 @@ from ertel.equations.approach import ClosureLine, NewtonsLaw
 from ertel.equations.contact import Contact
 from ertel.equations.flow import Flow, OilContent, Rate, rate_in_time
 from ertel.equations.state import Method, State, Stepping, StepSolution, Work, padded
-from ertel.numerics import bdf, multigrid, newton, stencils
+from ertel.numerics import bdf, halfspace, multigrid, newton, stencils
 from ertel.numerics.grid import Symmetry, check_coarsening
 from ertel.numerics.integrals import Plane
 from ertel.numerics.programs import Program
@@ -41,6 +41,9 @@ FALLING = Algorithms(nonlinear.eliminate_approach, nonlinear.point_preconditione
 # With little inertia or none V is the difference of the films of two steps, and a large residual of a step is amplified
 SHARPER = replace(OPTIONS, krylov_limit=10, first_reduction=0.01)
 ROLLING = Algorithms(nonlinear.approach_as_unknown, nonlinear.point_preconditioner, SHARPER)
+
+CONVERGED = account.NUMBERS.index("converged")
+SMALL = 512  # nodes a side of a grid on which one program more takes longer than it saves
 
 
 @register_dataclass
@@ -91,15 +94,16 @@ class Known(NamedTuple):
 class StepProblem:
     """One BDF step, ready to be solved.
 
-    past: fields of the last three levels, newest first.  known: from `Known.packed`.  edge: P on the edge.  flow: how
-    the oil moves, None where it stays.  roughness_change: the rate of change of the roughness following the flow, shape
-    (n, n) or a number.
+    past: fields of the last three levels, newest first.  known: from `Known.packed`.  middle: where P > 0, None if
+    elsewhere too.  edge: P on the edge.  flow: how the oil moves, None where it stays.  roughness_change: the rate of
+    change of the roughness following the flow, shape (n, n) or a number.
     """
 
     setting: Setting
     contact: Contact
     past: tuple[Mapping[str, Array], ...]
     known: bdf.Weights
+    middle: nonlinear.Middle | None
     edge: Array | NDArray[np.float64]
     flow: Flow | None
     roughness_change: Array | float
@@ -110,10 +114,18 @@ class Transient2D(Method):
     """The methods "2d" and "transient".
 
     An impact starts with the bodies apart, rolling from its steady film.
+
+    Parameters
+    ----------
+    case : Case
+        What is asked.
+    small : float
+        On grids with more nodes a side than this, a film that has pressure in the middle of the grid alone, as in a
+        rebound, is solved there, at a quarter of the cost.
     """
 
-    def __init__(self, case: Case):
-        self.case = case
+    def __init__(self, case: Case, small: float = SMALL):
+        self.case, self.small = case, small
         self.grid = grid_of(case)
         check_coarsening(self.grid)
         self.geometry = case.geometry
@@ -192,23 +204,51 @@ class Transient2D(Method):
         known = Known(bdf.three(predict), bdf.three(rates), line, ahead, sliding, around.load, around.uplift)
         # the Delta of a light ball that rolls is a small difference of large numbers, so it is not eliminated
         falls = self.case.starts_apart and line.approach_weight
-        solution: StepSolution = yield StepProblem(
+        problem = StepProblem(
             self.setting,
             self.contact_at(T),
             tuple(level.fields for level in padded(levels)),
             known.packed(),
+            self._middle_under(np.asarray(levels[0].P) + around.edge),
             around.edge,
             self.flow(T, [*times, times[-1]][:2]),
             discretise.roughness_change(self.case, self.grid, T),
             FALLING if falls else ROLLING,
         )
+        solution: StepSolution = yield problem
         numbers = np.asarray(solution.numbers).tolist()
+        convolutions = self._convolutions(numbers, in_the_middle=problem.middle is not None)
+        if problem.middle is not None and not numbers[CONVERGED]:  # P > 0 elsewhere too
+            solution = yield replace(problem, middle=None)
+            numbers = np.asarray(solution.numbers).tolist()
+            convolutions += self._convolutions(numbers)
         extremes = state.named_numbers(self.grid, numbers[len(account.NUMBERS) :])
         measured = self._named(extremes, around.load)
         load = measured.pop("load")
         new = account.new_level(T, rates, levels, solution.fields, numbers, around, self.geometry.hertz_load, load)
-        work = new.work._replace(convolutions=nonlinear.convolutions(self.grid, new.work.newton, new.work.krylov))
+        work = new.work._replace(convolutions=convolutions)
         return replace(new, work=work, record={**measured, **new.record})
+
+    def _convolutions(self, numbers: Sequence[float], in_the_middle: bool = False) -> float:
+        """The work of a step in convolutions, from its numbers."""
+        newton, krylov = (int(numbers[account.NUMBERS.index(name)]) for name in ("newton", "krylov"))
+        if not in_the_middle:
+            return nonlinear.convolutions(self.grid, newton, krylov)
+        middle = self.grid.middle()
+        return 1 + nonlinear.convolutions(middle, newton, krylov) * middle.size / self.grid.size
+
+    def _middle_under(self, P: NDArray[np.float64]) -> nonlinear.Middle | None:
+        """The middle of the grid if a film has pressure nowhere else; None otherwise and on a small grid."""
+        if min(self.grid.nodes_x, self.grid.nodes_y) <= self.small:
+            return None
+        inside = P[stencils.middle(P.shape, self.grid.even)]
+        return self._middle if np.count_nonzero(inside) == np.count_nonzero(P) else None
+
+    @cached_property
+    def _middle(self) -> nonlinear.Middle:
+        middle, compliance = self.grid.middle(), self.geometry.compliance
+        elastic = multigrid.deformation_operators(middle, compliance, PRECISION)
+        return nonlinear.Middle(halfspace.spectrum(middle, compliance), elastic)
 
     def solve(self, problem: StepProblem) -> StepSolution:
         """The step's solution, on this device."""
@@ -295,7 +335,7 @@ def solve_step(p: StepProblem) -> StepSolution:
         LOAD_TOLERANCE * s.tolerance,
         p.algorithms,
     )
-    solution, approach = nonlinear.solve(problem, P, known.approach)
+    solution, approach = (p.middle.solve if p.middle else nonlinear.solve)(problem, P, known.approach)
     P, H = solution.P, solution.H
     fields = {"P": P, "H": H, "mass": oil_there(p.contact, P, H, solution.left, rate)}
     return StepSolution(fields, _numbers(p, known, rate, solution, fields, approach))

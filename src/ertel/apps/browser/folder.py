@@ -1,4 +1,4 @@
-"""The folder that the app was opened in: its runs and case files.  Nothing outside is read, written or started.
+"""The folder that the app was opened in: runs, fits and their files.  Nothing outside is read, written or started.
 
 The case and the summary of a run are read again only when a file has changed, and never raise an error.
 """
@@ -14,7 +14,7 @@ from ertel.apps.terminal import reason_of
 from ertel.inputs.case_files import parse_case, read_toml
 from ertel.runs.directory import CASE, DATA, SUMMARY, find_runs, is_run, numbered, read_summary
 
-RUNS = "runs"  # where `ertel run` puts a run, too
+RUNS, FITS = "runs", "fits"  # where `ertel run` puts a run, and `ertel fit` a fit, too
 MOST_FOLDERS = 1000  # that are looked into
 MOST = 300  # runs that are listed
 Stamp = tuple[int, int] | None  # of a file: when it was changed, and its size
@@ -66,11 +66,35 @@ class Folder:
         return path
 
     def runs(self) -> list[Path]:
-        """The runs in the folder, the latest first."""
-        return sorted(find_runs(self.root, MOST_FOLDERS), key=_changed, reverse=True)[:MOST]
+        """The runs in the folder, the latest first; without those of fits."""
+        found = [run for run in find_runs(self.root, MOST_FOLDERS) if not self.is_fit(run.parent.parent)]
+        return sorted(found, key=_changed, reverse=True)[:MOST]
 
     def case_files(self) -> list[Path]:
         """The case files at the top of the folder, by name."""
+        return [path for path in self._toml_files() if not _has_unknowns(path, _stamp(path))]
+
+    def fits(self) -> list[Path]:
+        """The directories of the fits whose files are at the top of the folder, by name; they may not exist yet."""
+        files = [path for path in self._toml_files() if _has_unknowns(path, _stamp(path))]
+        return [fit for file in files if self.is_fit(fit := self.root / FITS / file.stem)]
+
+    def is_fit(self, path: Path) -> bool:
+        """True if a path is where a fit may be: not that of a run, and not a link."""
+        return path.parent == self.root / FITS and not is_run(path) and os.path.realpath(path) == str(path)
+
+    def fit(self, name: str) -> tuple[Path, Path]:
+        """The directory and the file of a fit.  Raises Outside, and ValueError where there is none."""
+        path = self.inside(name)
+        if path not in self.fits():
+            raise ValueError(f"{name} is not a fit of a file with [unknowns] in this folder")
+        return path, self.file_of(path)
+
+    def file_of(self, fit: Path) -> Path:
+        """The file of a fit."""
+        return self.root / f"{fit.name}.toml"
+
+    def _toml_files(self) -> list[Path]:
         return sorted(path for path in self.root.glob("*.toml") if self._is_ours(path))
 
     def _is_ours(self, path: Path) -> bool:
@@ -99,6 +123,15 @@ class Folder:
 def _changed(run: Path) -> int:
     """The time when a run was last written to."""
     return max((stamp[0] for stamp in _stamps(run) if stamp), default=0)
+
+
+@lru_cache(maxsize=MOST)
+def _has_unknowns(path: Path, stamp: Stamp) -> bool:
+    """Whether a file was that of a fit at a time, see `inputs.fits`."""
+    try:
+        return "unknowns" in read_toml(path)
+    except ValueError:
+        return False
 
 
 # -- the files of a run -----------------------------------------------------------------------------------------------

@@ -1,126 +1,214 @@
 """A new case: the fields that a user fills in, the case that they make, and ertel's answer before it is run.
 
-The values go to ertel as they are written, so that its own messages answer them: a quantity has its unit, "10 mm".
+A field is a key of case files, from which it has its meaning, unit and default, or a choice that opens others.  The
+values go to ertel as they are written, so that its own messages answer them: a quantity has its unit, "10 mm".
 """
 
 import os
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from ertel.apps.browser.folder import Folder
+from ertel.case.conditions import RADII
+from ertel.case.definition import SECTIONS
+from ertel.case.records import inner_laws
 from ertel.inputs import materials, oils
 from ertel.inputs.case_files import apply_overrides, parse_case
-from ertel.inputs.templates import GIVEN
+from ertel.inputs.layout import NEEDED, TOP, Key, keys_of, section, shape_keys, shape_place
+from ertel.inputs.templates import OIL
+from ertel.physics.registry import FLUIDITY_LAWS, SHAPES
+from ertel.physics.units import Meaning, Unit
 from ertel.runs.outlook import outlook
 
 OWN, NAMED = "own", "named"  # oils: by values, "own" also in place of its name; from the library
-NEWTONIAN = "newtonian"
-OILS = {OWN: "by its viscosity", **{name: name for name in oils.names()}}
-MATERIALS = {name: name for name in materials.names()}
-RHEOLOGIES = {NEWTONIAN: "Newtonian", "ree-eyring": "Ree-Eyring"}
-ENDS = {"max-approach": "maximum approach", "rebound": "rebound"}
+ROUND, ELLIPTIC = "round", "elliptic"
+SHAPE, LAW = "roughness.shape", "lubricant.rheology.law"  # which open the keys of their tables
+MATERIALS = {name: name for name in ("steel", *materials.names())}
 METHODS: Mapping[str, dict[str, str]] = {
     "impact": {"radial": "radial: seconds", "2d": "plane: minutes"},
     "rolling": {"steady": "steady", "transient": "in time"},
 }
-GRIDS: Mapping[str, tuple[str, ...]] = {
-    "radial": ("129", "257", "401", "801"),
-    "2d": ("65", "129", "257", "385", "513"),
-    "steady": ("65", "129", "257", "513"),
-    "transient": ("65", "129", "193", "257"),
+NODES = {"radial": "257", "2d": "129", "steady": "257", "transient": "129"}  # that answer within a minute
+OPTIONS: Mapping[str, Mapping[str, str]] = {  # with their labels, the first one first
+    "contact.kind": {"impact": "Impact", "rolling": "Rolling"},
+    "given": {"si": "Quantities", "moes": "M and L"},
+    "bodies": {"ball": "ball on a plane", "balls": "two balls", "ellipse": "ellipse", "four-radii": "four radii"},
+    "impact_by": {"by-speed": "its speed", "by-height": "the height of its fall"},
+    "contact.material_1": MATERIALS,
+    "contact.material_2": MATERIALS,
+    "lubricant.oil": {OWN: "by its viscosity", **{name: name for name in oils.names()}},
+    LAW: {"": "none, or that of a named oil", **{law: law for law in inner_laws(FLUIDITY_LAWS)}},
+    "thermal": {"": "not computed", "warm": "computed"},
+    SHAPE: {"": "smooth", **{shape: shape for shape in SHAPES}},
+    "time.until": {"max-approach": "maximum approach", "rebound": "rebound"},
 }
-USUAL = 1  # the place in `GRIDS` of a grid that answers within a minute
-DECIDE = ("kind", "given", "oil", "rheology", "method")  # fields on which others depend
+CHOICES = ("contact.kind", "given", "bodies", "impact_by", "solver.method", "thermal")  # whose values show other fields
+DECIDE = (*CHOICES, "lubricant.oil", SHAPE, LAW)  # fields on which others depend
+FOLDED = ("Layer of oil, for a starved contact", "Temperatures", "Roughness")  # groups that are open when one is used
+LAYER, HEAT, ROUGHNESS = FOLDED
+ROWS = (  # group, the choices that show its fields, and these by their paths in case files, or as choices of the form
+    ("", "", "contact.kind given"),
+    ("Contact", "moes", "contact.M contact.L contact.radius_ratio"),
+    ("Contact", "si", "bodies"),
+    *(
+        ("Contact", f"si {bodies}", " ".join(f"contact.{key}" for key in keys))
+        for bodies, keys in zip(OPTIONS["bodies"], RADII, strict=True)
+    ),
+    ("Contact", "rolling elliptic", "contact.entrainment_angle"),
+    ("Contact", "si impact round", "contact.ball_density"),
+    ("Contact", "si impact elliptic", "contact.mass"),
+    ("Contact", "si impact", "impact_by"),
+    ("Contact", "si impact by-speed", "contact.speed"),
+    ("Contact", "si impact by-height", "contact.drop_height"),
+    ("Contact", "si rolling", "contact.load contact.mean_speed contact.slide_to_roll"),
+    ("Contact", "moes rolling", "motion.slide_to_roll"),
+    ("Materials", "si", "contact.material_1 contact.material_2"),
+    ("Oil", "si", "lubricant.oil"),
+    ("Oil", f"si {NAMED}", "lubricant.temperature"),
+    ("Oil", f"si {OWN}", "lubricant.eta0 lubricant.alpha"),
+    ("Oil", "si rolling", LAW),
+    (LAYER, "", "lubricant.layer lubricant.layer_1 lubricant.layer_2"),
+    (HEAT, "si steady", "thermal"),
+    (ROUGHNESS, "", SHAPE),
+    ("Computation", "", "solver.method solver.nodes"),
+    ("Computation", "impact", "time.until"),
+)
+LABELS = {"eta0": "Viscosity", "alpha": "Pressure-viscosity coefficient", "law": "Shear thinning"}
+EMPTY = ("radius_ratio", "entrainment_angle", "slide_to_roll", "layer", "layer_1", "layer_2")  # at first, of the rows
+ONE_OF = ("wavelength_x", "depth")  # keys of shapes that are filled at first besides those that are needed
+KEYS = {f"{name}.{key.name}": key for name in SECTIONS for key in section(name).keys} | {
+    LAW: next(key for key in section("lubricant").keys if key.name == "rheology"),
+    "thermal": Key("thermal", Meaning(SECTIONS["thermal"][2]), None),
+    SHAPE: shape_keys()[0]._replace(meaning=TOP["roughness"]),
+}
 
 
 class Field(NamedTuple):
-    """A field, which has the name of its key in case files.
+    """A field that is shown.
 
-    section: of the key.  group: of fields on the page.  value: the first one.  when: the choices that show the field,
-    all of them, see `Form.shown`.  options: the values with their labels; empty for a text.
+    group: of fields on the page.  value: the first one.  options: the values with their labels; empty for a text.  key:
+    None for a choice that is not in case files.
     """
 
-    section: str
     group: str
     label: str
     value: str
-    when: str = ""
-    options: Mapping[str, str] | None = None
+    options: Mapping[str, str] | None
+    key: Key | None
+
+    @property
+    def help(self) -> str:
+        """Name, kind of value, default and meaning, as `ertel run --help-keys` says them."""
+        if self.key is None:
+            return ""
+        return f"{self.key.title}: {self.key.meaning.text}" if self.key.hint else self.key.meaning.text
 
 
-BALL, ROLLED, OIL = GIVEN["impact"]["[contact]"], GIVEN["rolling"]["[contact]"], GIVEN["impact"]["[lubricant]"]
-FIELDS = {
-    "kind": Field("contact", "", "Kind", "impact", options={"impact": "Impact", "rolling": "Rolling"}),
-    "given": Field("", "", "Given", "si", options={"si": "Quantities", "moes": "M and L"}),
-    "M": Field("contact", "Contact", "Load parameter M", "1000", "moes"),
-    "L": Field("contact", "Contact", "Lubricant parameter L", "10", "moes"),
-    "radius": Field("contact", "Contact", "Ball radius", BALL["radius"], "si"),
-    "ball_density": Field("contact", "Contact", "Ball density", BALL["ball_density"], "si impact"),
-    "speed": Field("contact", "Contact", "Impact speed", BALL["speed"], "si impact"),
-    "load": Field("contact", "Contact", "Load", ROLLED["load"], "si rolling"),
-    "mean_speed": Field("contact", "Contact", "Mean speed", ROLLED["mean_speed"], "si rolling"),
-    "slide_to_roll": Field("contact", "Contact", "Slide-to-roll ratio", "", "si rolling"),
-    "material_1": Field("contact", "Materials", "Ball", "steel", "si", MATERIALS),
-    "material_2": Field("contact", "Materials", "Plane", "steel", "si", MATERIALS),
-    "oil": Field("lubricant", "Oil", "Oil", OWN, "si", OILS),
-    "temperature": Field("lubricant", "Oil", "Temperature", "40 degC", f"si {NAMED}"),
-    "eta0": Field("lubricant", "Oil", "Viscosity", OIL["eta0"], f"si {OWN}"),
-    "alpha": Field("lubricant", "Oil", "Pressure-viscosity coefficient", OIL["alpha"], f"si {OWN}"),
-    "rheology": Field("lubricant", "Oil", "Rheology", NEWTONIAN, "si rolling", RHEOLOGIES),
-    "tau0": Field("lubricant", "Oil", "Eyring stress", "5 MPa", "si rolling ree-eyring"),
-    "layer": Field("lubricant", "Oil", "Layer of oil on the surfaces", ""),
-    "method": Field("solver", "Computation", "Method", "radial"),
-    "nodes": Field("solver", "Computation", "Nodes", GRIDS["radial"][USUAL]),
-    "until": Field("time", "Computation", "End", "max-approach", "impact", ENDS),
-}
+def _field(group: str, name: str, key: Key | None, is_filled: bool) -> Field:
+    """The field of a key of case files, or of a choice."""
+    last = name.rpartition(".")[2]
+    label = LABELS.get(last) or f"{last[:1].upper()}{last[1:].replace('_', ' ')}"
+    options, value = OPTIONS.get(name), ""
+    if key and key.choices and not options:
+        options = {"": f"usual, {_typed(key.default)}", **{str(choice): str(choice) for choice in key.choices}}
+    if key and is_filled:
+        value = OIL.get(last) or _example(key)
+    return Field(group, label, next(iter(options)) if options else value, options, key)
+
+
+def _typed(written: str) -> str:
+    """A value of a case file as it is typed here."""
+    return written.strip('"')
+
+
+def _example(key: Key) -> str:
+    """An example as it is typed here, with a unit where there is one."""
+    if isinstance(key.mark, Unit) and not isinstance(key.meaning.example, str):
+        return key.mark.example
+    return _typed(key.example)
+
+
+def _keys_opened(name: str, value: str) -> Sequence[Key]:
+    """The keys of the table that a choice opens: of a shape, a law, or a section that may be left out."""
+    if name == SHAPE and value:
+        return (*shape_place(value).keys, *shape_keys()[1:])
+    if name == LAW and value:
+        return keys_of(FLUIDITY_LAWS[value])
+    return section(name).keys if name in SECTIONS and value else ()
 
 
 class Form:
-    """The fields of the form, all as text.  values: by the names of the fields."""
+    """The fields of the form.  values: all as text, by the names of the fields."""
 
-    def __init__(self, **values: str):
-        self.values = {name: str(field.value) for name, field in FIELDS.items()} | values
+    def __init__(self) -> None:
+        self.values = {name: next(iter(options)) for name, options in OPTIONS.items()}
+        self.choose("solver.method", "radial")
+
+    @property
+    def is_round(self) -> bool:
+        """Whether the contact of the bodies is a circle."""
+        return self.values["bodies"] in ("ball", "balls")
 
     def choose(self, name: str, value: str) -> None:
-        """Change a field.  With the kind of contact the method changes, with the method the grid."""
+        """Change a field.  With what is chosen the methods change that suit it, with these and the bodies the grid."""
         self.values[name] = value
-        if name == "kind":
-            self.choose("method", next(iter(METHODS[value])))
-        elif name == "method":
-            self.choose("nodes", GRIDS[value][USUAL])
+        methods = list(self.options("solver.method"))
+        if self.values["solver.method"] not in methods:
+            self.choose("solver.method", methods[0])
+        elif name in ("solver.method", "bodies"):
+            self.choose("solver.nodes", NODES[self.values["solver.method"]] if self.is_round else "")
 
-    def options(self, name: str) -> Mapping[str, str] | None:
-        """The values from which a field is chosen, with their labels; None for a text."""
-        if name == "method":
-            return METHODS[self.values["kind"]]
-        if name == "nodes":
-            return {nodes: nodes for nodes in GRIDS[self.values["method"]]}
-        return FIELDS[name].options
+    def options(self, name: str) -> Mapping[str, str]:
+        """The values from which a field is chosen, with their labels; empty for a text."""
+        if name == "solver.method":
+            methods, needs_plane = METHODS[self.values["contact.kind"]], self.values[SHAPE] or not self.is_round
+            return {method: methods[method] for method in methods if method != "radial" or not needs_plane}
+        return self.shown()[name].options or {}
 
-    def shown(self) -> list[str]:
-        """The fields that the choices so far leave to be filled in."""
-        oil = OWN if self.values["oil"] == OWN else NAMED
-        choices = {oil, *(self.values[name] for name in ("kind", "given", "rheology"))}
-        return [name for name, field in FIELDS.items() if field.group and choices.issuperset(field.when.split())]
+    def hint(self, name: str) -> str:
+        """The text in an empty field: the value that holds then, or an example."""
+        key = self.shown()[name].key
+        is_amount = key is not None and isinstance(key.mark, Unit) and key.mark.scale
+        if key is None or (is_amount and not key.default and self.values["given"] == "moes"):
+            return ""
+        return f"such as {_example(key)}" if key.default in ("", NEEDED) else _typed(key.default)
+
+    def shown(self) -> dict[str, Field]:
+        """The fields that the choices so far leave to be filled in, by name.  Those that are new get their values."""
+        choices = {self.values[name] for name in CHOICES}
+        choices |= {OWN if self.values["lubricant.oil"] == OWN else NAMED, ROUND if self.is_round else ELLIPTIC}
+        found: dict[str, Field] = {}
+        for group, when, names in ROWS:
+            for name in names.split() if choices.issuperset(when.split()) else ():
+                table, _, last = name.rpartition(".")
+                found[name] = _field(group, name, KEYS.get(name), last not in EMPTY)
+                for key in _keys_opened(name, self.values.get(name, "")):
+                    path = f"{table or name}.{key.name}"
+                    found[path] = _field(group, path, key, key.default == NEEDED or key.name in ONE_OF)
+        self.values = {name: field.value for name, field in found.items()} | self.values
+        return found
 
     def data(self) -> dict[str, Any]:
         """The case as plain data, as a case file has it; what is left empty is left out."""
-        given = {name: self.values[name].strip() for name in ("kind", *self.shown())}
-        law, tau0 = given.pop("rheology", NEWTONIAN), given.pop("tau0", None)
-        texts = {name: text for name, text in given.items() if text not in ("", OWN)}
-        data = apply_overrides({}, [f"{FIELDS[name].section}.{name}={text}" for name, text in texts.items()])
-        if tau0 is not None:
-            data.setdefault("lubricant", {})["rheology"] = {"law": law, "tau0": tau0}
-        return data
+        data: dict[str, Any] = {}
+        for name in self.shown():
+            *place, key = name.split(".")
+            text, table = self.values[name].strip(), data
+            if name in SECTIONS and text:
+                data[name] = {}
+            elif place and text not in ("", OWN):
+                for part in place:
+                    table = table.setdefault(part, {})
+                table |= apply_overrides({}, [f"{key}={text}"])
+        return data | {"roughness": [data["roughness"]]} if "roughness" in data else data
 
-
-def field_of(message: str) -> str | None:
-    """The field of the form that a message of ertel names first, contact.radius = ...; None where there is none."""
-    section, _, rest = message.partition(".")
-    name = rest.split(" ")[0].rstrip(":").rpartition(".")[2].partition("[")[0]  # layer[1][2] is a point of a track
-    return name if name in FIELDS and FIELDS[name].section == section else None
+    def field_of(self, message: str) -> str | None:
+        """The shown field that a message of ertel names first, contact.radius = ...; None where there is none."""
+        place = re.sub(r"\[\d+\]", "", re.split(r"[ :,]", message)[0])  # roughness[1].amplitude, layer[1][2]
+        return next((name for name in (place, f"{place}.law", f"{place}.shape") if name in self.shown()), None)
 
 
 # -- the answer of ertel -----------------------------------------------------------------------------------------------
@@ -128,22 +216,24 @@ def field_of(message: str) -> str | None:
 
 def outlook_of(data: Mapping[str, Any], folder: Folder) -> dict[str, Any]:
     """The answer of `ertel check` to a case.  Raises ConfigError, and Outside for files outside the folder."""
-    for table in _with_files(data):
-        folder.inside(table["file"])
+    for table, key in with_files(data):
+        folder.inside(table[key])
     return outlook(parse_case(data, folder.root))
 
 
 def relocated(data: Mapping[str, Any], before: Path, now: Path) -> dict[str, Any]:
     """The plain data of a case whose files were named relative to one folder: now relative to another."""
     moved = deepcopy(dict(data))
-    for table in _with_files(moved):
-        table["file"] = os.path.relpath(os.path.realpath(before / table["file"]), now)
+    for table, key in with_files(moved):
+        table[key] = os.path.relpath(os.path.realpath(before / table[key]), now)
     return moved
 
 
-def _with_files(data: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """The tables of a case that name a file."""
-    tables = data.get("roughness")
-    if not isinstance(tables, list):
-        return []
-    return [table for table in tables if isinstance(table, dict) and isinstance(table.get("file"), str)]
+def with_files(data: Mapping[str, Any]) -> list[tuple[dict[str, Any], str]]:
+    """The tables of a case that name a file, each with its key: roughness and oils of one's own."""
+    roughness = data.get("roughness")
+    tables = [
+        (data.get("lubricant"), "oils"),
+        *((one, "file") for one in (roughness if isinstance(roughness, list) else ())),
+    ]
+    return [(table, key) for table, key in tables if isinstance(table, dict) and isinstance(table.get(key), str)]

@@ -1,6 +1,7 @@
 """The page of a new case: a form, or the text of a case file; beside it the answer of ertel, while it is written."""
 
 import asyncio
+from collections.abc import Sequence
 from itertools import groupby
 from typing import Any
 
@@ -8,7 +9,7 @@ import tomli_w
 from nicegui import ui
 
 from ertel.apps.browser import form
-from ertel.apps.browser.form import DECIDE, FIELDS, Form, field_of
+from ertel.apps.browser.form import DECIDE, FOLDED, Form
 from ertel.apps.browser.site import Site, address_of, show_line, show_notes
 from ertel.apps.tables import needs
 from ertel.apps.terminal import reason_of
@@ -28,7 +29,6 @@ SHOWN_SCALES = {  # of `parameter_summary`: key, label, unit
     "h_c_least_m": ("central film, at least about", "m"),
     "h_c_most_m": ("central film, at most about", "m"),
 }
-HINTS = {"slide_to_roll": "0", "layer": "flooded"}
 
 
 class NewCase:
@@ -40,6 +40,7 @@ class NewCase:
     def __init__(self, site: Site, case: str = ""):
         self.site, self.form, self._client = site, Form(), ui.context.client
         self._inputs: dict[str, Any] = {}
+        self._folds: dict[str, Any] = {}
         self._asked: asyncio.Task[None] | None = None
         self._data: dict[str, Any] = {}
         with ui.row().classes("head"):
@@ -86,26 +87,40 @@ class NewCase:
 
     def _build(self) -> None:
         """The fields that belong to what is chosen."""
+        shown = self.form.shown()
         self._inputs = {}
         self._fields.clear()
         with self._fields:
             with ui.element("div").classes("card choices"):
-                for name in ("kind", "given"):
-                    toggle = ui.toggle(dict(FIELDS[name].options or {}), value=self.form.values[name]).mark(name)
+                for name in ("contact.kind", "given"):
+                    toggle = ui.toggle(dict(self.form.options(name)), value=self.form.values[name]).mark(name)
                     self._watch(name, toggle.props("no-caps unelevated spread"))
-            for title, names in groupby(self.form.shown(), key=lambda name: FIELDS[name].group):
-                with ui.element("div").classes("card group"):
-                    ui.label(title).classes("eyebrow")
-                    with ui.element("div").classes("grid"):
-                        for name in names:
-                            self._inputs[name] = self._field(name)
+            for title, names in groupby([name for name in shown if shown[name].group], lambda name: shown[name].group):
+                self._group(title, list(names))
+
+    def _group(self, title: str, names: Sequence[str]) -> None:
+        """A card with fields; some are folded while nothing is given in them."""
+        with ui.element("div").classes("card group"):
+            if title in FOLDED:
+                is_used = any(self.form.values[name] for name in names)
+                place: Any = ui.expansion(title, value=is_used).props("dense").classes("fold").mark(f"fold-{title}")
+                self._folds[title] = place
+            else:
+                ui.label(title).classes("eyebrow")
+                place = ui.element("div")
+            with place, ui.element("div").classes("grid"):
+                for name in names:
+                    self._inputs[name] = self._field(name)
 
     def _field(self, name: str) -> Any:
-        label, value, options = FIELDS[name].label, self.form.values[name], self.form.options(name)
+        about, value, options = self.form.shown()[name], self.form.values[name], dict(self.form.options(name))
         if options:
-            field: Any = ui.select(dict(options), label=label, value=value).props("options-dense")
+            field: Any = ui.select(options, label=about.label, value=value).props("options-dense")
         else:
-            field = ui.input(label, value=value, placeholder=HINTS.get(name, ""))
+            field = ui.input(about.label, value=value, placeholder=self.form.hint(name)).props("stack-label")
+        if about.help:
+            with field:
+                ui.tooltip(about.help).props("max-width=320px delay=500 anchor='top middle' self='bottom middle'")
         return self._watch(name, field.props("outlined dense hide-bottom-space").mark(name))
 
     def _watch(self, name: str, field: Any) -> Any:
@@ -146,7 +161,7 @@ class NewCase:
             message = str(error)
         if self._answer.is_deleted:
             return
-        self._mark(message)
+        self._mark(message if self._tabs.value == "form" else None)
         self._answer.clear()
         with self._answer:
             if message:
@@ -159,9 +174,12 @@ class NewCase:
                 self._run.enable()
 
     def _mark(self, message: str | None) -> None:
-        wrong = field_of(message) if message else None
+        """Show a message at the field that it names, which may be folded, or take it away."""
+        wrong = self.form.field_of(message) if message else None
         for name, field in self._inputs.items():
-            field.props(add="error" if name == wrong else "", remove="" if name == wrong else "error")
+            field.error = (message or "").partition(": ")[2] if name == wrong else None
+        if wrong and (fold := self._folds.get(self.form.shown()[wrong].group)):
+            fold.set_value(True)
 
     def _start(self) -> None:
         """Write the case file, run it, and go to its page."""

@@ -4,12 +4,14 @@ Neither process imports JAX; matplotlib and xarray are imported by the one that 
 """
 
 import asyncio
+import ctypes
 import gc
 import os
 import signal
+import sys
 import threading
 from collections import OrderedDict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import Executor, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field
@@ -18,9 +20,10 @@ from importlib import import_module
 from io import BytesIO
 from multiprocessing import get_context, parent_process
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
-from ertel.apps.looking import optics
+from ertel.apps.browser.readout import Readout, readout_of
+from ertel.inputs.rigs import interferometer
 from ertel.results.numbers import Number, number, scales_in
 from ertel.results.variables import figures_of, is_steady
 from ertel.runs.directory import DATA
@@ -40,11 +43,11 @@ FIGURES = {  # in the order of their tabs: label, icon
     "convergence": ("Grids", "grid_on"),
     "overview": ("Overview", "dashboard"),
 }
-STRESSES = ("tau_x", "tau_y", "loss")  # only one figure needs them
 LATEST = ("H_c", "H_min", "P_max", "F", "mu_sliding")  # shown of a run that goes on
 HEAVY = ("ertel.plots", "ertel.runs.arrays", "ertel.runs.outlook")  # imported before they are needed
 PICTURES = "/pictures"  # where pages get them
-KEPT = 60  # pictures, of some 0.2 MB each
+MEMORY = {-3: 2**17, -1: 2**17, -8: 1}  # M_MMAP_THRESHOLD, M_TRIM_THRESHOLD, M_ARENA_MAX of glibc's malloc.h
+KEPT = 24  # pictures, of some 0.4 MB each with the fields under the pointer
 KEPT_OPEN = 3  # Datasets
 
 
@@ -68,7 +71,8 @@ class RunInfo:
 class PlotRequest:
     """A picture.  figure: its name.  at: a time in t0 or an event.  light: of an interferogram, see `ertel plot`.
 
-    dots: per inch.  stamp: of the data, see `stamp_of`.
+    dots: per inch.  stamp: of the data, see `stamp_of`.  columns: 1 for a narrow
+    window, as `plots.Sheet` has them.  beside: the picture that has equal scales.
     """
 
     run: Path
@@ -78,11 +82,20 @@ class PlotRequest:
     kind: str = "png"
     dots: int = 110
     stamp: int = 0
+    columns: Literal[1] | None = None
+    beside: "PlotRequest | None" = None
 
     @property
     def address(self) -> str:
         """The address of the picture."""
         return f"{PICTURES}/{hash(self) & (2**64 - 1):016x}"
+
+
+class Picture(NamedTuple):
+    """A picture as a file, and what is under the pointer on its maps; None where it has none."""
+
+    content: bytes
+    readout: Readout | None
 
 
 def stamp_of(run: Path) -> int:
@@ -100,7 +113,7 @@ def run_info(run: Path, stamp: int) -> RunInfo:
     """The facts on a run.  Raises ValueError where its data cannot be read."""
     from ertel.results.profiles import events_of
 
-    data = _opened(run, stamp, STRESSES)
+    data = _opened(run, stamp)
     about, steady = data.attrs, is_steady(data)
     scales = scales_in({**about, "si": about}) if "R_m" in about else None
     drawn = {*figures_of(data), *([INTERFEROGRAM] if scales else [])}
@@ -117,25 +130,41 @@ def run_info(run: Path, stamp: int) -> RunInfo:
     return RunInfo(str(about["title"]), figures, T, t0, dict(events_of(data)), latest)
 
 
-def draw_picture(request: PlotRequest) -> bytes:
-    """A picture as a file.  Raises ValueError where there is nothing to draw, or the data cannot be read."""
+def draw_picture(request: PlotRequest) -> Picture:
+    """A picture.  Raises ValueError where there is nothing to draw, or the data cannot be read."""
     from ertel import plots
+    from ertel.plots.view import View
 
-    data = _opened(request.run, request.stamp, () if request.figure in ("friction", "overview") else STRESSES)
-    if request.figure == INTERFEROGRAM:
-        figure = plots.interferogram(data, request.at, *optics(request.light))
-    else:
-        figure = plots.draw(data, request.figure, request.at)
-    content = BytesIO()
-    figure.savefig(content, format=request.kind, dpi=request.dots)
+    data, other = _opened(request.run, request.stamp), request.beside
+    try:
+        if other:
+            runs = data, _opened(other.run, other.stamp)
+            moments = request.at, other.at
+            figure = plots.side_by_side(runs, request.figure, moments, columns=request.columns)[0]
+        elif request.figure == INTERFEROGRAM:
+            rig = interferometer(request.light)
+            figure = plots.interferogram(data, request.at, rig.light, rig.rig, columns=request.columns)
+        else:
+            figure = plots.draw(data, request.figure, request.at, columns=request.columns)
+        file = BytesIO()
+        figure.savefig(file, format=request.kind, dpi=request.dots)
+        picture = Picture(file.getvalue(), readout_of(figure, View.of(data, request.at)))
+    except plots.NoFigure:
+        raise
+    except Exception as error:  # of zarr, its codecs, the system
+        raise _unreadable(request.run) from error
     del figure
     gc.collect()  # it refers to itself, and its arrays are large
-    return content.getvalue()
+    return picture
+
+
+def _unreadable(run: Path) -> ValueError:
+    return ValueError(f"the data of this run cannot be read; ertel show {run.name} tells more")
 
 
 @lru_cache(maxsize=KEPT_OPEN)
-def _opened(run: Path, stamp: int, left_out: Sequence[str]) -> "xr.Dataset":
-    """The data of a run as they were at a moment."""
+def _opened(run: Path, stamp: int) -> "xr.Dataset":
+    """The data of a run as they were at a moment; the maps are read when they are drawn."""
     import xarray as xr
 
     from ertel.runs.arrays import RegularStore
@@ -144,9 +173,11 @@ def _opened(run: Path, stamp: int, left_out: Sequence[str]) -> "xr.Dataset":
         raise ValueError("nothing is written yet")
     try:
         store = RegularStore(run / DATA, read_only=True)
-        data: xr.Dataset = xr.open_zarr(store, chunks=None, consolidated=True, drop_variables=left_out).load()
+        data: xr.Dataset = xr.open_zarr(store, chunks=None, consolidated=True)
+        rest = data if is_steady(data) else data[[name for name in data if data[name].ndim < 2]]
+        rest.load()
     except Exception as error:  # of zarr, its codecs, the system
-        raise ValueError(f"the data of this run cannot be read; ertel show {run.name} tells more") from error
+        raise _unreadable(run) from error
     return data
 
 
@@ -168,9 +199,18 @@ def _begin() -> None:
     """End with the app, leave Ctrl-C and the accelerator to others, and import what takes long before it is needed."""
     threading.Thread(target=_end_with_the_app, daemon=True).start()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    keep_small()
     os.environ["JAX_PLATFORMS"] = "cpu"  # or the outlook would ask the accelerator for its memory
+    sys.modules["dask"] = None  # type: ignore[assignment] # xarray would import it, which takes 20 MB, and use it for nothing
     for name in HEAVY:
         import_module(name)
+
+
+def keep_small() -> None:
+    """Give memory that is free back to the system at once, where the C library can be told to; glibc keeps a lot."""
+    if os.name == "posix" and hasattr(library := ctypes.CDLL(None), "mallopt"):
+        for option, value in MEMORY.items():
+            library.mallopt(option, value)
 
 
 def _end_with_the_app() -> None:
@@ -193,7 +233,7 @@ class Worker:
 
     def __init__(self, make: Callable[[], Executor] = _process):
         self._make, self._executor = make, make()
-        self.kept: OrderedDict[str, bytes] = OrderedDict()
+        self.kept: OrderedDict[str, Picture] = OrderedDict()
 
     def begin(self) -> None:
         """Start the other process, before it is needed."""
@@ -203,8 +243,8 @@ class Worker:
         """The facts on a run.  Raises ValueError where its data cannot be read, or are not there yet."""
         return await self.result_of(run_info, run, stamp_of(run))
 
-    async def draw(self, request: PlotRequest) -> bytes:
-        """A picture as a file, which then has its address.  Raises ValueError where there is nothing to draw."""
+    async def draw(self, request: PlotRequest) -> Picture:
+        """A picture, which then has its address.  Raises ValueError where there is nothing to draw."""
         if request.address not in self.kept:
             self.kept[request.address] = await self.result_of(draw_picture, request)
             while len(self.kept) > KEPT:

@@ -5,6 +5,7 @@ a run comes from its directory, so that the app also shows, stops and resumes ru
 another machine too.  Signals go to child processes of the app only, never to a number that a file holds.
 """
 
+import shutil
 import signal
 import subprocess
 import sys
@@ -13,19 +14,31 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from pathlib import Path
+from string import hexdigits
 from time import monotonic
 from typing import IO, Any
+from uuid import uuid4
 
-from ertel.apps.browser.folder import Folder, fault_of, summary_of
-from ertel.apps.terminal import capital, duration
+from ertel.apps.browser.folder import RUNS, Folder, fault_of, summary_of
+from ertel.apps.terminal import capital
 from ertel.case.status import Status
+from ertel.results.numbers import duration
 from ertel.runs import files
-from ertel.runs.directory import ask_to_stop, is_asked_to_stop, read_progress
+from ertel.runs.directory import ask_to_stop, find_runs, is_asked_to_stop, is_run, read_progress
 
 ERTEL = (sys.executable, "-P", "-m", "ertel")  # -P: a file typer.py in the folder is none of ours
 STOPPED = (0, 130, 143, -signal.SIGTERM)  # exit codes of a run that ended or was asked to
 KILLED = -9
-FLUSH = "2"  # seconds between what a live picture can show
+FLUSH = ("--flush", "2")  # seconds between what a live picture can show
+OF_STUDIES = (
+    RUNS,
+    "stop",
+    "progress",
+    "sweep",
+    "traction",
+    "fit",
+    "converge",
+)  # in the directory of a study, without endings
 SAID = "ertel: "  # how a message begins
 
 COMPILING = (
@@ -35,8 +48,9 @@ COMPILING = (
 
 
 class Phase(Enum):
-    """The phases of a run."""
+    """The phases of a run, or of a fit."""
 
+    NEW = "unstarted"
     COMPILING = "compiling"
     RUNNING = "running"
     STOPPING = "stopping"
@@ -79,11 +93,13 @@ class RunStatus:
         place = f"grid {progress.get('step', 0)}, the coarse ones first"
         if progress.get("T") is not None:
             place = f"T = {progress['T']:.3f}, step {progress['step']}"
+        place = progress.get("message", place)
         if self.phase is Phase.INTERRUPTED:
             return f"Interrupted at {place}; it can be resumed." if progress else "Interrupted before its first step."
         seconds_left = progress.get("seconds_left")
         left = "" if seconds_left is None else f", about {duration(seconds_left)} left"
-        return f"{self.done:.0%} · {place} · {duration(progress.get('seconds', 0.0))}{left}"
+        share = f"{self.done:.0%} · " if self.done else ""  # which a fit does not know
+        return f"{share}{place} · {duration(progress.get('seconds', 0.0))}{left}"
 
 
 @dataclass
@@ -127,23 +143,27 @@ class Processes:
         Raises OSError where the folder cannot be written.
         """
         file, run = self.folder.write_case(name, case)
-        self._launch(run, ["run", str(file), "--out", str(run)])
+        self._launch(run, ["run", str(file), "--out", str(run), *FLUSH])
         return run
 
     def resume(self, run: Path) -> None:
-        """Continue a run, or begin again where it was stopped before it made its directory.
+        """Continue a run, or begin again where it was stopped before it made its directory; begin or continue a fit.
 
         Raises ValueError where a process works on it.
         """
         if self.status(run).phase.is_active:
             raise ValueError(f"{self.folder.name_of(run)}: is running; there is nothing to resume")
-        begun = run.exists() or run not in self._started
-        self._launch(run, ["resume", str(run)] if begun else self._started[run].arguments)
+        arguments = ["resume", str(run), *FLUSH]
+        if self.folder.is_fit(run):
+            arguments = ["fit", str(self.folder.file_of(run)), "--out", str(run)]
+        elif not run.exists() and run in self._started:
+            arguments = [*self._started[run].arguments]
+        self._launch(run, arguments)
 
     def _launch(self, run: Path, arguments: Sequence[str]) -> None:
         messages = tempfile.TemporaryFile()  # noqa: SIM115 - open as long as the process writes
         process = subprocess.Popen(
-            [*self._command, *arguments, "--quiet", "--flush", FLUSH],
+            [*self._command, *arguments, "--quiet"],
             cwd=self.folder.root,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
@@ -173,6 +193,26 @@ class Processes:
         if computes:
             ask_to_stop(run)
 
+    def delete(self, place: Path) -> None:
+        """Delete a run, or a study with all its runs.
+
+        It is moved to a hidden name first, so that it is gone as a whole.  Raises ValueError where a process works on
+        it, and where a study's directory has files that are not of the study; OSError where the system refuses.
+        """
+        name = self.folder.name_of(place)
+        runs = list(find_runs(place))
+        if any(files.is_locked(each) for each in (place, *runs)) or {place, *runs} & {*self.ours()}:
+            raise ValueError(f"{name}: is running; stop it before you delete it")
+        others = [] if is_run(place) else [path.name for path in place.glob("[!.]*") if path.stem not in OF_STUDIES]
+        if others:
+            raise ValueError(f"{name}: holds other files ({', '.join(sorted(others)[:5])}); move them away first")
+        hidden = place.with_name(f".{place.name}-{uuid4().hex[:8]}")
+        with files.locked(place):
+            place.rename(hidden)
+        for each in (place, *runs):
+            self._started.pop(each, None)
+        shutil.rmtree(hidden)
+
     def knows(self, run: Path) -> bool:
         """True if this app started a run, the directory of which may not be there yet."""
         return run in self._started
@@ -185,6 +225,8 @@ class Processes:
 
     def status(self, run: Path) -> RunStatus:
         """The phase and the progress of a run."""
+        if not run.exists() and run not in self._started:
+            return RunStatus(Phase.NEW)
         progress, ours, summary = read_progress(run), self._started.get(run), summary_of(run)
         outcome = str(summary["status"]) if summary else None
         if ours and ours.is_alive:
@@ -198,6 +240,16 @@ class Processes:
         if fault := fault_of(run):
             return RunStatus(Phase.DAMAGED, progress, fault)
         return _ended(outcome or (progress or {}).get("status"), progress)
+
+
+def study_of(run: Path, root: Path) -> Path | None:
+    """The directory of the study that has a run, which is named by the digest of its case; None of other runs.
+
+    root: the folder of the app, which is none.
+    """
+    study = run.parent.parent
+    is_in_study = run.parent.name == RUNS and len(run.name) == 16 and set(run.name) <= set(hexdigits)
+    return study if is_in_study and root in study.parents else None
 
 
 def _active(begun: bool, asked_to_stop: bool) -> Phase:

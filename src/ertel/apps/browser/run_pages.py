@@ -1,16 +1,18 @@
 """The pages of runs: of one, with its status, numbers, pictures and downloads, and of two side by side."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from time import monotonic
 
 from nicegui import ui
 
+from ertel.apps.browser.canvas import Canvas, Slider
 from ertel.apps.browser.folder import summary_of
 from ertel.apps.browser.pictures import FIGURES, INTERFEROGRAM, PlotRequest, RunInfo, stamp_of
 from ertel.apps.browser.processes import Phase
-from ertel.apps.browser.site import LABELS, Canvas, Site, Slider, address_of, show_line, show_notes, show_number
+from ertel.apps.browser.site import LABELS, Site, address_of, show_line, show_notes, show_number
 from ertel.apps.terminal import reason_of
 from ertel.results.numbers import key_numbers
 from ertel.runs.directory import CASE
@@ -34,7 +36,7 @@ class RunPage:
             return
         self.name = site.folder.name_of(self.path)
         self._info = RunInfo()
-        self._stamp, self._drawn = 0, 0.0
+        self._stamp, self._drawn, self._is_there = 0, 0.0, self.path.exists()
         self._status = site.processes.status(self.path)
         with ui.row().classes("head"):
             with ui.element("div"):
@@ -73,6 +75,7 @@ class RunPage:
         with ui.button(icon="more_vert").props("flat round aria-label='More'"), ui.menu():
             ui.menu_item("New case from this one", lambda: ui.navigate.to(new))
             ui.menu_item("Compare with another run", lambda: ui.navigate.to(compare))
+            ui.menu_item("Delete", lambda: self.site.ask_to_delete(self.path)).mark("delete-run")
 
     # -- asked for ----------------------------------------------------------------------------------------------------
 
@@ -87,11 +90,11 @@ class RunPage:
     async def _download(self, kind: str) -> None:
         request = self._request(kind, dots=200)
         try:
-            content = await self.site.worker.draw(request)
+            picture = await self.site.worker.draw(request)
         except ValueError as error:
             ui.notify(str(error))
             return
-        ui.download.content(content, f"{self.path.name}-{request.figure}.{kind}")
+        ui.download.content(picture.content, f"{self.path.name}-{request.figure}.{kind}")
 
     def _download_case(self) -> None:
         try:
@@ -111,7 +114,11 @@ class RunPage:
     # -- renewed ------------------------------------------------------------------------------------------------------
 
     async def _look(self) -> None:
-        """Look for new data; a run that goes on is drawn now and then."""
+        """Look for new data; a run that goes on is drawn now and then.  The page of a run that was deleted ends."""
+        was_there, self._is_there = self._is_there, self.path.exists()
+        if was_there and not self._is_there:
+            ui.navigate.to("/")
+            return
         self._renew()
         stamp, now, is_active = stamp_of(self.path), monotonic(), self._status.phase.is_active
         if stamp == self._stamp or (self._info.figures and is_active and now - self._drawn < LIVE):
@@ -156,12 +163,13 @@ class RunPage:
     def _show(self) -> None:
         """Show the picture that is chosen."""
         if self._info.figures and self._tabs.value:
-            self._canvas.show(self._request())
+            request = self._request()
+            self._canvas.show(request, [replace(request, at=self._slider.at(map_)) for map_ in self._slider.ahead])
 
     def _request(self, kind: str = "png", dots: int = 130) -> PlotRequest:
         light = self._light.value if self._tabs.value == INTERFEROGRAM else "mono"
         figure = self._tabs.value or "overview"
-        return PlotRequest(self.path, figure, self._slider.at, light, kind, dots, self._stamp)
+        return PlotRequest(self.path, figure, self._slider.at(self._slider.index), light, kind, dots, self._stamp)
 
     def _renew(self) -> None:
         before, self._status = self._status, self.site.processes.status(self.path)
@@ -242,7 +250,7 @@ class Comparison:
         """Take over the times of both runs, when both are known: at maximum approach first, then at the time chosen."""
         known = [side.info for side in self._sides if side.info]
         if len(known) == len(self._sides):
-            chosen, T = self._slider.T, sorted({t for info in known for t in info.T})
+            chosen, T = self._slider.T(self._slider.index), sorted({t for info in known for t in info.T})
             # an event that both have is that of the first run
             events = {event: T.index(info.T[map_]) for info in reversed(known) for event, map_ in info.events.items()}
             index = events.get("max-approach", max(len(T) - 1, 0))
@@ -254,8 +262,18 @@ class Comparison:
 
     def _show(self) -> None:
         self._pair.classes(replace="pair wide" if self._figure.value in WIDE else "pair")
-        for side in self._sides:
-            side.show(self._figure.value, self._slider.T)
+        times = [self._slider.T(map_) for map_ in (self._slider.index, *self._slider.ahead)]
+        pairs = [_on_equal_scales(*(side.request(self._figure.value, T) for side in self._sides)) for T in times]
+        for side, (first, *ahead) in zip(self._sides, zip(*pairs, strict=True), strict=True):
+            if first:
+                side.canvas.show(first, [request for request in ahead if request])
+
+
+def _on_equal_scales(one: PlotRequest | None, two: PlotRequest | None) -> Sequence[PlotRequest | None]:
+    """The requests of both sides, with equal scales where both show the same figure."""
+    if one is None or two is None or one.figure != two.figure:
+        return one, two
+    return replace(one, beside=two), replace(two, beside=one)
 
 
 class _Side:
@@ -268,7 +286,7 @@ class _Side:
         with ui.element("div").classes("card side"):
             self._name = ui.select(names, value=chosen, on_change=self._choose).props("dense outlined")
             self._numbers = ui.element("div").classes("lines")
-            self._canvas = Canvas(page.site.worker)
+            self.canvas = Canvas(page.site.worker)
         ui.timer(0.05, self._choose, once=True)
 
     async def _choose(self) -> None:
@@ -289,10 +307,10 @@ class _Side:
                 show_line(number.about.long_name, number.text_in_si or number.text)
         self._page.begin()
 
-    def show(self, figure: str, T: float | None) -> None:
-        """Show a figure, at the map next to a time."""
+    def request(self, figure: str, T: float | None) -> PlotRequest | None:
+        """The request for a figure, at the map next to a time; None until the run is read."""
         if self._run is None or self.info is None:
-            return
+            return None
         at = None if T is None else min(self.info.T, key=lambda t: abs(t - T), default=None)
         name = "midlines" if figure == "profiles" and not self.info.T else figure
-        self._canvas.show(PlotRequest(self._run, name, at, stamp=stamp_of(self._run)))
+        return PlotRequest(self._run, name, at, stamp=stamp_of(self._run))

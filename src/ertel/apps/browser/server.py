@@ -29,9 +29,10 @@ from starlette.requests import HTTPConnection
 from starlette.responses import HTMLResponse, PlainTextResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from ertel.apps.browser.fit_page import FitPage
 from ertel.apps.browser.folder import Folder
 from ertel.apps.browser.new_page import NewCase
-from ertel.apps.browser.pictures import Worker
+from ertel.apps.browser.pictures import Worker, keep_small
 from ertel.apps.browser.processes import Processes
 from ertel.apps.browser.run_pages import Comparison, RunPage
 from ertel.apps.browser.site import LOGO, Site, frame, home_page
@@ -48,7 +49,7 @@ HEADERS = {
 # No redirection: browsers send no strict cookie after one that another page began, such as that of `doorway`.
 ENTRANCE = '<!doctype html><title>ertel</title><meta http-equiv="refresh" content="0; url=/"><a href="/">ertel</a>'
 DOORWAY = '<!doctype html><title>ertel</title><meta http-equiv="refresh" content="0; url={address}">'
-PAGES: dict[str, Callable[..., Any]] = {"/": home_page, "/new": NewCase, "/run": RunPage, "/compare": Comparison}
+PAGES: dict[str, Any] = {"/": home_page, "/new": NewCase, "/run": RunPage, "/fit": FitPage, "/compare": Comparison}
 
 
 # -- who is answered --------------------------------------------------------------------------------------------------
@@ -143,6 +144,7 @@ def serve(folder: Path, port: int, show: bool, ready: Callable[[str], None]) -> 
         raise ValueError(f"--port {port}: is taken, perhaps by this app in another terminal; choose another port")
     token = token_urlsafe()
     address = f"http://{LOOPBACK}:{port}/?{TOKEN}={token}"
+    keep_small()
     site = Site(Folder.at(folder), Processes(Folder.at(folder)), Worker())
     site.serve_pictures()
     app.on_startup(site.worker.begin)

@@ -1,6 +1,5 @@
 """What all pages share: the app, the frame with the list of runs, the first page, and elements of pages."""
 
-import asyncio
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from html import escape
@@ -9,16 +8,15 @@ from typing import Any
 from urllib.parse import quote, urlencode
 
 from fastapi import Response
-from nicegui import app, background_tasks, ui
+from nicegui import app, ui
 
 from ertel.apps.browser.folder import Folder, in_unicode, summary_of
-from ertel.apps.browser.pictures import PICTURES, PlotRequest, RunInfo, Worker
-from ertel.apps.browser.processes import Phase, Processes, RunStatus
-from ertel.apps.terminal import capital
+from ertel.apps.browser.pictures import PICTURES, Worker
+from ertel.apps.browser.processes import Phase, Processes, RunStatus, study_of
+from ertel.apps.terminal import capital, reason_of
 from ertel.results.numbers import Number
-from ertel.results.variables import with_prefix
 
-TALL = ("history", "overview")  # figures of two rows
+LOOKS = {"As the system": None, "Light": False, "Dark": True}
 SECONDS = 2.0  # between two looks at the folder
 LOGO = (
     '<svg class="logo" xmlns="http://www.w3.org/2000/svg" viewBox="0 0 40 40" aria-hidden="true" fill="none" '
@@ -26,6 +24,7 @@ LOGO = (
     '<path class="thin" d="M3 36 H37"/></svg>'
 )
 LABELS = {
+    Phase.NEW: ("not started", "insights"),
     Phase.COMPILING: ("compiling", "hourglass_top"),
     Phase.RUNNING: ("running", "play_circle"),
     Phase.STOPPING: ("stopping", "pause_circle"),
@@ -41,47 +40,78 @@ ui.button.default_props("no-caps")
 
 @dataclass(frozen=True)
 class Entry:
-    """A run in the list.  about: kind, M and L, if they are known."""
+    """A run or a fit in the list.  about: kind, M and L, if they are known."""
 
     name: str
     path: Path
     status: RunStatus
     about: str = ""
+    page: str = "/run"
 
     @property
     def address(self) -> str:
         """The address of its page."""
-        return address_of("/run", name=self.name)
+        return address_of(self.page, name=self.name)
 
 
 @dataclass
 class Site:
-    """The app: one folder, for all pages."""
+    """The app: one folder, for all pages.  dark: whether they are; None as the system is."""
 
     folder: Folder
     processes: Processes
     worker: Worker
+    dark: bool | None = None
 
     def serve_pictures(self) -> None:
         """Answer requests for the pictures that pages were given the addresses of."""
 
         @app.get(PICTURES + "/{name}")
         def picture(name: str) -> Response:
-            content = self.worker.kept.get(f"{PICTURES}/{name}")
-            if content is None:
+            found = self.worker.kept.get(f"{PICTURES}/{name}")
+            if found is None:
                 return Response("no such picture", 404)
-            return Response(content, media_type="image/png", headers={"Cache-Control": "max-age=600"})
+            return Response(found.content, media_type="image/png", headers={"Cache-Control": "max-age=600"})
 
     def entries(self) -> list[Entry]:
         """The runs of the folder, those that go on first, then the latest."""
-        paths = dict.fromkeys([*self.processes.ours(), *self.folder.runs()])
+        ours = [path for path in self.processes.ours() if not self.folder.is_fit(path)]
+        paths = dict.fromkeys([*ours, *self.folder.runs()])
         found = [Entry(self.folder.name_of(path), path, self.processes.status(path), _about(path)) for path in paths]
         return sorted(found, key=lambda entry: not entry.status.phase.is_active)
+
+    def fits(self) -> list[Entry]:
+        """The fits of the folder, by name."""
+        named = {path: self.folder.name_of(path) for path in self.folder.fits()}
+        return [Entry(name, path, self.processes.status(path), "fit", "/fit") for path, name in named.items()]
 
     def find(self, name: str) -> Path:
         """The directory of a run, which may not be there yet if it was just started.  Raises ValueError."""
         path = self.folder.inside(name)
         return path if self.processes.knows(path) else self.folder.run(name)
+
+    def ask_to_delete(self, run: Path) -> None:
+        """Ask whether a run, or the study that it belongs to, is to be deleted, and delete it."""
+
+        def delete(place: Path) -> None:
+            dialog.close()
+            try:
+                self.processes.delete(place)
+            except ValueError as error:
+                ui.notify(sentence(str(error)))
+            except OSError as error:
+                ui.notify(f"{self.folder.name_of(place)} cannot be deleted: {reason_of(error)}.")
+
+        name, study = self.folder.name_of(run), study_of(run, self.folder.root)
+        with ui.dialog(value=True) as dialog, ui.card().classes("dialog"):
+            ui.label(f"Delete {name}?").classes("title")
+            ui.label("Its data are removed from the disk for good. Case files outside of its directory stay.")
+            with ui.row().classes("actions"):
+                ui.button("Cancel", on_click=dialog.close).props("flat")
+                if study:
+                    text = f"Delete the study {self.folder.name_of(study)} with all its runs"
+                    ui.button(text, on_click=lambda: delete(study)).props("outline color=negative").mark("delete-study")
+                ui.button("Delete", on_click=lambda: delete(run)).props("unelevated color=negative").mark("delete-it")
 
 
 def _about(run: Path) -> str:
@@ -103,6 +133,7 @@ def frame(site: Site, pages: dict[str, Callable[..., Any]]) -> None:
     ui.add_css(Path(__file__).with_name("style.css"))
     with ui.left_drawer(value=None, bordered=False).props("width=284 breakpoint=1000").classes("runs") as drawer:
         _list(site)
+    ui.dark_mode().bind_value(site, "dark")
     with ui.header(elevated=False).classes("bar"):
         ui.button(icon="menu", on_click=drawer.toggle).props("flat round dense aria-label='Show or hide the runs'")
         with ui.link(target="/").classes("brand"):
@@ -115,6 +146,9 @@ def frame(site: Site, pages: dict[str, Callable[..., Any]]) -> None:
         ui.space()
         ui.button("New case", icon="add", on_click=lambda: ui.navigate.to("/new")).props("unelevated").mark("new")
         ui.button("Compare", icon="vertical_split", on_click=lambda: ui.navigate.to("/compare")).props("flat")
+        with ui.button(icon="contrast").props("flat round dense aria-label='Light or dark'").mark("looks"), ui.menu():
+            for text, dark in LOOKS.items():
+                ui.menu_item(text, lambda dark=dark: setattr(site, "dark", dark))
         close = ui.button(icon="power_settings_new", on_click=lambda: _closing(site)).tooltip("Close the app")
         close.props("flat round dense aria-label='Close the app'").mark("close")
     ui.sub_pages(pages, data={"site": site}).classes("page")
@@ -122,7 +156,7 @@ def frame(site: Site, pages: dict[str, Callable[..., Any]]) -> None:
 
 def _list(site: Site) -> None:
     """The list of runs, which is renewed when something changes."""
-    known = site.entries()
+    known = [*site.entries(), *site.fits()]
 
     @ui.refreshable
     def rows() -> None:
@@ -130,10 +164,10 @@ def _list(site: Site) -> None:
         if not known:
             ui.label("None yet in this folder. Start with a new case.").classes("hint")
         for entry in known:
-            _row(entry)
+            _row(site, entry)
 
     def look() -> None:
-        found = site.entries()
+        found = [*site.entries(), *site.fits()]
         if found != known:
             known[:] = found
             rows.refresh()
@@ -142,15 +176,20 @@ def _list(site: Site) -> None:
     ui.timer(SECONDS, look)
 
 
-def _row(entry: Entry) -> None:
+def _row(site: Site, entry: Entry) -> None:
     phase = entry.status.phase
     word, icon = LABELS[phase]
-    with ui.link(target=entry.address).classes(f"run {phase.value}"):
-        ui.icon(icon).classes("state")
-        with ui.element("div").classes("text"):
-            ui.label(in_unicode(entry.path.name)).classes("name").tooltip(entry.name)
-            share = f"{word} {entry.status.done:.0%}" if phase in (Phase.RUNNING, Phase.INTERRUPTED) else word
-            ui.label(f"{share} · {entry.about}" if entry.about else share).classes("more")
+    with ui.element("div").classes("entry"):
+        with ui.link(target=entry.address).classes(f"run {phase.value}"):
+            ui.icon(icon).classes("state")
+            with ui.element("div").classes("text"):
+                ui.label(in_unicode(entry.path.name)).classes("name").tooltip(entry.name)
+                is_part = phase in (Phase.RUNNING, Phase.INTERRUPTED) and entry.status.done
+                share = f"{word} {entry.status.done:.0%}" if is_part else word
+                ui.label(f"{share} · {entry.about}" if entry.about else share).classes("more")
+        if entry.path.exists() and not phase.is_active:
+            delete = ui.button(icon="delete_outline", color="grey", on_click=lambda: site.ask_to_delete(entry.path))
+            delete.props("flat round dense size=sm aria-label='Delete'").mark("delete")
 
 
 def _closing(site: Site) -> None:
@@ -198,6 +237,8 @@ def home_page(site: Site) -> None:
             runs = [entry for entry in site.entries() if entry.status.phase is not Phase.DAMAGED]
             for entry in runs[:4]:
                 _offer("blur_circular", entry.path.name, entry.about or "Run in this folder", entry.address)
+            for fit in site.fits()[:4]:
+                _offer("insights", fit.path.name, f"Fit in this folder, {LABELS[fit.status.phase][0]}", fit.address)
             if len(runs) > 1:
                 _offer("vertical_split", "Compare", "Two runs side by side", "/compare")
 
@@ -207,119 +248,6 @@ def _offer(icon: str, title: str, text: str, target: str) -> None:
         ui.icon(icon)
         ui.label(title).classes("name")
         ui.label(text).classes("more")
-
-
-# -- elements of the pages ---------------------------------------------------------------------------------------------
-
-
-class Canvas:
-    """A picture.  While one is drawn, only the last request waits; those in between are left out."""
-
-    def __init__(self, worker: Worker):
-        self._worker = worker
-        self._wanted: PlotRequest | None = None
-        self._shown: PlotRequest | None = None
-        self._drawing: asyncio.Task[None] | None = None
-        with ui.element("div").classes("canvas"):
-            self._image = ui.element("img").props('alt="picture of the run"').mark("picture")
-            self._message = ui.label().classes("said")
-            self._waits = ui.linear_progress(show_value=False).props("indeterminate size=2px").classes("waits")
-        self._image.set_visibility(False)
-        self._waits.set_visibility(False)
-
-    def show(self, request: PlotRequest) -> None:
-        """Show a picture as soon as it is drawn."""
-        self._wanted = request
-        if self._drawing is None or self._drawing.done():
-            self._drawing = background_tasks.create(self._draw())
-
-    async def _draw(self) -> None:
-        self._waits.set_visibility(True)
-        while self._wanted is not None and self._wanted != self._shown:
-            request, message = self._wanted, ""
-            self._shown = request
-            try:
-                await self._worker.draw(request)
-            except ValueError as error:
-                message = str(error)
-            if self._image.is_deleted:  # the page was left
-                return
-            if not message:
-                self._image.props["src"] = request.address
-                self._image.classes(replace="tall" if request.figure in TALL else "")
-            self.say(message)
-        self._waits.set_visibility(False)
-
-    def say(self, message: str) -> None:
-        """Show a message of ertel in place of the picture; an empty one shows the picture."""
-        self._message.set_text(sentence(message.replace("dataset: has", "the run has")))
-        self._image.set_visibility(not message)
-
-
-class Slider:
-    """The moment of a run in time: a slider, a button that plays, and the events.  changed: called when it moves."""
-
-    def __init__(self, changed: Callable[[], Any]):
-        self._changed, self._info = changed, RunInfo()
-        with ui.row().classes("moment") as self._row:
-            self._play = ui.button(icon="play_arrow", on_click=self._toggle).props("flat round dense").mark("play")
-            self._play.props("aria-label='Play'")
-            self._slider = ui.slider(min=0, max=1, step=1, value=0, on_change=self._moved).mark("slider")
-            self._slider.props("aria-label='Time'")
-            self._label = ui.label().classes("time")
-            self._events = ui.row().classes("events")
-        self._row.set_visibility(False)
-        self._timer = ui.timer(0.8, self._next, active=False)
-
-    @property
-    def at(self) -> float | str | None:
-        """The moment: the name of an event, or the time of the map; None of a steady contact."""
-        named = [event for event, index in self._info.events.items() if index == self.index]
-        return named[0] if named else self.T
-
-    @property
-    def T(self) -> float | None:
-        """The time of the map; None of a steady contact."""
-        return self._info.T[self.index] if self._info.T else None
-
-    @property
-    def index(self) -> int:
-        """The number of the map."""
-        return min(int(self._slider.value), max(len(self._info.T) - 1, 0))
-
-    @property
-    def at_end(self) -> bool:
-        """True if the last map is shown."""
-        return self.index >= len(self._info.T) - 1
-
-    def fill(self, info: RunInfo, index: int) -> None:
-        """Take over the maps of a run and show one of them."""
-        self._info = info
-        self._row.set_visibility(len(info.T) > 1)
-        self._slider.props["max"] = max(len(info.T) - 1, 1)
-        self._events.clear()
-        with self._events:
-            for event, map_ in info.events.items():
-                button = ui.button(event.replace("-", " "), on_click=lambda map_=map_: self._slider.set_value(map_))
-                button.props("flat dense")
-        self._slider.set_value(index)
-        self._label_time()
-
-    def _label_time(self) -> None:
-        if self.T is not None:
-            in_seconds = f"{with_prefix(self.T * self._info.t0, 's')}  ·  " if self._info.t0 else ""
-            self._label.set_text(f"{in_seconds}T = {self.T:.3f}")
-
-    def _moved(self) -> None:
-        self._label_time()
-        self._changed()
-
-    def _toggle(self) -> None:
-        self._timer.active = not self._timer.active
-        self._play.set_icon("pause" if self._timer.active else "play_arrow")
-
-    def _next(self) -> None:
-        self._slider.set_value(0 if self.at_end else self.index + 1)
 
 
 # -- numbers and sentences --------------------------------------------------------------------------------------------

@@ -1,0 +1,89 @@
+"""Movies of the film and of the pressure over the surface of a run in time, as matplotlib animations.
+
+    ertel.plots.movie(result.dataset, "pressure", rate=20).save("pressure.gif", writer="pillow")
+
+The frames are at equal times; between two maps the fields are interpolated linearly, as profiles are.  The colours and
+the part of the surface that is shown are the same in all frames.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.animation import FuncAnimation
+from matplotlib.figure import Figure
+
+from ertel.plots.drawing import NoFigure, compose
+from ertel.plots.fields import draw_film_map, draw_pressure_map
+from ertel.plots.view import Limits, View
+from ertel.results.profiles import between
+from ertel.results.variables import is_steady
+
+PER_SECOND = 12.0  # frames
+SECONDS = 8.0  # of a movie
+FASTEST = 50.0  # frames a second that a GIF can have
+MOVIES: Mapping[str, Callable[..., None]] = {"film": draw_film_map, "pressure": draw_pressure_map}
+
+
+def movie(dataset: xr.Dataset, what: str = "film", rate: float = PER_SECOND) -> FuncAnimation:
+    """The film thickness or the pressure over the surface through a run in time, as an animation of eight seconds.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        A run in time.
+    what : str
+        "film" or "pressure".  The colours of films are those of the picture `film`, thicker ones have the last one;
+        those of pressures reach up to the highest in a map.
+    rate : float
+        Frames a second, from 1 to 50.
+
+    Returns
+    -------
+    FuncAnimation
+        `save("film.gif", writer="pillow")` writes it.
+
+    Raises
+    ------
+    NoFigure
+        A steady contact, fewer than two maps, another picture or rate.
+    """
+    if what not in MOVIES:
+        raise NoFigure(f"what = {what!r}: must be one of {', '.join(MOVIES)} in a movie")
+    if not 1.0 <= rate <= FASTEST:
+        raise NoFigure(f"rate = {rate:g}: must be from 1 to {FASTEST:g} frames a second")
+    dataset = in_motion(dataset)
+    first, T = View(dataset, 0), dataset["frame"].values
+    top = 1.5 * View.of(dataset).film_inside() if what == "film" else max(float(dataset["P"].max()), 0.01)
+    limits = Limits(top, first.extent(first.x, first.midlines("P").max(axis=0)))
+    draw, times = MOVIES[what], np.linspace(T[0], T[-1], round(rate * SECONDS))
+    figure = laid_out(compose(replace(first, limits=limits), [[draw]], first.title))
+    axes = figure.axes[0]
+
+    def update(T: float) -> list[Any]:
+        view = View(between(dataset, T), 0, limits=limits)
+        axes.clear()
+        draw(axes, view)
+        axes.set_title(f"{axes.get_title().partition(',')[0]}, {view.clock}")
+        return []
+
+    return FuncAnimation(figure, update, frames=times.tolist(), interval=1000.0 / rate)
+
+
+def in_motion(dataset: xr.Dataset) -> xr.Dataset:
+    """The run, loaded.  Raises NoFigure where it does not move: a steady contact, or fewer than two maps."""
+    if is_steady(dataset):
+        raise NoFigure("animation: a steady contact does not move; draw its picture")
+    if (count := dataset.sizes["frame"]) < 2:
+        raise NoFigure(f"animation: the run has {count} maps, and needs 2 to move; let it run on")
+    return dataset.load()
+
+
+def laid_out(figure: Figure) -> Figure:
+    """The figure, laid out once and for all."""
+    figure.set_dpi(100)
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    return figure

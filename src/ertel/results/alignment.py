@@ -1,0 +1,178 @@
+"""A run as an instrument shows it, beside what was measured: light, and values whose zero, scale or place is unknown.
+
+An interferometer measures the optical path n h and an intensity, in arbitrary units, of a place whose zero it does not
+know.  What is shown is
+
+    factor computed(x - centre) + offset + tilt (x - mean x)
+
+with the unknown parts for which the squares of the differences from the measured values are smallest.  The factor is
+the gain of an intensity, or n/n_assumed of a film that was computed with an assumed index of the oil.
+"""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from ertel.results.numbers import IN_SI
+from ertel.results.variables import OUTCOME, VARIABLES, Variable, with_prefix
+
+Values = NDArray[np.float64]
+FACTORS, LEVELS = ("index", "gain"), ("offset", "background")  # one of each, by the quantity
+SHIFTS = 401  # of the centre that are tried before the best is refined
+LEAST = 1e-3  # of the ratio of measured to computed values: a factor is above zero, or fringes would be inverted
+PLACES = 8001  # along a line, where its light is computed: fringes are finer than the grid
+NOT_FULL = 0.01  # void, as a share of the gap, from which on the gap is not full
+
+
+class Optics(Protocol):
+    """A rig and its light, such as `optics.Interferometer`."""
+
+    def intensity(self, film: Values, density: Values, void: Values) -> Values: ...
+
+
+def light_along(line: xr.Dataset, case: Any, optics: Optics) -> xr.DataArray:
+    """The light that comes back along a line: intensity as the optics give it, over x or y in m.
+
+    line: see `results.profiles.profile`, in SI.  case: of the run.  Films are interpolated by a cubic spline, pressure
+    and void linearly.
+    """
+    axis = str(line["h"].dims[0])
+    there, h, p = (np.asarray(line[name].values) for name in (axis, "h", "p"))
+    void = np.maximum(h - line["h_oil"].values, 0.0) if "h_oil" in line else np.zeros_like(h)
+    x = np.linspace(there[0], there[-1], PLACES)
+    density = np.asarray(case.lubricant.density(np.interp(x, there, p) / case.scales.p_h), dtype=np.float64)
+    from scipy.interpolate import CubicSpline  # here and below: pictures do without 30 MB
+
+    film = np.maximum(CubicSpline(there, h)(x), 0.0)
+    missing = np.minimum(np.interp(x, there, np.where(void > NOT_FULL * h, void, 0.0)), film)
+    about = {"long_name": "intensity", "symbol": "I", "units": "1"}
+    place = {axis: (axis, x, line[axis].attrs)}
+    return xr.DataArray(optics.intensity(film, density, missing), place, (axis,), attrs=about)
+
+
+@dataclass(frozen=True, eq=False)
+class Unaligned:
+    """Measured values over x, (n,), their weights 1/sigma, and the names of what is not known."""
+
+    x: Values
+    values: Values
+    weight: Values
+    names: Collection[str]
+
+    def shown(self, computed: Values) -> tuple[dict[str, float], Values]:
+        """What is not known, by name, and computed values as the instrument shows them with it."""
+        ways = {name: computed for name in FACTORS} | {name: np.ones_like(self.x) for name in LEVELS}
+        ways["tilt"] = self.x - self.x.mean()
+        names = [name for name in ways if name in self.names]
+        factor = names[0] if names and names[0] in FACTORS else ""
+        shapes = np.reshape([ways[name] for name in names], (len(names), len(self.x))).T
+        scale = np.abs(shapes).max(axis=0)
+        A, b = shapes / scale * self.weight[:, None], (self.values - (0.0 if factor else computed)) * self.weight
+        shares = np.linalg.lstsq(A, b)[0]
+        if factor and shares[0] < (least := LEAST * float(np.abs(self.values).max())):
+            shares = np.array([least, *np.linalg.lstsq(A[:, 1:], b - least * A[:, 0])[0]])
+        parts = dict(zip(names, (shares / scale).tolist(), strict=True))
+        return parts, shapes @ (shares / scale) + (0.0 if factor else computed)
+
+    def best_centre(self, there: Values, values: Values) -> float:
+        """The shift that leaves the smallest squares, as far as the run reaches, which has these values there."""
+        low, high = self.x.max() - there[-1], self.x.min() - there[0]
+        if low >= high:  # the run is shorter than the measurement, of which the caller tells
+            return 0.0
+        from scipy.optimize import minimize_scalar
+
+        def squares(centre: float) -> float:
+            _, shown = self.shown(np.interp(self.x - centre, there, values))
+            return float(np.sum((self.weight * (self.values - shown)) ** 2))
+
+        tried = np.linspace(low, high, SHIFTS)
+        best, step = tried[np.argmin([squares(each) for each in tried])], (high - low) / (SHIFTS - 1)
+        bounds = max(low, best - step), min(high, best + step)
+        return float(minimize_scalar(squares, bounds=bounds, options={"xatol": 1e-6 * step}).x)
+
+
+# -- beside a run ------------------------------------------------------------------------------------------------------
+
+INTENSITY = "intensity"
+QUANTITIES: Mapping[str, Variable] = {  # by the names of the SI Dataset and of the summary
+    **{variable.si_name or name: variable for name, variable in VARIABLES.items()},
+    **{name: VARIABLES[name] for name in OUTCOME},
+    INTENSITY: Variable("intensity", "I"),
+}
+
+
+def si_unit(quantity: str) -> str:
+    """The SI unit of a quantity, "1" of a plain number.  Raises ValueError for a name that is not known."""
+    if quantity not in QUANTITIES:
+        raise ValueError(f"quantity = {quantity!r}: must be the name of a result, such as h, h_c, restitution")
+    about = QUANTITIES[quantity]
+    return about.si_units or (about.unit if about.unit in IN_SI else "1")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison:
+    """A measurement beside a run, in SI.
+
+    Attributes
+    ----------
+    measurement : Measurement
+        As it was given, see `measurements`, which makes this comparison.
+    x : array (n,)
+        Its places or times, aligned; zero of a number.
+    measured, computed : array (n,)
+        The values, aligned, and those of the run; of an intensity with the gain and the background of the measured one.
+    shown : array (n,)
+        The values of the run as the instrument shows them, beside the measured ones as they were given.
+    shift : mapping
+        What the alignment took off: "centre" (m or s) of x, "offset" or "background" and "tilt" (per m or s) of the
+        values; and their "gain", or the "index" of the oil that fits best.
+    line : DataArray or None
+        All that the run has along the line or through time, its attribute `moment` in words; None of a number.
+    sigma : array (n,) or None
+        The standard errors of the aligned values.
+    """
+
+    measurement: Any
+    x: Values
+    measured: Values
+    computed: Values
+    shown: Values
+    shift: Mapping[str, float] = field(default_factory=dict)
+    line: xr.DataArray | None = None
+    sigma: Values | None = None
+
+    @property
+    def difference(self) -> Values:
+        """Measured less computed, (n,)."""
+        return self.measured - self.computed
+
+    @property
+    def rms(self) -> float:
+        """The root mean square of the difference."""
+        return float(np.sqrt(np.mean(self.difference**2)))
+
+    @property
+    def where(self) -> str:
+        """The moment of a profile in words, "" of a history and of a number."""
+        return "" if self.line is None else str(self.line.attrs["moment"])
+
+    @property
+    def text(self) -> str:
+        """The rms difference in words, with its share of the mean."""
+        share = self.rms / float(np.abs(self.computed).mean() or 1.0)
+        return f"rms difference {with_prefix(self.rms, si_unit(self.measurement.quantity))} ({share:.1%} of the mean)"
+
+    def __repr__(self) -> str:
+        m = self.measurement
+        units = {
+            "centre": si_unit(m.axis),
+            "offset": si_unit(m.quantity),
+            "tilt": f"{si_unit(m.quantity)}/{si_unit(m.axis)}",
+        }
+        shift = "".join(f"; {name} {with_prefix(value, units.get(name, '1'))}" for name, value in self.shift.items())
+        where = f", {self.where}" if self.where else ""
+        return f"{m.name}: {QUANTITIES[m.quantity].long_name}{where}: {self.text}, {len(self.x)} values{shift}"
