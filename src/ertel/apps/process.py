@@ -151,7 +151,8 @@ def raised() -> Iterator[None]:
     def raise_again(unraisable: Any) -> None:
         """It came in a destructor or another place where Python ignores exceptions."""
         if isinstance(unraisable.exc_value, Interrupted):
-            threading.Timer(0.01, os.kill, [os.getpid(), unraisable.exc_value.number]).start()
+            again = threading.Timer(0.1, os.kill, [os.getpid(), unraisable.exc_value.number])  # this hook is over then
+            again.start()
         else:
             before(unraisable)
 
