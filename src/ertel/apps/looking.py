@@ -100,12 +100,12 @@ def compare(
     as x_um or x (um). A column intensity has the light of an interferometer along a line; wavelength, layers and index
     are those of its rig.
     """
-    from ertel.inputs.rigs import interferometer
-
     if plot and plot.name == USUAL:
         plot = first / "plots" / f"compared-{second.stem}.png"
         plot.parent.mkdir(parents=True, exist_ok=True)
     if second.is_file():
+        from ertel.inputs.rigs import interferometer
+
         with bad_input():
             rig = interferometer("mono", wavelength, coatings, index)
         measurement = _measurement(second, column, align, rig, at=at, along=along, index=index)
@@ -239,8 +239,8 @@ def plot(
     --what film --format gif --rate 20 makes a movie of eight seconds: of the film, the pressure, or an interferogram.
     """
     if format_ in MOVIES and interferogram is None and what not in ("film", "pressure"):
-        shown = "--what film, --what pressure or --interferogram mono"
-        leave(BAD_INPUT, f"--format {format_}: needs {shown}; no other picture can be a movie")
+        needed = "--what film, --what pressure or --interferogram mono"
+        leave(BAD_INPUT, f"--format {format_}: needs {needed}; no other picture can be a movie")
     if rate is not None and format_ not in MOVIES:
         leave(BAD_INPUT, f"--rate {rate:g}: only for movies; add --format gif")
     if format_ in MOVIES and at is not None:

@@ -117,9 +117,7 @@ def _print_values(out: PlainConsole, case: "Case", summary: Mapping[str, Any]) -
         names = ", ".join(name for name, parts in estimate.items() if parts["dominant"] == part)
         out.print(f"The largest error is that of the {part} in {names}.")
     if estimate:
-        out.print(
-            "An error is the change expected on endlessly fine grids, in small steps, on a wide domain, by its order."
-        )
+        out.print("Each error is the change that is expected if grid, time steps and domain are refined without end.")
     whole = [number for name, number in numbers(summary).items() if name in WHOLE]
     if whole:
         out.print()

@@ -169,7 +169,8 @@ def draw_film_through_time(axes: Axes, view: View) -> None:
         paths = starts + moved[:, None] * across.factor
         lines += axes.plot(paths, history * time.factor, "k:", linewidth=0.8)[:1]
         lines[-1].set_label("path with the mean speed")
-    axes.legend(handles=lines, loc="lower left", fontsize="small")
+    if lines:
+        axes.legend(handles=lines, loc="lower left", fontsize="small")
     if view.moment != LAST:
         axes.axhline(view.time * time.factor, color="black", linewidth=0.4)
     side = view.extent(view.x, P.max(axis=0)) * across.factor

@@ -209,7 +209,7 @@ class Transient2D(Method):
             self.contact_at(T),
             tuple(level.fields for level in padded(levels)),
             known.packed(),
-            self._middle_under(np.asarray(levels[0].P) + around.edge),
+            self._middle_under(levels[0], around.edge),
             around.edge,
             self.flow(T, [*times, times[-1]][:2]),
             discretise.roughness_change(self.case, self.grid, T),
@@ -237,10 +237,11 @@ class Transient2D(Method):
         middle = self.grid.middle()
         return 1 + nonlinear.convolutions(middle, newton, krylov) * middle.size / self.grid.size
 
-    def _middle_under(self, P: NDArray[np.float64]) -> nonlinear.Middle | None:
+    def _middle_under(self, level: State, edge: NDArray[np.float64]) -> nonlinear.Middle | None:
         """The middle of the grid if a film has pressure nowhere else; None otherwise and on a small grid."""
         if min(self.grid.nodes_x, self.grid.nodes_y) <= self.small:
             return None
+        P = np.asarray(level.P) + edge
         inside = P[stencils.middle(P.shape, self.grid.even)]
         return self._middle if np.count_nonzero(inside) == np.count_nonzero(P) else None
 

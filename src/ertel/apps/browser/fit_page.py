@@ -11,7 +11,7 @@ from nicegui import ui
 from ertel.apps.browser.folder import Folder
 from ertel.apps.browser.form import with_files
 from ertel.apps.browser.processes import Phase
-from ertel.apps.browser.site import LABELS, Site, address_of, sentence, show_notes
+from ertel.apps.browser.site import Site, address_of, sentence, show_notes, show_phase
 from ertel.apps.terminal import reason_of
 from ertel.inputs.case_files import read_text, read_toml
 from ertel.runs.directory import read_case
@@ -114,10 +114,7 @@ class FitPage:
     def _show_phase(self) -> None:
         """The phase, and what can be done in it."""
         phase = self._status.phase
-        word, icon = LABELS[phase]
-        with ui.element("div").classes(f"chip {phase.value}"):
-            ui.icon(icon)
-            ui.label(word).mark("phase")
+        show_phase(phase)
         if phase.is_active:
             stop = partial(self.site.processes.stop, self.path)
             button = ui.button("Stop", icon="stop", on_click=partial(self._order, stop))

@@ -12,7 +12,7 @@ from ertel.apps.browser.canvas import Canvas, Slider
 from ertel.apps.browser.folder import summary_of
 from ertel.apps.browser.pictures import FIGURES, INTERFEROGRAM, PlotRequest, RunInfo, stamp_of
 from ertel.apps.browser.processes import Phase
-from ertel.apps.browser.site import LABELS, Site, address_of, show_line, show_notes, show_number
+from ertel.apps.browser.site import Site, address_of, show_line, show_notes, show_number, show_phase
 from ertel.apps.terminal import reason_of
 from ertel.results.numbers import key_numbers
 from ertel.runs.directory import CASE
@@ -184,10 +184,7 @@ class RunPage:
     def _show_phase(self) -> None:
         """The phase, and what can be done in it."""
         phase = self._status.phase
-        word, icon = LABELS[phase]
-        with ui.element("div").classes(f"chip {phase.value}"):
-            ui.icon(icon)
-            ui.label(word).mark("phase")
+        show_phase(phase)
         if phase.is_active:
             word, order = "Stop now" if phase is Phase.STOPPING else "Stop", self.site.processes.stop
             button = ui.button(word, icon="stop", on_click=lambda: self._order(order)).mark("stop")

@@ -253,6 +253,14 @@ def _offer(icon: str, title: str, text: str, target: str) -> None:
 # -- numbers and sentences --------------------------------------------------------------------------------------------
 
 
+def show_phase(phase: Phase) -> None:
+    """The phase of a run or of a fit, on its page."""
+    word, icon = LABELS[phase]
+    with ui.element("div").classes(f"chip {phase.value}"):
+        ui.icon(icon)
+        ui.label(word).mark("phase")
+
+
 def show_number(number: Number) -> None:
     """A key number as a card."""
     more = [pretty(number.text)] if number.text_in_si else []
