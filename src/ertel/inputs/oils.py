@@ -32,7 +32,6 @@ import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, fields, replace
 from functools import cache
-from importlib.resources import files
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -58,7 +57,7 @@ from ertel.physics.units import TEMPERATURE
 
 __all__ = ["at", "data_sheet", "get", "names", "read_file"]
 
-FOLDER = files("ertel.inputs") / "library"
+FOLDER = Path(__file__).with_name("library")
 COLDEST, HOTTEST = ZERO_CELSIUS, ZERO_CELSIUS + 150.0  # of a data sheet: D341 is a straight line here
 LAWS: Mapping[str, Mapping[str, Callable[..., Any]]] = {  # by table of a data file, and by name
     "viscosity": {"astm-d341": Walther, "vogel": Vogel},
@@ -77,7 +76,7 @@ DATA: Mapping[str, Any] = {  # by table of a data file, where that names no law
     "elasticity": Elasticity,
     "strength": Strength,
 }
-RECORDS: Mapping[str, Any] = {"oils": NamedOil, "materials": Material}  # by folder; their fields are the tables
+RECORDS: Mapping[str, Any] = {"oil": NamedOil, "material": Material}  # by noun; their fields are the tables
 LARGEST_FILE = 1_000_000  # bytes
 
 
@@ -96,12 +95,12 @@ ABOUT = tuple(item.name for item in fields(Origin))
 
 def names() -> tuple[str, ...]:
     """The names of the oils of the library, and of those in the user's own file."""
-    return tuple(sorted((*_names("oils"), *_own())))
+    return tuple(sorted((*_library("oil"), *_own())))
 
 
 def material_names() -> tuple[str, ...]:
     """The names of the materials of the library."""
-    return _names("materials")
+    return tuple(_library("material"))
 
 
 def get(name: str, file: str | Path | None = None) -> NamedOil:
@@ -110,7 +109,7 @@ def get(name: str, file: str | Path | None = None) -> NamedOil:
     file: that of own oils; left out, the one in the folder of the user's configuration.
     """
     own = _own() if file is None else read_file(file)
-    return own[name] if isinstance(name, str) and name in own else _entry("oil", name, (*sorted(own), *_names("oils")))
+    return _entry("oil", name, {**dict(sorted(own.items())), **_library("oil")})
 
 
 def read_file(file: str | Path) -> dict[str, NamedOil]:
@@ -124,7 +123,7 @@ def read_file(file: str | Path) -> dict[str, NamedOil]:
         tables = tomllib.loads(regular_content(path, LARGEST_FILE).decode("utf-8-sig"))
     except ValueError as error:
         raise ConfigError(f"the file of oils {path}: {error}") from error
-    if taken := sorted(tables.keys() & set(_names("oils"))):
+    if taken := sorted(tables.keys() & _library("oil").keys()):
         raise ConfigError(f"{path}: {taken[0]}: the library has an oil of this name; choose another")
     return {name: _own_oil(name, table, f"{path}: {name}") for name, table in tables.items()}
 
@@ -151,7 +150,7 @@ def _own_oil(name: str, table: Any, place: str) -> NamedOil:
 
 def material(name: str) -> Material:
     """A material of the library.  Raises ConfigError for a name that is not there."""
-    return _entry("material", name, material_names())
+    return _entry("material", name, _library("material"))
 
 
 def at(name: str, temperature: NumberOrText, rheology: str | Fluidity | None = None) -> Oil:
@@ -253,22 +252,17 @@ def oil_at(oil: NamedOil, temperature: NumberOrText, rheology: str | Fluidity | 
 
 
 @cache
-def _names(folder: str) -> tuple[str, ...]:
-    entries = (entry.name for entry in (FOLDER / folder).iterdir())
-    return tuple(sorted(name.removesuffix(".toml") for name in entries if name.endswith(".toml")))
+def _library(noun: str) -> Mapping[str, Any]:
+    """The oils or the materials of the library by name."""
+    files = sorted((FOLDER / f"{noun}s").glob("*.toml"))
+    tables = {file.stem: tomllib.loads(file.read_text(encoding="utf-8")) for file in files}
+    return {name: _built(RECORDS[noun], name, table, name) for name, table in tables.items()}
 
 
-def _entry(noun: str, name: object, allowed: tuple[str, ...]) -> Any:
-    if not isinstance(name, str) or name not in _names(f"{noun}s"):
-        raise ConfigError(f"{noun} = {show(name)}: allowed: {', '.join(allowed)}")
-    return _read(f"{noun}s", name)
-
-
-@cache
-def _read(folder: str, name: str) -> Any:
-    """The oil or the material in a data file."""
-    data = tomllib.loads((FOLDER / folder / f"{name}.toml").read_text(encoding="utf-8"))
-    return _built(RECORDS[folder], name, data, name)
+def _entry(noun: str, name: object, entries: Mapping[str, Any]) -> Any:
+    if not isinstance(name, str) or name not in entries:
+        raise ConfigError(f"{noun} = {show(name)}: allowed: {', '.join(entries)}")
+    return entries[name]
 
 
 def _built(record: Any, name: str, data: Any, place: str) -> Any:
