@@ -40,36 +40,28 @@ from ertel.case.records import ConfigError, refusing, show
 from ertel.inputs.height_maps import regular_content
 from ertel.inputs.layout import READER, DataSheet
 from ertel.inputs.quantities import NumberOrText, number_or_quantity, parse_temperature
+from ertel.physics import temperature_laws
 from ertel.physics.fluidity import Carreau, Fluidity
 from ertel.physics.lubricant import Oil
 from ertel.physics.materials import Elasticity, LimitingStress, Material, NamedOil, Sourced, Strength, ThermalData
-from ertel.physics.temperature_laws import (
-    ZERO_CELSIUS,
-    DoolittleOfTemperature,
-    Expansion,
-    ModulusOfTemperature,
-    PowerOfViscosity,
-    SoKlaus,
-    Vogel,
-    Walther,
-)
 from ertel.physics.units import TEMPERATURE
 
 __all__ = ["at", "data_sheet", "get", "names", "read_file"]
 
 FOLDER = Path(__file__).with_name("library")
-COLDEST, HOTTEST = ZERO_CELSIUS, ZERO_CELSIUS + 150.0  # of a data sheet: D341 is a straight line here
+COLDEST = temperature_laws.ZERO_CELSIUS  # of a data sheet: D341 is a straight line from here
+HOTTEST = COLDEST + 150.0  # to here
 LAWS: Mapping[str, Mapping[str, Callable[..., Any]]] = {  # by table of a data file, and by name
-    "viscosity": {"astm-d341": Walther, "vogel": Vogel},
+    "viscosity": {"astm-d341": temperature_laws.Walther, "vogel": temperature_laws.Vogel},
     "pressure": {
-        "so-klaus": SoKlaus,
-        "power-of-viscosity": PowerOfViscosity,
-        "modulus": ModulusOfTemperature,
-        "doolittle": DoolittleOfTemperature,
+        "so-klaus": temperature_laws.SoKlaus,
+        "power-of-viscosity": temperature_laws.PowerOfViscosity,
+        "modulus": temperature_laws.ModulusOfTemperature,
+        "doolittle": temperature_laws.DoolittleOfTemperature,
     },
 }
 DATA: Mapping[str, Any] = {  # by table of a data file, where that names no law
-    "density": Expansion,
+    "density": temperature_laws.Expansion,
     "shear": Carreau,
     "limiting_stress": LimitingStress,
     "thermal": ThermalData,
@@ -219,17 +211,17 @@ def oil_of_sheet(sheet: DataSheet, place: str = "") -> NamedOil:
     place: before the names of the keys in messages.  Raises ConfigError for viscosities that do not fall.
     """
     try:
-        viscosity = Walther(sheet.nu40, sheet.nu100)
+        viscosity = temperature_laws.Walther(sheet.nu40, sheet.nu100)
     except ValueError as error:
         raise ConfigError(f"{place}{error}") from error
     return NamedOil(
         sheet.reference or "data sheet",
         "an oil from its data sheet",
         _whole(viscosity, "ASTM D341."),
-        _whole(Expansion(sheet.density, sheet.expansion), "data sheet."),
-        _whole(SoKlaus(), "So and Klaus' correlation (ASLE Trans 1980;23:409-421).")
+        _whole(temperature_laws.Expansion(sheet.density, sheet.expansion), "data sheet."),
+        _whole(temperature_laws.SoKlaus(), "So and Klaus' correlation (ASLE Trans 1980;23:409-421).")
         if sheet.alpha is None
-        else _whole(PowerOfViscosity(sheet.alpha, 1.0, 0.0), "alpha as given."),
+        else _whole(temperature_laws.PowerOfViscosity(sheet.alpha, 1.0, 0.0), "alpha as given."),
     )
 
 
