@@ -34,6 +34,7 @@ Index = Annotated[float | None, option("Index of the oil; also that with which a
 FOLDER_HELP = "Folder with runs, also in folders below it; default this one."
 Lighting = Literal["mono", "two-beam", "white"]
 FRINGES_HELP = "Draw the interference fringes instead: monochromatic, of two beams only, or in white light."
+OF_RUNS = (".toml", ".json", ".npz")  # endings of the files of cases and runs
 Format = Literal["png", "svg", "pdf", "gif", "webp", "mp4"]
 MOVIES = {"gif": "pillow", "webp": "pillow", "mp4": "ffmpeg"}  # format: matplotlib's name of its writer
 
@@ -102,8 +103,10 @@ def compare(
     """
     if plot and plot.name == USUAL:
         plot = first / "plots" / f"compared-{second.stem}.png"
-        plot.parent.mkdir(parents=True, exist_ok=True)
+        plot.parent.mkdir(exist_ok=True)
     if second.is_file():
+        if second.suffix in OF_RUNS:
+            leave(BAD_INPUT, f"{shown(second)} is not a file of columns; for a run give its directory")
         from ertel.inputs.rigs import interferometer
 
         with bad_input():
@@ -112,7 +115,8 @@ def compare(
         _compare_measured(first, measurement, plot, as_json)
         return
     given = {"at": at, "along": along != "x", "align": align, "column": column, "coatings": coatings, "index": index}
-    if wrong := [name for name, each in {**given, "wavelength": wavelength}.items() if each]:
+    wrong = [name for name, each in {**given, "wavelength": wavelength}.items() if each]
+    if wrong and second.is_dir():
         leave(BAD_INPUT, f"--{wrong[0]}: only for a measurement, and {shown(second)} is not a file")
     from ertel.results import numbers
     from ertel.runs.store import RunStore
@@ -131,8 +135,9 @@ def compare(
         from ertel import plots
 
         data = [run.dataset() for run in (one, two)]
+        short = [run.case.name or run.directory.name for run in (one, two)]
         with bad_input():
-            plots.comparison(data, names).savefig(plot)
+            plots.comparison(data, names if short[0] == short[1] else short).savefig(plot)
         print_path(plot)
 
 
