@@ -184,12 +184,13 @@ def _print_differences(differing: Sequence[Mapping[str, Any]], names: Sequence[s
 
 def _print_pairs(pairs: Sequence[Mapping[str, Any]], statuses: Sequence[str]) -> None:
     from ertel.apps.tables import print_rows
-    from ertel.results.variables import with_prefix
+    from ertel.results.variables import in_celsius, with_prefix
 
     rows = [("number", "", "first", "second", "change"), ("status", "", *statuses, "")]
     for pair in pairs:
         about, change = pair["attributes"], pair["change"]
-        values = ["" if pair[run] is None else with_prefix(pair[run], about["units"]) for run in ("first", "second")]
+        known = [pair[run] for run in ("first", "second")]
+        values = ["" if value is None else with_prefix(*in_celsius(value, about["units"])) for value in known]
         rows.append((about["long_name"], pair["name"], *values, "" if change is None else f"{change:+.2%}"))
     print_rows(rows, left=2)
 
