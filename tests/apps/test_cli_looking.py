@@ -186,7 +186,7 @@ def test_a_profile_is_exported_and_compared_with_its_run(runs, tmp_path):
         ("compare plane film.csv --column at=s", "--column at: must be"),
         ("compare plane none.csv --column x=um", "none.csv: no such file or directory"),
         ("compare none plane --plot", "none/plots: no such file or directory"),
-        ("compare film.csv plane", "film.csv is not an ertel run directory (it is a file)"),
+        ("compare film.csv plane", "film.csv: not a directory"),
         ("compare plane plane/case.toml", "case.toml is not a file of columns; for a run give its directory"),
         ("plot plane --measured none.csv", "none.csv: not a file in "),
         ("plot plane --align centre", "--align, --column: only for --measured"),

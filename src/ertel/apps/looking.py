@@ -34,7 +34,6 @@ Index = Annotated[float | None, option("Index of the oil; also that with which a
 FOLDER_HELP = "Folder with runs, also in folders below it; default this one."
 Lighting = Literal["mono", "two-beam", "white"]
 FRINGES_HELP = "Draw the interference fringes instead: monochromatic, of two beams only, or in white light."
-OF_RUNS = (".toml", ".json", ".npz")  # endings of the files of cases and runs
 Format = Literal["png", "svg", "pdf", "gif", "webp", "mp4"]
 MOVIES = {"gif": "pillow", "webp": "pillow", "mp4": "ffmpeg"}  # format: matplotlib's name of its writer
 
@@ -105,7 +104,7 @@ def compare(
         plot = first / "plots" / f"compared-{second.stem}.png"
         plot.parent.mkdir(exist_ok=True)
     if second.is_file():
-        if second.suffix in OF_RUNS:
+        if second.suffix in (".toml", ".json", ".npz"):  # of cases and runs
             leave(BAD_INPUT, f"{shown(second)} is not a file of columns; for a run give its directory")
         from ertel.inputs.rigs import interferometer
 

@@ -36,7 +36,7 @@ SPELLED = {"µ": "u", "Δ": "Delta", "→": "->", "±": "+-", "²": "^2", "∞":
 ERRORS = "ertel.spelled"
 UNHEARD = (errno.EPIPE, errno.EBADF)  # nobody reads any more: `ertel ... | head -1`
 SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
-SHOW_CURSOR = "\x1b[?25h\n"  # which a progress bar hides
+HEARD = "\x1b[?25h\nertel: stops after the current step, on a second Ctrl-C at once; "  # and shows the cursor
 
 
 def keep_freed_memory() -> None:
@@ -186,7 +186,6 @@ def interruptible(advice: str) -> Iterator[Stop]:
     both send one.
     """
     stop = Stop(advice)
-    heard = f"ertel: stops after the current step, on a second Ctrl-C at once; {printable(advice)}\n"
 
     def on_signal(number: int, frame: FrameType | None) -> None:
         stop.code = 128 + number
@@ -194,7 +193,7 @@ def interruptible(advice: str) -> Iterator[Stop]:
             if signal.getsignal(each) is on_signal:
                 signal.signal(each, signal.SIG_DFL)
         if os.isatty(2):
-            os.write(2, f"{SHOW_CURSOR}{heard}".encode())
+            os.write(2, f"{HEARD}{printable(advice)}\n".encode())
 
     with _handled(on_signal):
         yield stop

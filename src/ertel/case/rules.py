@@ -241,9 +241,8 @@ def _schedule(case: Definition) -> Complaints:
     if case.is_steady:
         return
     start, end, step = case.schedule.start_approach, case.schedule.duration, case.schedule.step
-    if start < -LONGEST_RUN:  # in t0 as well: the ball falls with unit speed
-        most = f"a run takes at most {LONGEST_RUN:g} t0; must be at least {-LONGEST_RUN:g}"
-        yield "time.start_approach", f"the ball would fall for {-start:g} t0 until it touches, and {most}"
+    if start < -LONGEST_RUN:  # a gap of 1 takes the ball 1 t0
+        yield "time.start_approach", f"the ball would fall for {-start:g} t0; must be at least {-LONGEST_RUN:g}"
     if end > LONGEST_RUN:
         yield "time.until", f"is {end:g} t0; must be at most {LONGEST_RUN:g} t0"
     if step and end / step > MOST_STEPS:

@@ -202,10 +202,9 @@ def _traction_figure(dataset: xr.Dataset, sheet: Sheet) -> Figure:
 def _draw_curve(axes: Axes, dataset: xr.Dataset, title: str, names: Mapping[str, str]) -> None:
     """Some variables of one unit over what varies."""
     x, label = _x(axes, dataset[dataset.attrs["varies"]])
-    stored = {colour: dataset[name if name in dataset else name_in_si(name)] for name, colour in names.items()}
-    variables = {colour: _in_celsius(values) for colour, values in stored.items()}
-    largest = max(largest_of(values) for values in variables.values())
-    for colour, values in variables.items():
+    variables = [_in_celsius(dataset[name if name in dataset else name_in_si(name)]) for name in names]
+    largest = max(largest_of(values) for values in variables)
+    for colour, values in zip(names.values(), variables, strict=True):
         z = _scale(values, largest, dataset.attrs["kind"])
         axes.plot(x, values * z.factor, "o-", color=colour, markersize=3.5, label=z.long_name)
     if title != "Temperature":
