@@ -4,6 +4,7 @@ import asyncio
 import dataclasses
 import json
 import os
+import re
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -101,6 +102,25 @@ async def test_the_first_page_lists_the_runs_and_a_page_of_no_run_says_so(user):
     ):
         await user.open(page)
         await user.should_see(text)
+
+
+async def test_the_browser_keeps_light_or_dark(user, monkeypatch):
+    done = []
+    monkeypatch.setattr(ui, "run_javascript", done.append)
+
+    def is_dark():
+        with user:
+            (mode,) = ElementFilter(kind=ui.dark_mode)
+        return mode.value
+
+    await user.open("/")
+    assert is_dark() is None
+    user.find(marker="Dark").click()
+    await until(is_dark)
+    name, value = re.fullmatch(r"document\.cookie = '(.*?)=(.*?); .*'", done[0]).groups()
+    user.http_client.cookies.set(name, value)  # as a browser does, for apps that begin anew, too
+    await user.open("/new")
+    assert is_dark()
 
 
 async def test_bad_input_is_answered_in_the_words_of_ertel(user):

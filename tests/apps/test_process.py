@@ -139,7 +139,7 @@ IN_COMPILED_CODE = """
 import hashlib
 from ertel.apps.process import interruptible
 
-with interruptible() as stop:
+with interruptible("the same command continues") as stop:
     print("computing", flush=True)
     while not stop():
         pass
@@ -181,12 +181,17 @@ def test_control_c(here, monkeypatch):
 
 
 def test_a_second_signal_ends_at_once():
-    with started([sys.executable, "-c", IN_COMPILED_CODE]) as process:
+    """The first one has said so on the terminal."""
+    terminal, stderr = os.openpty()
+    with started([sys.executable, "-c", IN_COMPILED_CODE], stderr=stderr) as process:
         for word in (b"computing\n", b"heard\n"):
             assert process.stdout.readline() == word
             time.sleep(0.2)
             process.send_signal(signal.SIGTERM)
         assert process.wait(30) == -signal.SIGTERM
+    assert b"on a second Ctrl-C at once; the same command continues" in os.read(terminal, 1000)
+    os.close(terminal)
+    os.close(stderr)
 
 
 def test_nohup_goes_on_and_results_are_kept_where_the_output_fails(here):

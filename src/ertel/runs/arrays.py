@@ -287,4 +287,5 @@ class ReplacedData:
         return {}
 
     def restore(self, path: Path, checkpoint: Mapping[str, Any], result: Any) -> None:
-        self.flush(path, [], [], result or self._run.begin())
+        if result is not None:  # from the start the first flush replaces them, whatever they are
+            self.flush(path, [], [], result)
