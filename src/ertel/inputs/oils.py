@@ -87,10 +87,6 @@ ABOUT = tuple(item.name for item in fields(Origin))
 
 
 def names() -> tuple[str, ...]:
-<<<<<<< HEAD
-    """The names of the oils of the library, and of those in the user's own file."""
-    return tuple(sorted((*_library("oil"), *_own())))
-=======
     """The names of the oils of the library, and of those in the user's own file.
 
     Warns, and leaves these out, where that file cannot be read.
@@ -100,8 +96,7 @@ def names() -> tuple[str, ...]:
         own = _own()
     except ConfigError as error:
         warnings.warn(f"own oils are left out: {error}", stacklevel=1)  # of this line: once
-    return tuple(sorted((*_names("oils"), *own)))
->>>>>>> main
+    return tuple(sorted((*_library("oil"), *own)))
 
 
 def material_names() -> tuple[str, ...]:
@@ -115,13 +110,9 @@ def get(name: str, file: str | Path | None = None) -> NamedOil:
     file: that of own oils; left out, the one in the folder of the user's configuration, which is then read only for a
     name that the library has not.
     """
-<<<<<<< HEAD
-    own = _own() if file is None else read_file(file)
-    return _entry("oil", name, {**dict(sorted(own.items())), **_library("oil")})
-=======
-    own = read_file(file) if file is not None else {} if name in _names("oils") else _own()
-    return own[name] if isinstance(name, str) and name in own else _entry("oil", name, (*sorted(own), *_names("oils")))
->>>>>>> main
+    library = _library("oil")
+    own = read_file(file) if file is not None else {} if isinstance(name, str) and name in library else _own()
+    return _entry("oil", name, {**dict(sorted(own.items())), **library})
 
 
 def read_file(file: str | Path) -> dict[str, NamedOil]:
