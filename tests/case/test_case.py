@@ -308,11 +308,7 @@ REFUSED: list[Refusal] = [
     (IN_TIME, {"solver": SOLVERS["steady"]}, "time.until = 6.0: a steady contact has no time"),
     (IN_TIME, {"time": Time(-1.0)}, "time.start_approach = -1.0: not for a rolling contact"),
     (IN_TIME, {"time": Time(until="rebound")}, 'time.until = "rebound": is an event of an impact'),
-    (
-        impact(),
-        {"time": Time(until="later")},
-        'time.until = "later": must be a finite number above zero, in',
-    ),
+    (impact(), {"time": Time(until="later")}, 'time.until = "later": must be a finite number above zero, in'),
     (impact(), {"time": Time(until=0.0)}, "time.until = 0.0: must be a finite number above zero"),
     (impact(), {"time": Time(start_approach=1.0)}, "time.start_approach = 1.0: must be less than 0"),
     (impact(), {"time": Time(-2e5, until=1.0)}, "time.start_approach = -200000.0: the ball would fall for 200000 t0"),
