@@ -285,23 +285,6 @@ sigma = 2
 
 
 @pytest.mark.slow
-def test_an_impact_is_a_viscometer(tmp_path: Path) -> None:
-    """Film and restitution of 33 rings give the oil back from which they are, and no better than they can."""
-    contact = {"radius": "10 mm", "material_1": "steel", "material_2": "glass", "drop_height": "10 mm"}
-    case = {"contact": contact, "lubricant": {"eta0": "50 mPa*s", "alpha": "15 / GPa"}}
-    case |= {"solver": {"method": "radial", "nodes": 33}, "time": {"start_approach": -1.5, "until": "rebound"}}
-    truth = ertel.simulate({**case, "lubricant": {"eta0": "100 mPa*s", "alpha": "22 / GPa"}})
-    x = np.linspace(0.0, 300e-6, 31)
-    film = Measurement("profile", "h", np.ones_like(x), x, at="max-approach").predicted(truth)
-    data = [Measurement("profile", "h", film, x, sigma=0.01 * film, at="max-approach")]
-    data.append(Measurement.number("restitution", truth.summary["restitution"], sigma=0.01))
-    found = fit(case, data, UNKNOWNS, tmp_path)
-    assert list(found.values.values()) == pytest.approx([0.1, 22e-9], rel=2e-3)
-    product, alone = found.dataset["uncertainty"].values[0], found.dataset["relative_error"].values
-    assert product < 0.005 and np.all((alone > 0.02) & (alone < 0.1))
-
-
-@pytest.mark.slow
 def test_fringes_of_an_impact_decide_viscosity_and_pressure_viscosity_coefficient() -> None:
     """Forty fringes of 33 rings fix both to less than 0.1 %, which the search reaches: within two standard errors."""
     contact = {"radius": "10 mm", "material_1": "steel", "material_2": "glass", "drop_height": "10 mm"}
