@@ -182,11 +182,12 @@ class View:
         largest = self.largest(name, lambda _: 1.0) if largest is None else largest
         return Scale.of(self.variable(name), largest, self.dataset.attrs["kind"])
 
-    def largest(self, name: str, of: "Callable[[View], float]") -> float:
+    def largest(self, name: str, of: "Callable[[View], float] | None" = None) -> float:
         """The largest of a value that is found in a view: of this run, and of that beside it in units of this one.
 
-        name: of a variable with the same units.
+        name: of a variable with the same units.  of: left out, the largest of the variable at the moment.
         """
+        of = of or (lambda view: float(view.values(name).max()))
         if self.beside is None or (name == "time" and self.beside.frame is None):
             return of(self)
         here, there = (each.variable(name).attrs.get("si_factor", 1.0) for each in (self, self.beside))
@@ -375,11 +376,12 @@ def reach(x: Values, P: Values) -> float:
     return max(farthest, 0.2 * float(x.max()))  # something to see even at first touch
 
 
-def in_same_units(views: Sequence[View]) -> Sequence[View]:
-    """Views of runs in SI, or without their SI scales where one has none."""
-    if all(view.in_si for view in views):
-        return views
-    return [replace(view, dataset=_without_si(view.dataset)) for view in views]
+def of_two(runs: Sequence[xr.Dataset], at: Sequence[At]) -> tuple[View, View]:
+    """Two runs at their moments, each beside the other; in SI, or without their SI scales where one has none."""
+    one, two = (View.of(run, moment) for run, moment in zip(runs, at, strict=True))
+    if not (one.in_si and two.in_si):
+        one, two = (replace(view, dataset=_without_si(view.dataset)) for view in (one, two))
+    return replace(one, beside=two), replace(two, beside=one)
 
 
 def _without_si(dataset: xr.Dataset) -> xr.Dataset:
