@@ -10,9 +10,10 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ertel.optics import Interferometer
 from ertel.plots.drawing import BLUE, ORANGE, NoFigure, Panel, Scale, Sheet, SheetOptions, Values, compose
 from ertel.plots.view import View
-from ertel.results.alignment import INTENSITY, QUANTITIES, Comparison, Optics
+from ertel.results.alignment import INTENSITY, QUANTITIES, Comparison
 from ertel.results.dataset import largest_of
 from ertel.results.measurements import Measurement
 from ertel.results.profiles import At
@@ -49,7 +50,7 @@ Overlay = Measurement | Sequence[Measurement] | None
 
 
 def measured_view(
-    dataset: xr.Dataset, at: At, given: Overlay, shown: Sequence[str] = ("h", "p"), optics: Optics | None = None
+    dataset: xr.Dataset, at: At, given: Overlay, shown: Sequence[str] = ("h", "p"), optics: Interferometer | None = None
 ) -> View:
     """The view of a run at a moment, with measured profiles.
 

@@ -34,12 +34,6 @@ CONDITIONS = {  # by kind, for the heading of a physical case: symbol, attribute
     "impact": (("$v_0$", "v0_m_per_s", "m/s"), ("$p_h^*$", "p_h_Pa", "Pa")),
     "rolling": (("$u_m$", "u_m_m_per_s", "m/s"), ("$F$", "F_N", "N"), ("$p_h$", "p_h_Pa", "Pa")),
 }
-FRICTION_NAMES = {
-    "mu_sliding": "traction coefficient",
-    "mu_sliding_y": "along y",
-    "mu_rolling": "rolling resistance",
-    "power_loss": "power loss",
-}
 
 
 def case_of(dataset: xr.Dataset) -> Case:
@@ -237,11 +231,8 @@ class View:
         """The films of a steady contact with their errors; of a run in time the moment, its load and its speed."""
         if self.frame is None:
             return [self._film_with_error(name) for name in FILMS]
-        data = self.dataset
-        parts = [f"{self.moment} at {self.clock}"]
-        if "F" in data:
-            parts.append(f"load {self.with_unit('F', self._value('F'))}")
-        if "U" in data and np.any(data["U"].values):
+        parts = [f"{self.moment} at {self.clock}", f"load {self.with_unit('F', self._value('F'))}"]
+        if np.any(self.dataset["U"].values):
             parts.append(f"speed {self.with_unit('U', self.flow)}")
         return parts
 
@@ -256,7 +247,7 @@ class View:
         """The coefficients of friction of a steady contact that are not zero, and its power loss."""
         last = {name: float(self.dataset[name][-1]) for name in FRICTION}
         return [
-            f"{FRICTION_NAMES[name]} {self.with_unit(name, value)}"
+            f"{self.dataset[name].attrs['long_name']} {self.with_unit(name, value)}"
             for name, value in last.items()
             if name == "power_loss" or abs(value) > NO_FRICTION
         ]
@@ -285,7 +276,7 @@ class View:
     def flow(self) -> float:
         """The entrainment; of a steady contact +1 where the oil goes to the right."""
         if self.frame is not None:
-            return self._value("U") if "U" in self.dataset else 0.0
+            return self._value("U")
         X = self.dataset["X"].values  # pressure reaches far upstream, and ends soon behind the contact
         return -float(np.sign(np.mean(X[(self.dataset["P"].values > 0).any(axis=0)])))
 
@@ -293,7 +284,7 @@ class View:
         """A variable over the grid; "void" is the part of the gap without oil, zero where that is less than 1 %."""
         if name == "void":
             H = self.values("H")
-            void = H - self.values("oil") if "oil" in self.dataset else np.zeros_like(H)
+            void = H - self.values("oil")
             return np.where(void > NOT_FULL * H, void, 0.0)
         return np.asarray(self._now[name].values)
 
