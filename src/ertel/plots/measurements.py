@@ -166,11 +166,10 @@ def measured(dataset: xr.Dataset, comparison: Comparison, **sheet: Unpack[SheetO
 # -- fits -------------------------------------------------------------------------------------------------------------
 
 
-def fit_figure(dataset: xr.Dataset, **options: Unpack[SheetOptions]) -> Figure:
+def fit_figure(dataset: xr.Dataset, sheet: Sheet) -> Figure:
     """The data with their fitted curves, and below the residuals in standard deviations.
 
     dataset: see `results.fit_result.fit_dataset`.  Each profile and each history has a column; all numbers share one.
-    options: ax, figsize, columns, title, see `Sheet`.
     """
     indices, is_number = dataset["measurement"].values, np.isnan(dataset["x"].values)
     parts = [dataset.isel(datum=indices == index) for index in np.unique(indices[~is_number])[:MOST_CURVES]]
@@ -178,7 +177,7 @@ def fit_figure(dataset: xr.Dataset, **options: Unpack[SheetOptions]) -> Figure:
     data: list[Panel[xr.Dataset]] = [partial(_draw_fitted, part=part) for part in parts]
     residuals: list[Panel[xr.Dataset]] = [partial(_draw_residuals, part=part) for part in parts]
     heading = [str(dataset.attrs["title"]).replace("_", " "), *dataset.attrs["found"]]
-    return compose(dataset, [data, residuals], heading, Sheet(**options))
+    return compose(dataset, [data, residuals], heading, sheet)
 
 
 def _draw_fitted(axes: Axes, dataset: xr.Dataset, part: xr.Dataset) -> None:

@@ -208,10 +208,8 @@ class View:
     def with_unit(self, name: str, value: float) -> str:
         """A value of a variable with its unit; a negligible value is zero."""
         value = 0.0 if abs(value) < NOTHING else value
-        about = self.dataset[name].attrs
-        if "si_factor" in about:
-            return with_prefix(value * about["si_factor"], about["si_units"])
-        return f"{value:.3g} {self.scale(name).unit}"
+        z = self.scale(name, value)
+        return f"{value * z.factor:.4g} {z.unit}".rstrip()
 
     @property
     def title(self) -> list[str]:
