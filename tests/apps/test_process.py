@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 
 import pytest
-from app_runs import CHILD, is_alive, until
+from app_runs import CHILD, is_alive, make_run, until
 from cases import names
 
 from ertel.runs.store import RunStore
@@ -16,7 +16,7 @@ from ertel.runs.store import RunStore
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="no signals and no /dev/full")
 ERTEL = [sys.executable, "-m", "ertel"]
 PARAMS = [*ERTEL, "params", "--set", "contact.M=1000", "--set", "contact.L=10"]
-RADIAL = ["run", "ball.toml", "--set", "solver.method=radial"]
+RADIAL = ["run", "ball.toml", "--set", "solver.method=radial", "--set", "solver.nodes=17"]
 FULL = "/dev/full"
 
 
@@ -74,11 +74,11 @@ main()
 """
 
 
-def test_figures_for_nobody(ball):
+def test_figures_for_nobody(here):
     with deaf() as stdout:
-        ended = done([sys.executable, "-u", "-c", EMPTY_FIGURES, "plot", "my run"], stdout=stdout)
+        ended = done([sys.executable, "-u", "-c", EMPTY_FIGURES, "plot", str(make_run(here / "ball"))], stdout=stdout)
     assert (ended.returncode, ended.stderr) == (0, "")
-    assert names(ball / "plots") == {"overview.png", "maps.png", "profiles.png", "history.png", "friction.png"}
+    assert names(here / "ball" / "plots") == {"overview.png", "maps.png", "profiles.png", "history.png", "friction.png"}
 
 
 @pytest.mark.skipif(not Path("/proc/self").exists(), reason="no directory in which even root cannot write")
