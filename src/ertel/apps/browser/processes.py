@@ -48,16 +48,19 @@ COMPILING = (
 
 
 class Phase(Enum):
-    """The phases of a run, or of a fit."""
+    """The phases of a run, or of a fit: the word for each, and its icon."""
 
-    NEW = "unstarted"
-    COMPILING = "compiling"
-    RUNNING = "running"
-    STOPPING = "stopping"
-    FINISHED = "finished"
-    INTERRUPTED = "interrupted"
-    FAILED = "failed"
-    DAMAGED = "damaged"
+    NEW = "not started", "insights"
+    COMPILING = "compiling", "hourglass_top"
+    RUNNING = "running", "play_circle"
+    STOPPING = "stopping", "pause_circle"
+    FINISHED = "finished", "check_circle"
+    INTERRUPTED = "interrupted", "pause_circle"
+    FAILED = "failed", "error"
+    DAMAGED = "cannot be read", "broken_image"
+
+    def __init__(self, word: str, icon: str):
+        self.word, self.icon = word, icon
 
     @property
     def is_active(self) -> bool:
