@@ -30,15 +30,8 @@ ERTEL = (sys.executable, "-P", "-m", "ertel")  # -P: a file typer.py in the fold
 STOPPED = (0, 130, 143, -signal.SIGTERM)  # exit codes of a run that ended or was asked to
 KILLED = -9
 FLUSH = ("--flush", "2")  # seconds between what a live picture can show
-OF_STUDIES = (
-    RUNS,
-    "stop",
-    "progress",
-    "sweep",
-    "traction",
-    "fit",
-    "converge",
-)  # in the directory of a study, without endings
+# the files in the directory of a study, without endings
+OF_STUDIES = (RUNS, "stop", "progress", "sweep", "traction", "fit", "converge")
 SAID = "ertel: "  # how a message begins
 
 COMPILING = (
