@@ -1,15 +1,18 @@
-"""What the tests of the command line share: a working directory with cases, and two runs that have ended."""
+"""What the tests of the command line share: a working directory with cases, and two runs that have ended.
+
+Nothing of ertel is imported at the top: pytest reads this file before JAX is set up where it is given the folder alone.
+"""
 
 import shutil
 
 import pytest
-from app_runs import CASE_FILES
-from cases import ertel_
 
 
 @pytest.fixture
 def here(tmp_path, monkeypatch):
     """A working directory with cases in it."""
+    from app_runs import CASE_FILES
+
     monkeypatch.chdir(tmp_path)
     for name, text in CASE_FILES.items():
         (tmp_path / name).write_text(text)
@@ -19,6 +22,9 @@ def here(tmp_path, monkeypatch):
 @pytest.fixture(scope="session")
 def runs(tmp_path_factory):
     """Finished runs and what they printed: small, to maximum approach, and ball, six steps in SI."""
+    from app_runs import CASE_FILES
+    from cases import ertel_
+
     directory, printed = tmp_path_factory.mktemp("runs"), {}
     for name in ("small", "ball"):
         (directory / f"{name}.toml").write_text(CASE_FILES[f"{name}.toml"])

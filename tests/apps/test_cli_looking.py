@@ -14,6 +14,7 @@ import xarray as xr
 from app_runs import given, refused
 from cases import SMALL_IMPACT, ertel_, names
 from made_up import BALL_FALLS, BALL_ROLLS, MOES_FALLS, dry_impact, steady
+from matplotlib.figure import Figure
 from PIL import Image
 
 import ertel
@@ -77,6 +78,20 @@ def test_two_runs_side_by_side_and_in_one_figure(runs, tmp_path):
     assert re.search(r"^thinnest film of the run +h_min_extreme +\S+ [nµ]m +\S+ [nµ]m +[+-]\d+\.\d\d%$", told, re.M)
     assert told.splitlines()[-1] == str(picture)
     assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_legend_has_the_names_of_the_runs_where_they_differ(runs, monkeypatch, tmp_path):
+    shown = []
+
+    def comparison(data, labels):
+        shown.append(labels)
+        return Figure()
+
+    monkeypatch.setattr("ertel.plots.comparison", comparison)
+    plane, below = str(runs / "plane"), runs / "below"
+    for other in ("moes", "radial"):
+        ertel_("compare", plane, str(below / other), "--plot", str(tmp_path / "both.png"))
+    assert shown == [["ball", "moes"], [plane, str(below / "radial")]]
 
 
 def test_a_run_with_itself(runs):
@@ -169,7 +184,10 @@ def test_a_profile_is_exported_and_compared_with_its_run(runs, tmp_path):
     [
         ("compare plane film.csv", "it has 'place', 'film'"),
         ("compare plane film.csv --column at=s", "--column at: must be"),
-        ("compare plane none.csv", "none.csv"),
+        ("compare plane none.csv --column x=um", "none.csv: no such file or directory"),
+        ("compare none plane --plot", "none/plots: no such file or directory"),
+        ("compare film.csv plane", "film.csv: not a directory"),
+        ("compare plane plane/case.toml", "case.toml is not a file of columns; for a run give its directory"),
         ("plot plane --measured none.csv", "none.csv: not a file in "),
         ("plot plane --align centre", "--align, --column: only for --measured"),
         ("plot plane --coatings silica", "--coatings silica: only for --interferogram"),

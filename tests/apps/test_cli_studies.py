@@ -226,6 +226,18 @@ def test_a_fit_is_printed_and_stored_and_goes_on(here, monkeypatch, interrupted,
     assert unknown["value"] == pytest.approx(0.02, rel=1e-3) and unknown["unit"] == "Pa*s"
 
 
+def test_a_wish_to_stop_between_two_points_of_a_fit_is_heard(here, monkeypatch):
+    """The first one, so that nobody has to kill the fit by a second."""
+
+    def ask(directory, *_):
+        ask_to_stop(directory)
+
+    monkeypatch.setattr("ertel.runs.fit._note_progress", ask)
+    done = ertel_(*FITTED, code=130)
+    assert done.stderr.splitlines()[-1] == "ertel: interrupted; the same command continues"
+    assert names(here / "fits" / "film") == LEFT | {"runs"}
+
+
 @pytest.mark.parametrize(
     ("file", "before", "after", "code", "said"),
     [

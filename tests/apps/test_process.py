@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 
 import pytest
-from app_runs import CHILD, is_alive, until
+from app_runs import CHILD, is_alive, make_run, until
 from cases import names
 
 from ertel.runs.store import RunStore
@@ -16,7 +16,7 @@ from ertel.runs.store import RunStore
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="no signals and no /dev/full")
 ERTEL = [sys.executable, "-m", "ertel"]
 PARAMS = [*ERTEL, "params", "--set", "contact.M=1000", "--set", "contact.L=10"]
-RADIAL = ["run", "ball.toml", "--set", "solver.method=radial"]
+RADIAL = ["run", "ball.toml", "--set", "solver.method=radial", "--set", "solver.nodes=17"]
 FULL = "/dev/full"
 
 
@@ -74,11 +74,11 @@ main()
 """
 
 
-def test_figures_for_nobody(ball):
+def test_figures_for_nobody(here):
     with deaf() as stdout:
-        ended = done([sys.executable, "-u", "-c", EMPTY_FIGURES, "plot", "my run"], stdout=stdout)
+        ended = done([sys.executable, "-u", "-c", EMPTY_FIGURES, "plot", str(make_run(here / "ball"))], stdout=stdout)
     assert (ended.returncode, ended.stderr) == (0, "")
-    assert names(ball / "plots") == {"overview.png", "maps.png", "profiles.png", "history.png", "friction.png"}
+    assert names(here / "ball" / "plots") == {"overview.png", "maps.png", "profiles.png", "history.png", "friction.png"}
 
 
 @pytest.mark.skipif(not Path("/proc/self").exists(), reason="no directory in which even root cannot write")
@@ -139,7 +139,7 @@ IN_COMPILED_CODE = """
 import hashlib
 from ertel.apps.process import interruptible
 
-with interruptible() as stop:
+with interruptible("the same command continues") as stop:
     print("computing", flush=True)
     while not stop():
         pass
@@ -181,12 +181,17 @@ def test_control_c(here, monkeypatch):
 
 
 def test_a_second_signal_ends_at_once():
-    with started([sys.executable, "-c", IN_COMPILED_CODE]) as process:
+    """The first one has said so on the terminal."""
+    terminal, stderr = os.openpty()
+    with started([sys.executable, "-c", IN_COMPILED_CODE], stderr=stderr) as process:
         for word in (b"computing\n", b"heard\n"):
             assert process.stdout.readline() == word
             time.sleep(0.2)
             process.send_signal(signal.SIGTERM)
         assert process.wait(30) == -signal.SIGTERM
+    assert b"on a second Ctrl-C at once; the same command continues" in os.read(terminal, 1000)
+    os.close(terminal)
+    os.close(stderr)
 
 
 def test_nohup_goes_on_and_results_are_kept_where_the_output_fails(here):

@@ -277,6 +277,19 @@ def test_own_oils_of_the_configuration_are_in_the_library(tmp_path, monkeypatch)
         oils.get("bensch")
 
 
+def test_an_error_in_the_own_file_stops_only_those_who_ask_for_its_oils(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    (tmp_path / "ertel").mkdir()
+    (tmp_path / "ertel" / "oils.toml").write_text("[bench\n" + MEASURED)
+    assert oils.at("squalane", "40 degC").eta0 == pytest.approx(0.0149, abs=1e-4)
+    with pytest.raises(ConfigError, match=r"the file of oils .*oils.toml: "):
+        oils.get("bench")
+    with pytest.warns(UserWarning, match=r"own oils are left out: the file of oils .*oils.toml: "):
+        assert "squalane" in oils.names()
+    with pytest.raises(ConfigError, match=r"no\.toml"):  # which the case names
+        oils.get("squalane", tmp_path / "no.toml")
+
+
 def test_a_case_with_own_oils_holds_their_numbers(tmp_path):
     """The file beside the case file may go: digest and resolved case have the numbers."""
     (tmp_path / "mine.toml").write_text(MEASURED)

@@ -1,7 +1,7 @@
 """Stored runs of every kind, what is in them, and death in the middle of a run."""
 
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
@@ -13,6 +13,7 @@ import xarray as xr
 from cases import RADIAL, SHORT_FALL, physics, stop_after
 
 import ertel
+from ertel.case.case import Case
 from ertel.inputs.case_files import parse_case
 from ertel.runs.drive import Run, method_of, result_of, run_of
 from ertel.runs.files import StoreError
@@ -79,31 +80,39 @@ class Kind:
 
     def is_whole(self, run: RunStore) -> bool:
         """Whether a stored run is the one in memory."""
-        data, summary = run.dataset(), run.summary()
+        return self._is(run.case, run.dataset(), run.summary())
+
+    def _is(self, case: Case, data: xr.Dataset, summary: dict[str, Any] | None) -> bool:
         xr.testing.assert_identical(physics(data), physics(self.whole.dataset))
         about, expected = of_no_process(data.attrs), of_no_process(self.whole.dataset.attrs)
-        if run.case.name != self.case.name:  # a flipped letter of the name is an edit that users may make
-            assert replace(run.case, name=self.case.name) == self.case
+        if case.name != self.case.name:  # a flipped letter of the name is an edit that users may make
+            assert replace(case, name=self.case.name) == self.case
             about = about | {key: expected[key] for key in ("title", "case")}
         assert about == expected
         return summary is not None and of_no_process(summary) == of_no_process(self.whole.summary)
 
     def opened(self, directory: Path) -> bool:
         """Whether a run is read as it should be; False where it is refused, in one sentence."""
-        return self._read(directory, lambda run: run.result())
+        with _refused_in_a_sentence():
+            found = RunStore.open(directory).result()
+            return self._is(found.case, found.dataset, dict(found.summary))
+        return False
 
     def resumed(self, directory: Path) -> bool:
         """Whether a run is what it should be after it was continued; False where it is refused, in one sentence."""
-        return self._read(directory, compute)
-
-    def _read(self, directory: Path, look: Callable[[RunStore], object]) -> bool:
-        try:
+        with _refused_in_a_sentence():
             run = RunStore.open(directory)
-            look(run)
-        except StoreError as error:
-            assert "\n" not in str(error) and len(str(error)) < 600
-            return False
-        return self.is_whole(run)
+            compute(run)
+            return self.is_whole(run)
+        return False
+
+
+@contextmanager
+def _refused_in_a_sentence() -> Iterator[None]:
+    try:
+        yield
+    except StoreError as error:
+        assert "\n" not in str(error) and len(str(error)) < 600
 
 
 # -- death ------------------------------------------------------------------------------------------------------------

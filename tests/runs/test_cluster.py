@@ -107,24 +107,6 @@ def test_each_worker_keeps_to_one_thread_and_has_the_same_flags(two):
     assert "NPROC" not in os.environ
 
 
-def test_a_worker_that_is_killed_loses_nothing(two, tmp_path):
-    """Signal 9 in the middle of a job: its job begins again elsewhere, the others go on."""
-    killed: list[str] = []
-    log = tmp_path / "log"
-
-    def kill_the_first() -> bool:
-        if not killed and log.exists() and (line := log.read_text().partition("\n")[0]):
-            _, name, process = line.split()
-            killed.append(name)
-            os.kill(int(process), signal.SIGKILL)
-        return False
-
-    tasks = [Task(str(n), slow, (log, str(n))) for n in range(6)]
-    assert dict(two.outcomes(tasks, kill_the_first)) == {task.name: task.name for task in tasks}
-    assert len(killed) == 1 and log.read_text().count(f"begins {killed[0]} ") == 2
-    assert dict(two.outcomes([Task("after", square, (3.0,))])) == {"after": 9.0}
-
-
 def test_an_error_of_the_system_is_tried_again(two, tmp_path):
     assert dict(two.outcomes([Task("a", stumbles, (tmp_path / "log",))])) == {"a": "done"}
 
@@ -144,8 +126,11 @@ def test_the_others_need_not_wait_for_its_end(two, tmp_path):
 
 
 def test_a_study_whose_worker_is_killed_loses_nothing(two, tmp_path):
-    """Signal 9 while a run is computed: another worker continues it, and the numbers are those without the signal."""
-    impacts = {"contact": {"M": [20, 40, 60, 80], "L": 5}, "solver": {"method": "radial", "nodes": 17}}
+    """Signal 9 while a run is computed: another worker continues it, and the numbers are those without the signal.
+
+    The other runs go on, and so does the cluster.
+    """
+    impacts = {"contact": {"M": [20, 40], "L": 5}, "solver": {"method": "radial", "nodes": 17}}
     study = parse_study({**impacts, "time": {"until": 1.0, "tolerance": 1e-4}})
     killed: list[str] = []
 
@@ -160,7 +145,10 @@ def test_a_study_whose_worker_is_killed_loses_nothing(two, tmp_path):
     said = run_study(study.cases, tmp_path, two, asked=kill_once)
     assert len(killed) == 1 and said == {case.digest: "converged" for case in study.cases}
     found = gather(study, tmp_path).dataset["H_min_extreme"]
-    assert found.values[0] == pytest.approx(simulate(study.cases[0]).summary["extremes"]["H_min"]["value"], rel=1e-6)
+    which = [case.digest for case in study.cases].index(killed[0])
+    alone = simulate(study.cases[which]).summary["extremes"]["H_min"]["value"]
+    assert found.values[which] == pytest.approx(alone, rel=1e-6)
+    assert dict(two.outcomes([Task("after", square, (3.0,))])) == {"after": 9.0}
 
 
 def pem(path: Path, security: Security) -> Path:
@@ -192,7 +180,7 @@ def test_keys_that_do_not_fit_are_said_in_one_sentence(two, tmp_path, capfd):
 
 
 def test_no_scheduler_is_said_in_one_sentence(tmp_path, monkeypatch):
-    monkeypatch.setattr(cluster, "ANSWER", 1)
+    monkeypatch.setattr(cluster, "ANSWER", 0.2)
     file = tmp_path / "scheduler.json"
     for text, options, said in (
         (None, {"address": "tcp://127.0.0.1:9"}, "^scheduler = tcp://127.0.0.1:9: no scheduler answers"),
@@ -258,14 +246,14 @@ PAGES = "info/main/workers.html", "info/logs.html", "json/counts.json", "metrics
 
 async def ask(scheme, port, operation, security):
     arguments = security.get_connection_args("client")
-    async with rpc(f"{scheme}://127.0.0.1:{port}", connection_args=arguments, timeout=2) as there:
+    async with rpc(f"{scheme}://127.0.0.1:{port}", connection_args=arguments, timeout=1) as there:
         wanted = pickle.dumps(os.getuid)
-        reply = await asyncio.wait_for(getattr(there, operation)(function=wanted, args=pickle.dumps(()), wait=True), 5)
+        reply = await asyncio.wait_for(getattr(there, operation)(function=wanted, args=pickle.dumps(()), wait=True), 1)
     return f"{operation} ran as {reply.get('result', reply)}" if reply["status"] == "OK" else str(reply)
 
 def page(port, name):
     try:
-        return "page of " + str(len(urllib.request.urlopen(f"http://127.0.0.1:{port}/{name}", timeout=5).read()))
+        return "page of " + str(len(urllib.request.urlopen(f"http://127.0.0.1:{port}/{name}", timeout=1).read()))
     except (OSError, HTTPException):
         return None
 
@@ -276,10 +264,10 @@ async def attack(ports, own):
     return [repr(found) for found in tried if not isinstance(found, OSError)]
 
 ports, own = [int(port) for port in sys.argv[1:]], Security.temporary()  # as good as any that were not stolen
-with ThreadPoolExecutor() as threads:
+with ThreadPoolExecutor(len(ports) * len(PAGES)) as threads:  # all at once: most wait for an answer that never comes
     pages = [found for found in threads.map(page, ports * len(PAGES), sorted(PAGES * len(ports))) if found]
 if os.getuid() == 0:
-    asyncio.run(attack(ports, own))  # imports everything; another user may not see this Python
+    asyncio.run(attack(ports[:1], own))  # imports everything; another user may not see this Python
     os.setgroups([])
     os.setgid(65534)
     os.setuid(65534)

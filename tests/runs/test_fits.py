@@ -189,7 +189,7 @@ def dry() -> xr.Dataset:
 # -- stored runs ------------------------------------------------------------------------------------------------------
 
 SHORT = {**SMALL, "name": "ball", "solver": RINGS, "time": {"until": 0.02, "tolerance": 0.1}}
-SHORT["lubricant"] = {**SMALL["lubricant"], "eta0": "19 mPa*s"}
+SHORT["lubricant"] = {**SMALL["lubricant"], "eta0": "19.9 mPa*s"}
 ONE = {"lubricant.eta0": ("5 mPa*s", "1 Pa*s")}
 
 

@@ -63,6 +63,30 @@ FOUND = {
     "respond": lambda: ertel.respond(ertel.impact(**IMPACT), waves).dH.values.ravel().tolist(),
     "respond_in_rolling": lambda: ertel.respond_in_rolling(sliding, waves).dH_amplitude.values.ravel().tolist(),
 }
+
+
+def refused():
+    from ertel.numerics.programs import double_precision
+    from ertel.solvers import steady
+    from ertel.solvers.radial import RadialImpact
+    from ertel.solvers.transient import Transient2D
+
+    fall, roll = ertel.impact(**IMPACT), ertel.rolling(**ROLLING)
+    with double_precision():
+        method, other = Transient2D(fall), RadialImpact(radial)
+        start, first = method.start(), other.start()
+    asked = [
+        (steady.steady_film, roll), (Transient2D, fall), (RadialImpact, radial), (method.measure, start),
+        (method.advance, [start], 0.01), (other.advance, [first], 0.01), (method.friction, start),
+    ]
+    said = []
+    for work, *arguments in asked:
+        try:
+            work(*arguments)
+            said.append(False)
+        except RuntimeError as error:
+            said.append("single precision" in str(error))
+    return said
 """
 
 IN_A_PROCESS = """
@@ -79,6 +103,7 @@ set_before, told_before = dict(jax.config.values), dict(os.environ)
 filters = list(warnings.filters)
 import ertel.runs.store, ertel.runs.batch, ertel.runs.traction  # all that computes
 found = {{name: FOUND[name]() for name in {names}}}
+found["refused"] = refused()
 said = {{
     "jax": [name for name in set_before if set_before[name] != jax.config.values[name]],
     "environment": [name for name in os.environ if told_before.get(name) != os.environ[name]],
@@ -90,15 +115,12 @@ sys.stdout.write(json.dumps([said, found]))
 QUICK, SLOW = ("on_the_plane", "radial", "swept", "steady"), ("batch", "respond", "respond_in_rolling")
 
 
-def single(code: str) -> str:
-    """What a process prints whose JAX is set to single precision, as by default."""
-    return python("-c", code, without=("JAX_ENABLE_X64",)).stdout
-
-
 @cache
 def alone(names: tuple[str, ...]) -> tuple[dict, dict]:
     """What a process of its own has changed, and what it computes, in single precision but for ertel."""
-    said, found = json.loads(single(IN_A_PROCESS.format(runs=RUNS, names=names)))
+    said, found = json.loads(
+        python("-c", IN_A_PROCESS.format(runs=RUNS, names=names), without=("JAX_ENABLE_X64",)).stdout
+    )
     return said, found
 
 
@@ -126,32 +148,6 @@ def test_a_run_is_that_of_double_precision(name, names):
     assert np.abs(np.array(alone(names)[1][name]) - expected).max() < 1e-12 * np.abs(expected).max()
 
 
-SINGLE = """
-import ertel, sys
-import numpy as np
-from ertel.numerics.programs import double_precision
-from ertel.solvers import steady
-from ertel.solvers.radial import RadialImpact
-from ertel.solvers.transient import Transient2D
-
-impact, rolling = ertel.impact(M=20, L=5, nodes=33), ertel.rolling(M=20, L=5, nodes=33)
-radial = ertel.impact(M=20, L=5, nodes=65, method="radial")
-with double_precision():
-    method, other = Transient2D(impact), RadialImpact(radial)
-    start, first = method.start(), other.start()
-
-def refused(work, *arguments):
-    try:
-        work(*arguments)
-    except RuntimeError as error:
-        return "single precision" in str(error)
-
-print([refused(*each) for each in (
-    (steady.steady_film, rolling), (Transient2D, impact), (RadialImpact, radial), (method.measure, start),
-    (method.advance, [start], 0.01), (other.advance, [first], 0.01), (method.friction, start),
-)])
-"""
-
-
 def test_single_precision_is_refused():
-    assert single(SINGLE).strip() == str([True] * 7)
+    """By each of the methods, where nothing set double precision before."""
+    assert alone(QUICK)[1]["refused"] == [True] * 7

@@ -112,17 +112,24 @@ def test_a_step_that_fails_is_repeated_smaller() -> None:
 
 
 class Lost(LikeTheLoad):
-    """A method whose approach is not a number after a while."""
+    """A method one number of which is not a number after a while."""
+
+    def __init__(self, case: Case, lost: str):
+        super().__init__(case)
+        self.lost = lost
 
     def attempt(self, levels: Sequence[State], step: float) -> Stepping:
         new = yield from super().attempt(levels, step)
-        return new if new.T < 0.3 else replace(new, approach=float("nan"))
+        return new if new.T < 0.3 else replace(new, **{self.lost: float("nan")})
 
 
-def test_an_error_that_is_no_number_is_not_accepted() -> None:
+@pytest.mark.parametrize("lost", ["approach", "error"])
+def test_an_error_that_is_no_number_is_not_accepted(lost: str) -> None:
+    """Shorter steps are tried, as after one that fails."""
     case = rolling(Time(until=2.0))
-    *_, last = steps_of(case, Lost(case))
-    assert last.status is Status.STEP_TOO_SMALL and last.state.levels[0].T < 0.3
+    *_, last = steps_of(case, Lost(case, lost))
+    assert last.status is Status.STEP_TOO_SMALL and 0.29 < last.state.levels[0].T < 0.3
+    assert last.state.counts.rejected > 5
 
 
 def test_a_short_period_bounds_the_step() -> None:

@@ -162,9 +162,12 @@ def test_heat_lowers_the_traction(newtonian: Any) -> None:
     np.testing.assert_allclose(data["h_c"], data["phi_T"] * cold["h_c"], rtol=1e-12)
     spent = data["power_loss"] - data["power_loss"][0]
     np.testing.assert_allclose(spent, data["mu_sliding"] * 20.0 * data["slide_to_roll"], rtol=1e-6, atol=1e-12)
-    for part in ("mu_iso", "T_film (K)", "include heat"):
+    for part in ("mu_iso", "T_film (degC)", "include heat"):
         assert part in repr(curve)
-    assert len(curve.plot().axes) == 6
+    panels = {axes.get_ylabel(): axes for axes in curve.plot().axes}
+    assert len(panels) == 6
+    shown = panels["temperature (°C)"].lines[0].get_ydata()
+    np.testing.assert_allclose(shown, data["T_film_max"] - 273.15, rtol=1e-12)
 
 
 IMPACT = parse_case({"contact": {"M": 20, "L": 10}, "solver": {"nodes": 33}})

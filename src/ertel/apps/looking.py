@@ -102,8 +102,10 @@ def compare(
     """
     if plot and plot.name == USUAL:
         plot = first / "plots" / f"compared-{second.stem}.png"
-        plot.parent.mkdir(parents=True, exist_ok=True)
+        plot.parent.mkdir(exist_ok=True)
     if second.is_file():
+        if second.suffix in (".toml", ".json", ".npz"):  # of cases and runs
+            leave(BAD_INPUT, f"{shown(second)} is not a file of columns; for a run give its directory")
         from ertel.inputs.rigs import interferometer
 
         with bad_input():
@@ -112,7 +114,8 @@ def compare(
         _compare_measured(first, measurement, plot, as_json)
         return
     given = {"at": at, "along": along != "x", "align": align, "column": column, "coatings": coatings, "index": index}
-    if wrong := [name for name, each in {**given, "wavelength": wavelength}.items() if each]:
+    wrong = [name for name, each in {**given, "wavelength": wavelength}.items() if each]
+    if wrong and second.is_dir():
         leave(BAD_INPUT, f"--{wrong[0]}: only for a measurement, and {shown(second)} is not a file")
     from ertel.results import numbers
     from ertel.runs.store import RunStore
@@ -131,8 +134,9 @@ def compare(
         from ertel import plots
 
         data = [run.dataset() for run in (one, two)]
+        short = [run.case.name or run.directory.name for run in (one, two)]
         with bad_input():
-            plots.comparison(data, names).savefig(plot)
+            plots.comparison(data, names if short[0] == short[1] else short).savefig(plot)
         print_path(plot)
 
 
@@ -179,12 +183,13 @@ def _print_differences(differing: Sequence[Mapping[str, Any]], names: Sequence[s
 
 def _print_pairs(pairs: Sequence[Mapping[str, Any]], statuses: Sequence[str]) -> None:
     from ertel.apps.tables import print_rows
-    from ertel.results.variables import with_prefix
+    from ertel.results.variables import in_celsius, with_prefix
 
     rows = [("number", "", "first", "second", "change"), ("status", "", *statuses, "")]
     for pair in pairs:
         about, change = pair["attributes"], pair["change"]
-        values = ["" if pair[run] is None else with_prefix(pair[run], about["units"]) for run in ("first", "second")]
+        known = [pair[run] for run in ("first", "second")]
+        values = ["" if value is None else with_prefix(*in_celsius(value, about["units"])) for value in known]
         rows.append((about["long_name"], pair["name"], *values, "" if change is None else f"{change:+.2%}"))
     print_rows(rows, left=2)
 

@@ -26,7 +26,7 @@ from typing import Any, NoReturn, TextIO, cast
 import typer
 from typer.core import TyperGroup
 
-from ertel.apps.terminal import ASKED, BAD_INPUT, FAILED, in_shell, leave, reason_of, say
+from ertel.apps.terminal import ASKED, BAD_INPUT, FAILED, in_shell, leave, printable, reason_of, say
 
 WrongUsage: Any = typer.BadParameter.__base__  # of all errors in flags and arguments
 
@@ -36,7 +36,7 @@ SPELLED = {"µ": "u", "Δ": "Delta", "→": "->", "±": "+-", "²": "^2", "∞":
 ERRORS = "ertel.spelled"
 UNHEARD = (errno.EPIPE, errno.EBADF)  # nobody reads any more: `ertel ... | head -1`
 SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
-SHOW_CURSOR = b"\x1b[?25h\n"  # which a progress bar hides
+HEARD = "\x1b[?25h\nertel: stops after the current step, on a second Ctrl-C at once; "  # and shows the cursor
 
 
 def keep_freed_memory() -> None:
@@ -128,17 +128,20 @@ class Interrupted(KeyboardInterrupt):
 
 
 class Stop:
-    """An observer that stops a run after a signal.  code: the exit code, 0 before."""
+    """An observer that stops a run after a signal.  advice: how to go on.  code: the exit code, 0 before."""
 
     code = 0
+
+    def __init__(self, advice: str):
+        self.advice = advice
 
     def __call__(self, item: object = None) -> bool:
         """True after a signal."""
         return self.code > 0
 
-    def leave(self, advice: str) -> NoReturn:
+    def leave(self) -> NoReturn:
         """End the program after a signal, or after the file that asks to stop."""
-        leave(self.code or ASKED, f"interrupted; {advice}")
+        leave(self.code or ASKED, f"interrupted; {self.advice}")
 
 
 @contextmanager
@@ -175,13 +178,14 @@ def deferred() -> Iterator[None]:
 
 
 @contextmanager
-def interruptible() -> Iterator[Stop]:
+def interruptible(advice: str) -> Iterator[Stop]:
     """An observer that stops the run after a signal; the current step or grid is finished first.
 
-    A second Ctrl-C or SIGTERM ends the process at once.  A second SIGHUP does not: a terminal that is closed and its
-    shell both send one.
+    A second Ctrl-C or SIGTERM ends the process at once and without a word, also in compiled code; so the first one says
+    on a terminal how to go on, which is the advice.  A second SIGHUP does not: a terminal that is closed and its shell
+    both send one.
     """
-    stop = Stop()
+    stop = Stop(advice)
 
     def on_signal(number: int, frame: FrameType | None) -> None:
         stop.code = 128 + number
@@ -189,7 +193,7 @@ def interruptible() -> Iterator[Stop]:
             if signal.getsignal(each) is on_signal:
                 signal.signal(each, signal.SIG_DFL)
         if os.isatty(2):
-            os.write(2, SHOW_CURSOR)
+            os.write(2, f"{HEARD}{printable(advice)}\n".encode())
 
     with _handled(on_signal):
         yield stop

@@ -112,15 +112,15 @@ def _finish(run: RunStore, others: Mapping[str, Run], options: RunOptions) -> No
     if options.flush is not None:
         run.flush_interval = options.flush
     to_continue = f"to continue: ertel resume {in_shell(run.directory)}{' --error' if others else ''}"
-    with interruptible() as stop:
+    with interruptible(to_continue) as stop:
         with writing_to(run.directory, to_continue):
             summary = _computed(run, others, options.quiet, stop)
         if summary is None:
-            stop.leave(to_continue)
+            stop.leave()
         report(run, summary, options.as_json, options.quiet)
     status = Status(summary["status"])
     if status is Status.INTERRUPTED:
-        stop.leave(to_continue)
+        stop.leave()
     if not status.ok:
         gone = status is Status.FILM_VANISHED
         reason = summary["warnings"][0] if gone else f"{status.value}; {status.advice}"

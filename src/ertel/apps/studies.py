@@ -19,6 +19,7 @@ from ertel.runs import fit as fits
 from ertel.runs import studies as stored
 from ertel.runs import traction as curves
 from ertel.runs.compile import prepare_jax
+from ertel.runs.directory import heeding_stop
 from ertel.runs.drive import bars
 from ertel.runs.tasks import Engine as Engine
 
@@ -44,10 +45,9 @@ def sweep(study: Study, directory: Path, engine: Engine, part: stored.Part, opti
     if not options.quiet:
         in_part = "" if part == stored.EVERY else f" in part {part[0]} of {part[1]}"
         say(f"{len(study.cases)} runs, {len(left)} of them to do{in_part}")
-    with interruptible() as stop, ExitStack() as stack:
+    with interruptible(GOES_ON) as stop, ExitStack() as stack:
         workers = stack.enter_context(engine.workers(len(left)))
-        if part == stored.EVERY:
-            stack.enter_context(stored.alone(directory))
+        stack.enter_context(stored.alone(directory) if part == stored.EVERY else heeding_stop(directory))
         with writing_to(directory, GOES_ON):
             statuses = stored.run_study(study.cases, directory, workers, part, stop, not options.quiet)
             result = stored.gather(study, directory, statuses)
@@ -56,7 +56,7 @@ def sweep(study: Study, directory: Path, engine: Engine, part: stored.Part, opti
     if part == stored.EVERY:
         _report(result, directory, study.purpose, options)
     if stop.code or len(statuses) < len(left) or Status.INTERRUPTED.value in statuses.values():
-        stop.leave(GOES_ON)
+        stop.leave()
     failed = [name for name in result.failed if part == stored.EVERY or Path(name).name in statuses]
     if failed:
         named = ", ".join(failed[:LISTED]) + (" ..." if len(failed) > LISTED else "")
@@ -71,11 +71,11 @@ def traction(case: Case, given: Mapping[str, str | None], film: str | None, dire
     if not options.quiet:
         running.say_before(max(curve.cases, key=newtonian_stress))
     prepare_jax()
-    with running.within_memory(case), interruptible() as stop, writing_to(directory, GOES_ON):
+    with running.within_memory(case), interruptible(GOES_ON) as stop, writing_to(directory, GOES_ON):
         result = curves.store_curve(curve, directory, not options.quiet, stop)
     _report(result, directory, curves.NAME, options)
     if not result.complete:
-        stop.leave(GOES_ON)
+        stop.leave()
     if result.failed:
         values = ", ".join(f"{value:.4g}" for value in result.failed)
         leave(FAILED, f"failed: the film did not converge at {result.axis} = {values}; the other points are there")
@@ -85,11 +85,11 @@ def fit(problem: fits.FitProblem, directory: Path, engine: Engine, options: Repo
     """Do what is left of a fit, write and print it."""
     stored.require_place(directory, fits.NAME, "--out")
     prepare_jax()
-    with interruptible() as stop, writing_to(directory, GOES_ON):
+    with interruptible(GOES_ON) as stop, writing_to(directory, GOES_ON):
         try:
             result = fits.store_fit(problem, directory, engine, stop, not options.quiet)
         except fits.StoppedFit:
-            stop.leave(GOES_ON)
+            stop.leave()
         except fits.FitError as error:
             leave(FAILED, str(error))
     _report(result, directory, fits.NAME, options)

@@ -240,7 +240,9 @@ def _schedule(case: Definition) -> Complaints:
     """A run must end after a reasonable number of steps, with maps that fit on a disk."""
     if case.is_steady:
         return
-    end, step = case.schedule.duration, case.schedule.step
+    start, end, step = case.schedule.start_approach, case.schedule.duration, case.schedule.step
+    if start < -LONGEST_RUN:  # a gap of 1 takes the ball 1 t0
+        yield "time.start_approach", f"the ball would fall for {-start:g} t0; must be at least {-LONGEST_RUN:g}"
     if end > LONGEST_RUN:
         yield "time.until", f"is {end:g} t0; must be at most {LONGEST_RUN:g} t0"
     if step and end / step > MOST_STEPS:

@@ -149,7 +149,7 @@ class Time:
 
     start_approach: Annotated[
         float | None,
-        Bounds(ge=-(WIDEST_HALF_WIDTH**2) / 2, lt=0),  # as far apart as the edge of the widest grid
+        Bounds(lt=0),
         Meaning("impact: approach Delta at the start, below zero: apart; left out: above the layer of oil, too", -1.0),
     ] = None
     until: Annotated[

@@ -29,7 +29,8 @@ library; a case may name another file, lubricant.oils.  The resolved case holds 
 
 import os
 import tomllib
-from collections.abc import Callable, Mapping
+import warnings
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, dataclass, fields, replace
 from functools import cache
 from importlib.resources import files
@@ -95,8 +96,16 @@ ABOUT = tuple(item.name for item in fields(Origin))
 
 
 def names() -> tuple[str, ...]:
-    """The names of the oils of the library, and of those in the user's own file."""
-    return tuple(sorted((*_names("oils"), *_own())))
+    """The names of the oils of the library, and of those in the user's own file.
+
+    Warns, and leaves these out, where that file cannot be read.
+    """
+    own: Iterable[str] = ()
+    try:
+        own = _own()
+    except ConfigError as error:
+        warnings.warn(f"own oils are left out: {error}", stacklevel=1)  # of this line: once
+    return tuple(sorted((*_names("oils"), *own)))
 
 
 def material_names() -> tuple[str, ...]:
@@ -107,9 +116,10 @@ def material_names() -> tuple[str, ...]:
 def get(name: str, file: str | Path | None = None) -> NamedOil:
     """An oil of the library, or of a user's own file.  Raises ConfigError for a name that is not there.
 
-    file: that of own oils; left out, the one in the folder of the user's configuration.
+    file: that of own oils; left out, the one in the folder of the user's configuration, which is then read only for a
+    name that the library has not.
     """
-    own = _own() if file is None else read_file(file)
+    own = read_file(file) if file is not None else {} if name in _names("oils") else _own()
     return own[name] if isinstance(name, str) and name in own else _entry("oil", name, (*sorted(own), *_names("oils")))
 
 

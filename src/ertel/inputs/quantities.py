@@ -206,13 +206,18 @@ def _ranged(text: str, mark: Mark) -> tuple[float, ...]:
     return spaced(start, end, int(rest[1]) if rest[1].isdecimal() else rest[1], logarithmic=bool(rest[2:]))
 
 
+def check_number(number: Any) -> None:
+    """Raise ValueError for a number of values that is none."""
+    if type(number) is not int or not 2 <= number <= MOST_VALUES:
+        raise ValueError(f"the number of values must be a whole number from 2 to {MOST_VALUES}")
+
+
 def spaced(start: float, end: float, number: Any, logarithmic: bool) -> tuple[float, ...]:
     """A number of values from start to end, with equal steps or equal ratios.
 
     Raises ValueError for a number that is none, and where there are no such ratios.
     """
-    if type(number) is not int or not 2 <= number <= MOST_VALUES:
-        raise ValueError(f"the number of values must be a whole number from 2 to {MOST_VALUES}")
+    check_number(number)
     if logarithmic and not start * end > 0:
         raise ValueError("the ends of a range with equal ratios (log) must both be above zero, or both below")
     if logarithmic:

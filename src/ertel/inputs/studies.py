@@ -33,7 +33,7 @@ from ertel.case.rules import plain_name
 from ertel.case.sections import FEWEST_NODES
 from ertel.inputs.case_files import apply_overrides, parse_case, path_of, read_toml
 from ertel.inputs.layout import READER, Key, section, shape_place
-from ertel.inputs.quantities import LOG, parse_quantity, plain_data, spaced, split
+from ertel.inputs.quantities import LOG, check_number, parse_quantity, plain_data, spaced, split
 from ertel.physics.registry import SHAPES
 from ertel.physics.units import Unit
 
@@ -173,6 +173,8 @@ def _values(field: str, table: Mapping[str, Any]) -> list[Any]:
     number, spacing = table["number"], table.get("spacing", SPACINGS[0])
     if spacing not in SPACINGS:
         raise ConfigError(f"{field}.spacing = {show(spacing)}: allowed: {', '.join(SPACINGS)}")
+    with refusing(f"{field}.number", number):
+        check_number(number)
     with refusing(field, table):
         (start, of_start), (end, of_end) = (_amount(table[key]) for key in RANGE[:2])
         if of_start and of_end and of_start != of_end:

@@ -58,7 +58,7 @@ def error_factor(times: Sequence[float]) -> float:
 def adapted(step: float, error: float) -> float:
     """Step at which a third-order local error meets the tolerance; its growth is limited so that BDF2 is stable.
 
-    error: of the last step, in units of the tolerance.
+    error: of the last step, in units of the tolerance; after nan the step is as short as it may be.
     """
     factor: float = SAFETY * max(error, 1e-12) ** (-1.0 / 3.0)
-    return step * min(max(factor, LARGEST_CUT), LARGEST_GROWTH)
+    return step * min(max(LARGEST_CUT, factor), LARGEST_GROWTH)  # in this order: max keeps its first value beside nan

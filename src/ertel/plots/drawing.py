@@ -37,7 +37,7 @@ UNITS = {
     "a/R": "$a/R$", "p_h a/R": r"$p_h\, a/R$", "p_h u_m a/R": r"$p_h\, u_m\, a/R$",
     "F* a*^2/(R t0)": r"$F^* a^{*2}/(R\,t_0)$", "F u_m a/R": r"$F u_m\, a/R$",
 }  # fmt: skip
-PER_AREA = {"W/m2": (1e6, "W/mm²")}  # SI units that are shown in another one
+WRITTEN = {"W/m2": (1e6, "W/mm²"), "degC": (1.0, "°C")}  # units that are shown in another one, or in another way
 GREEK = "Delta|delta|^mu|^tau"
 COLUMN = 85.0 / 25.4  # inches: a column of a journal
 IN_PRINT: Any = {  # letters of 7 to 9 pt, "small" ones of 7.1 pt
@@ -84,7 +84,7 @@ class Scale:
             base = "" if "si_units" in about else about.get("in_units_of", "")
             base = unit_of(kind, base) if kind else base
             return cls(factor, symbol, UNITS.get(base, base), long_name)
-        one, shown = PER_AREA.get(unit) or prefixed(unit, largest * factor)
+        one, shown = WRITTEN.get(unit) or prefixed(unit, largest * factor)
         return cls(factor / one, symbol, shown, long_name)
 
     @property

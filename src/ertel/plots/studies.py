@@ -13,7 +13,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator, NullFormatter
 
-from ertel.physics.temperature_laws import ZERO_CELSIUS
 from ertel.plots.drawing import (
     BLUE,
     GREEN,
@@ -33,7 +32,7 @@ from ertel.plots.drawing import (
 from ertel.plots.view import case_of, conditions_in_si, name_of
 from ertel.results.convergence import SEEN, limits_of
 from ertel.results.dataset import largest_of
-from ertel.results.variables import name_in_si, with_prefix
+from ertel.results.variables import CELSIUS, in_celsius, name_in_si, with_prefix
 
 PANELS = (  # numbers that are drawn together, in SI or not
     ("h_c", "h_min", "H_c", "H_min"),
@@ -170,10 +169,8 @@ def _value_text(value: xr.DataArray) -> str:
     """One value of what varies, for the legend."""
     if value.dtype.kind != "f":
         return str(value.values)
-    unit = value.attrs.get("units", "1")
-    if unit == "K":
-        return f"{_spoken(value)} = {float(value) - ZERO_CELSIUS:.4g} °C"
-    return f"{_spoken(value)} = {with_prefix(float(value), unit)}"
+    shown = with_prefix(*in_celsius(float(value), value.attrs.get("units", "1")))
+    return f"{_spoken(value)} = {shown.replace('degC', '°C')}"
 
 
 # -- traction curves --------------------------------------------------------------------------------------------------
@@ -205,9 +202,9 @@ def _traction_figure(dataset: xr.Dataset, sheet: Sheet) -> Figure:
 def _draw_curve(axes: Axes, dataset: xr.Dataset, title: str, names: Mapping[str, str]) -> None:
     """Some variables of one unit over what varies."""
     x, label = _x(axes, dataset[dataset.attrs["varies"]])
-    variables = {colour: dataset[name if name in dataset else name_in_si(name)] for name, colour in names.items()}
-    largest = max(largest_of(values) for values in variables.values())
-    for colour, values in variables.items():
+    variables = [_in_celsius(dataset[name if name in dataset else name_in_si(name)]) for name in names]
+    largest = max(largest_of(values) for values in variables)
+    for colour, values in zip(names.values(), variables, strict=True):
         z = _scale(values, largest, dataset.attrs["kind"])
         axes.plot(x, values * z.factor, "o-", color=colour, markersize=3.5, label=z.long_name)
     if title != "Temperature":
@@ -278,19 +275,24 @@ def _scale(values: xr.DataArray, largest: float, kind: str = "") -> Scale:
     return Scale.of(values.assign_attrs(named), largest, kind)
 
 
+def _in_celsius(values: xr.DataArray) -> xr.DataArray:
+    """Temperatures in degrees Celsius, other numbers as they are."""
+    shown, unit = in_celsius(values, values.attrs.get("units", "1"))
+    return shown.assign_attrs({**values.attrs, "units": unit})
+
+
 def _x(axes: Axes, along: xr.DataArray) -> tuple[np.ndarray, str]:
     """The abscissae and their label."""
     if along.dtype.kind != "f":
         x = np.arange(along.size)
         axes.set_xticks(x, [str(value) for value in along.values], rotation=20)
         return x, _spoken(along)
-    if _has_equal_ratios(along.values) and along.attrs.get("units") != "K":
+    along = _in_celsius(along)
+    if _has_equal_ratios(along.values) and along.attrs.get("units") != CELSIUS:
         axes.set_xscale("log")
         _name_ticks(axes.xaxis, along.values)
     else:
         axes.xaxis.set_major_locator(MaxNLocator(6))
-    if along.attrs.get("units") == "K":
-        return along.values - ZERO_CELSIUS, f"{_spoken(along)} (°C)"
     scale = _scale(along.assign_attrs(in_units_of=""), largest_of(along))
     if "symbol" in along.attrs:
         return along.values * scale.factor, scale.label

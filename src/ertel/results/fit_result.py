@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from ertel.case.case import Case
 from ertel.results.study_result import StudyResult
-from ertel.results.variables import with_prefix
+from ertel.results.variables import in_celsius, with_prefix
 from ertel.version import installed_version
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
@@ -248,7 +248,7 @@ class FitResult(StudyResult):
         correlation = zip(names, self.dataset["correlation"].values, strict=True)
         return [
             ["unknown", *names],
-            ["value", *(amount(row["value"], row["unit"]) for row in rows)],
+            ["value", *(amount(*in_celsius(row["value"], row["unit"])) for row in rows)],
             ["standard error", *(amount(row["standard_error"], row["unit"]) for row in rows)],
             ["relative", *(in_percent(row["relative_error"]) for row in rows)],
             *([name, *(f"{value:.3f}" for value in column)] for name, column in correlation),

@@ -23,7 +23,7 @@ from ertel.physics.units import FINITE, LOAD, VELOCITY, Mark
 from ertel.results.convergence import ORDER, SEEN, Limit, limits_of
 from ertel.results.dataset import largest_of, with_units
 from ertel.results.numbers import SHOWN, Scalar, aligned, html_columns, html_image
-from ertel.results.variables import name_in_si, prefixed, value_in_si, variable_attributes
+from ertel.results.variables import in_celsius, name_in_si, prefixed, value_in_si, variable_attributes
 from ertel.version import installed_version
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
@@ -218,7 +218,7 @@ def column(head: str, values: xr.DataArray) -> list[str]:
     """A heading with the unit, and the values in it, with a prefix that fits the largest; texts as they are."""
     if values.dtype.kind in "UOT":
         return [head, *(str(value) for value in values.values)]
-    unit = values.attrs.get("units", "1")
+    values, unit = in_celsius(values, values.attrs.get("units", "1"))
     one, name = prefixed(unit, largest_of(values))
     shown = ["-" if np.isnan(value) else f"{value:.4g}" for value in values.values / one]
     return [f"{head} ({name})" if name else head, *shown]

@@ -10,12 +10,14 @@ from math import floor, log10
 from typing import TYPE_CHECKING, Any
 
 from ertel.physics.scales import Scales
+from ertel.physics.temperature_laws import ZERO_CELSIUS
 
 if TYPE_CHECKING:
     import xarray as xr
 
 COEFFICIENT = "coefficient"  # in place of a scale: computed in units a/R, and a plain number in a physical case
 KELVIN = "K"  # the unit of temperatures, the only one that is the same in SI
+CELSIUS = "degC"  # in which they are shown
 PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 ROLLING_UNITS = {  # of a rolling contact, whose scales are those of the static contact and not of the dry impact
     "a*": "a", "a*^2/R": "a^2/R", "p_h*": "p_h", "F*": "F", "a*/t0": "u_m", "a*/R": "a/R", "p_h* a*/R": "p_h a/R",
@@ -279,12 +281,17 @@ def to_si(dataset: "xr.Dataset") -> "xr.Dataset":
 def prefixed(unit: str, largest: float) -> tuple[float, str]:
     """A unit of SI with the prefix that brings the largest value between about 0.5 and 500: what 1 of it is, its name.
 
-    Quotients and kelvins have no prefix, a plain number has no unit.
+    Quotients and temperatures have no prefix, a plain number has no unit.
     """
     power = 0
-    if abs(largest) > 0 and "/" not in unit and unit not in ("1", KELVIN):
+    if abs(largest) > 0 and "/" not in unit and unit not in ("1", KELVIN, CELSIUS):
         power = min(max(3 * floor(log10(abs(largest)) / 3 + 0.1), min(PREFIXES)), max(PREFIXES))
     return 10.0**power, "" if unit == "1" else PREFIXES[power] + unit
+
+
+def in_celsius(values: Any, unit: str) -> tuple[Any, str]:
+    """Values and their unit for reading: temperatures (no differences of them) in degC, anything else as it is."""
+    return (values - ZERO_CELSIUS, CELSIUS) if unit == KELVIN else (values, unit)
 
 
 def with_prefix(value: float, unit: str) -> str:

@@ -162,8 +162,10 @@ def is_asked_to_stop(directory: Path) -> bool:
 def heeding_stop(directory: Path) -> Iterator[None]:
     """Delete the file `stop` after this block, and also before: a file that is left over does not stop a run."""
     _forget_stop(directory)
-    yield
-    _forget_stop(directory)
+    try:
+        yield
+    finally:
+        _forget_stop(directory)
 
 
 def _forget_stop(directory: Path) -> None:

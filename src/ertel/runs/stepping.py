@@ -174,7 +174,7 @@ class TransientRun:
         approach = combined(predict, [level.approach for level in levels])
         velocity = combined(predict, [level.velocity for level in levels])
         of_speed = abs(new.velocity - velocity) if self.case.motion.inertia else 0.0
-        difference = max(abs(new.approach - approach), of_speed, new.error)
+        difference = np.max([abs(new.approach - approach), of_speed, new.error])  # nan where one of them is
         return float(bdf.error_factor([new.T, *times]) * difference / self.case.schedule.tolerance)
 
     def _accept(self, state: RunState, new: State, counts: Counts, following: float, error: float) -> Step:

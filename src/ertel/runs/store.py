@@ -92,6 +92,8 @@ class RunStore:
     @classmethod
     def open(cls, directory: Path) -> "RunStore":
         """The store of the run in a directory.  Raises StoreError if there is none or it belongs to another case."""
+        if not directory.is_dir():
+            raise StoreError(f"{directory}: {'not a directory' if directory.exists() else 'no such file or directory'}")
         for name, path in ((CASE, directory / CASE), (DATA, arrays.present(directory / DATA))):
             if not path.exists():
                 raise StoreError(f"{directory} is not an ertel run directory (no {name})")

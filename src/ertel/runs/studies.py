@@ -213,9 +213,12 @@ def require_place(directory: str | Path, name: str = NAME, option: str = "direct
 
 @contextmanager
 def alone(directory: Path) -> Iterator[None]:
-    """Keep other processes from this study as a whole.  Raises StoreError where one is working on it."""
+    """Keep other processes from this study as a whole, and heed a file `stop` up to the end of this block.
+
+    Raises StoreError where another process is working on it.
+    """
     directory.mkdir(parents=True, exist_ok=True)
-    with locked(directory):
+    with locked(directory), heeding_stop(directory):
         yield
 
 
@@ -229,13 +232,13 @@ def run_study(
 ) -> dict[str, str]:
     """Do what is left of a part; the status of each run that was worked on, by digest, or why it failed.
 
-    asked: whether all should stop, asked again and again; a file in the directory asks too, see `directory`.  progress:
-    whether to show progress bars.  Raises OSError where the directory cannot be made.
+    asked: whether all should stop, asked again and again; a file in the directory asks too, and whoever calls deletes
+    it, see `alone`.  progress: whether to show progress bars.  Raises OSError where the directory cannot be made.
     """
     (directory / RUNS).mkdir(parents=True, exist_ok=True)
     file = directory / f".stop-{uuid4().hex[:8]}"  # of this call only: other parts of the study go on
     statuses = {}
-    with bars(progress) as shown, heeding_stop(directory):
+    with bars(progress) as shown:
         left = left_of(cases, directory, part)
         study_bars = StudyBars(shown, directory, left)
 

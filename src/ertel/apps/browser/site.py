@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from html import escape
 from pathlib import Path
 from typing import Any, ClassVar
@@ -17,6 +18,7 @@ from ertel.apps.terminal import capital, reason_of
 from ertel.results.numbers import Number
 
 LOOKS = {"As the system": None, "Light": False, "Dark": True}
+LOOK = "ertel-look"  # the cookie in which the browser keeps one of them
 SECONDS = 2.0  # between two looks at the folder
 LOGO = (
     '<svg class="logo" xmlns="http://www.w3.org/2000/svg" viewBox="0 0 40 40" aria-hidden="true" fill="none" '
@@ -46,12 +48,11 @@ class Entry:
 
 @dataclass
 class Site:
-    """The app: one folder, for all pages.  dark: whether they are; None as the system is."""
+    """The app: one folder, for all pages."""
 
     folder: Folder
     processes: Processes
     worker: Worker
-    dark: bool | None = None
 
     def serve_pictures(self) -> None:
         """Answer requests for the pictures that pages were given the addresses of."""
@@ -123,7 +124,12 @@ def frame(site: Site, pages: dict[str, Callable[..., Any]]) -> None:
     ui.add_css(Path(__file__).with_name("style.css"))
     with ui.left_drawer(value=None, bordered=False).props("width=284 breakpoint=1000").classes("runs") as drawer:
         _list(site)
-    ui.dark_mode().bind_value(site, "dark")
+    mode = ui.dark_mode(LOOKS.get(ui.context.client.request.cookies.get(LOOK, "")))
+
+    def look(text: str) -> None:
+        mode.set_value(LOOKS[text])
+        ui.run_javascript(f"document.cookie = '{LOOK}={text}; path=/; max-age=31536000; samesite=strict'")
+
     with ui.header(elevated=False).classes("bar"):
         ui.button(icon="menu", on_click=drawer.toggle).props("flat round dense aria-label='Show or hide the runs'")
         with ui.link(target="/").classes("brand"):
@@ -137,8 +143,8 @@ def frame(site: Site, pages: dict[str, Callable[..., Any]]) -> None:
         ui.button("New case", icon="add", on_click=lambda: ui.navigate.to("/new")).props("unelevated").mark("new")
         ui.button("Compare", icon="vertical_split", on_click=lambda: ui.navigate.to("/compare")).props("flat")
         with ui.button(icon="contrast").props("flat round dense aria-label='Light or dark'").mark("looks"), ui.menu():
-            for text, dark in LOOKS.items():
-                ui.menu_item(text, lambda dark=dark: setattr(site, "dark", dark))
+            for text in LOOKS:
+                ui.menu_item(text, partial(look, text)).mark(text)
         close = ui.button(icon="power_settings_new", on_click=lambda: _closing(site)).tooltip("Close the app")
         close.props("flat round dense aria-label='Close the app'").mark("close")
     ui.sub_pages(pages, data={"site": site}).classes("page")
