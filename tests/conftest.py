@@ -43,6 +43,7 @@ def pytest_configure(config: pytest.Config) -> None:
         os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0")
     if "XLA_FLAGS" not in os.environ and config.getoption("markexpr") == "not slow" and _xla_knows(QUICK_TO_COMPILE):
         os.environ["XLA_FLAGS"] = QUICK_TO_COMPILE  # also of worker processes and of those that tests start
+    os.fsync = lambda handle: None  # no test cuts the power: waiting for the disk takes a tenth of the time
     # coarse grids are what makes tests quick
     config.addinivalue_line("filterwarnings", r"ignore:.*(use solver\.|there is no error estimate):UserWarning")
 

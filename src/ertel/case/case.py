@@ -12,36 +12,12 @@ from functools import cached_property
 from html import escape
 from typing import Any
 
-from ertel.case import rules
+from ertel.case import records, rules, sections
 from ertel.case.definition import SECTIONS, Definition
 from ertel.case.height_map import NO_MAPS, HeightMap
 from ertel.case.reading import Reader, check_keys
-from ertel.case.records import (
-    ConfigError,
-    checked,
-    data_of,
-    described,
-    feature_data,
-    named,
-    oil_data,
-    scaled,
-    show,
-    with_own_numbers,
-)
-from ertel.case.sections import (
-    CENTRED_HALF_WIDTH,
-    ENDS,
-    METHODS,
-    ROLLING_UNTIL,
-    SOLVERS,
-    START_APPROACH,
-    Output,
-    Solver,
-    Time,
-    half_width_at,
-    half_width_y,
-    suited,
-)
+from ertel.case.records import ConfigError
+from ertel.case.sections import Output, Solver, Time
 from ertel.physics.units import plain
 
 SCHEMA = 1  # of the layout of case files
@@ -92,25 +68,25 @@ class Case(Definition):
 
     def __post_init__(self) -> None:
         for item in fields(self):
-            object.__setattr__(self, item.name, with_own_numbers(getattr(self, item.name)))
+            object.__setattr__(self, item.name, records.with_own_numbers(getattr(self, item.name)))
         for name, section in SECTIONS.items():
             if (record := getattr(self, section.field)) is not None:
-                checked(record, name)
+                records.checked(record, name)
         rules.refuse(self, rules.GIVEN)
         for number, feature in enumerate(self.roughness, 1):
-            checked(feature.shape, f"roughness[{number}]")
+            records.checked(feature.shape, f"roughness[{number}]")
         self._complete()
         rules.refuse(self, rules.COMPLETE)
         self.lubricant  # noqa: B018  # raises if its data give no law
 
     def __repr__(self) -> str:
         title, data = self._described
-        return "\n".join([f"Case: {title}", *(f"  {name:<10} {content}" for name, content in described(data))])
+        return "\n".join([f"Case: {title}", *(f"  {name:<10} {content}" for name, content in records.described(data))])
 
     def _repr_html_(self) -> str:
         title, data = self._described
         rows = "".join(
-            f"<tr><th>{escape(name)}</th><td>{escape(content)}</td></tr>" for name, content in described(data)
+            f"<tr><th>{escape(name)}</th><td>{escape(content)}</td></tr>" for name, content in records.described(data)
         )
         return f"<div>Case: {escape(title)}<table>{rows}</table></div>"
 
@@ -131,13 +107,14 @@ class Case(Definition):
         if self.solver.inlet == self.solver.half_width:
             object.__setattr__(self, "solver", replace(self.solver, inlet=None))
         if self.solver.method != "radial":
-            across = half_width_y(self.solver, self.geometry)
-            object.__setattr__(self, "solver", checked(replace(self.solver, half_width_y=across), "solver"))
+            across = sections.half_width_y(self.solver, self.geometry)
+            object.__setattr__(self, "solver", records.checked(replace(self.solver, half_width_y=across), "solver"))
         if not self.is_steady:
             given = self.time or Time()
-            above = min(START_APPROACH, -self.track.extremes[1] if self.track else 0.0) if self.starts_apart else None
+            layer = self.track.extremes[1] if self.track else 0.0
+            above = min(sections.START_APPROACH, -layer) if self.starts_apart else None
             start = above if given.start_approach is None else given.start_approach
-            until = ENDS[self.kind] if given.until is None else given.until
+            until = sections.ENDS[self.kind] if given.until is None else given.until
             object.__setattr__(self, "time", replace(given, start_approach=start, until=until))
             object.__setattr__(self, "output", self.output or Output())
 
@@ -158,16 +135,17 @@ class Case(Definition):
         data: dict[str, Any] = {
             "schema": SCHEMA,
             "name": self.name,
-            "contact": data_of(self.contact),
-            "lubricant": named("lubricant", oil_data, self.oil),
-            "solver": data_of(solver),
-            "motion": self.drive and data_of(self.drive),
+            "contact": records.data_of(self.contact),
+            "lubricant": records.named("lubricant", records.oil_data, self.oil),
+            "solver": records.data_of(solver),
+            "motion": self.drive and records.data_of(self.drive),
             "roughness": [
-                named(f"roughness[{i}]", feature_data, feature) for i, feature in enumerate(self.roughness, 1)
+                records.named(f"roughness[{i}]", records.feature_data, feature)
+                for i, feature in enumerate(self.roughness, 1)
             ],
-            "time": self.time and data_of(self.time),
-            "output": self.output and data_of(self.output),
-            "thermal": self.thermal and data_of(self.thermal),
+            "time": self.time and records.data_of(self.time),
+            "output": self.output and records.data_of(self.output),
+            "thermal": self.thermal and records.data_of(self.thermal),
         }
         return {name: section for name, section in data.items() if section not in (None, [], "")}
 
@@ -194,10 +172,10 @@ class Case(Definition):
         check_keys(data, KEYS, elsewhere=reader.full_names)
         schema = data.get("schema", SCHEMA)
         if type(schema) is not int or schema != SCHEMA:
-            raise ConfigError(f"schema = {show(schema)}: allowed: {SCHEMA}")
+            raise ConfigError(f"schema = {records.show(schema)}: allowed: {SCHEMA}")
         roughness = data.get("roughness", [])
         if not isinstance(roughness, list):
-            raise ConfigError(f"roughness = {show(roughness)}: must be an array of tables, [[roughness]]")
+            raise ConfigError(f"roughness = {records.show(roughness)}: must be an array of tables, [[roughness]]")
         reader = replace(reader, maps=maps)
         data = {"contact": {}} | {name: section for name, section in data.items() if section is not None}
         given: dict[str, Any] = {
@@ -222,20 +200,20 @@ class Case(Definition):
 def _completed(case: Definition, written: Mapping[str, Any]) -> Solver:
     """The solver with what is not written filled in, an inlet of its default's share of the half width."""
     written = {key: getattr(case.solver, key) for key, value in written.items() if value is not None}
-    method = written.get("method") or METHODS[case.kind][0]
+    method = written.get("method") or sections.METHODS[case.kind][0]
     rules.refuse(replace(case, solver=Solver(method)), [rules.method_suits])
-    default = SOLVERS[method]
+    default = sections.SOLVERS[method]
     half_width, inlet = default.half_width, default.inlet
     if method == "transient" and _reverses(case):
-        half_width, inlet = CENTRED_HALF_WIDTH, None
+        half_width, inlet = sections.CENTRED_HALF_WIDTH, None
     if "half_width" not in written:
         rules.refuse(case, [rules.oil_is_complete])
         p = case.parameters
-        wide = half_width_at(case.kind, half_width, p.as_ball.M if case.starts_apart else p.M_BH)
+        wide = sections.half_width_at(case.kind, half_width, p.as_ball.M if case.starts_apart else p.M_BH)
         half_width, inlet = wide, inlet and inlet * wide / half_width
     default = replace(default, half_width=half_width, inlet=inlet)
     if method != "radial":
-        default = suited(default, case.geometry)
+        default = sections.suited(default, case.geometry)
     # not default.inlet itself, which may differ in the last bit and so in the digest
     inlet = default.inlet and default.inlet * written.get("half_width", default.half_width) / default.half_width
     return replace(default, **{"inlet": inlet, **written})
@@ -245,7 +223,7 @@ def _reverses(case: Definition) -> bool:
     """Whether the entrainment speed changes sign during a run in time."""
     if case.drive is None or case.drive.entrainment is None:
         return False
-    until = scaled(case.time or Time(), case.scales, "time").until
-    end = ROLLING_UNTIL if until is None or isinstance(until, str) else plain(until)
+    until = records.scaled(case.time or Time(), case.scales, "time").until
+    end = sections.ROLLING_UNTIL if until is None or isinstance(until, str) else plain(until)
     least, most = case.motion.entrainment.range(end)
     return least < 0 < most

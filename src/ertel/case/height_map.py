@@ -53,7 +53,7 @@ def array_in(content: bytes) -> NDArray[Any]:
         read = npy.read_array_header_1_0 if npy.read_magic(stream) == (1, 0) else npy.read_array_header_2_0
         shape, _, kind = read(stream)
     except (ValueError, TypeError, KeyError, SyntaxError, TokenError) as error:  # NumPy evaluates the header as Python
-        raise ValueError(f"is not an array of numbers, {error}") from error
+        raise ValueError(f"is not an array of numbers, {str(error)[:100]}") from error
     check_shape(shape)
     bytes_left = len(content) - stream.tell()
     if kind.kind not in "biuf" or kind.itemsize * shape[0] * shape[1] > bytes_left:

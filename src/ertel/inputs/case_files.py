@@ -2,15 +2,15 @@
 
 import re
 import tomllib
-from collections.abc import Iterable, Mapping
-from contextlib import suppress
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
 from ertel.case.case import Case
 from ertel.case.conditions import Conditions
-from ertel.case.records import ConfigError, shortened, show
+from ertel.case.records import ConfigError, field_name, shortened, show
 from ertel.case.rules import plain_name
 from ertel.inputs.height_maps import regular_content, with_maps
 from ertel.inputs.layout import READER, Materials, field_names
@@ -183,6 +183,26 @@ def apply_overrides(data: Mapping[str, Any], overrides: Iterable[str]) -> dict[s
             raise ConfigError(f"--set {shortened(item)}: {shortened(section[0])} is not a section")
         place[key] = _toml_or_text(text.strip())
     return merged
+
+
+def put(data: dict[str, Any], place: Sequence[str | int], value: Any) -> None:
+    """Put a value at a place into plain data themselves; tables on the way are made."""
+    table: Any = data
+    for part in place[:-1]:
+        table = table[part] if isinstance(part, int) else table.setdefault(part, {})
+        if not isinstance(table, dict | list):
+            raise ConfigError(f"{field_name(place)}: {part} is not a table")
+    table[place[-1]] = value
+
+
+@contextmanager
+def in_the_case(values: Mapping[str, Any]) -> Iterator[None]:
+    """In this block a complaint about a case says which one it is: that with these values by their fields."""
+    try:
+        yield
+    except ValueError as error:
+        where = ", ".join(f"{field} = {show(value)}" for field, value in values.items())
+        raise ConfigError(f"{error} (in the case with {where})") from error
 
 
 def _toml_or_text(text: str) -> object:

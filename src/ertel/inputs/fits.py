@@ -22,7 +22,6 @@ their numbers, on the grid of that case.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from copy import deepcopy
 from dataclasses import dataclass
 from math import inf, nan, sqrt
 from pathlib import Path
@@ -31,7 +30,7 @@ from typing import Any
 from ertel.case.case import Case
 from ertel.case.reading import check_keys
 from ertel.case.records import ConfigError, refusing, show
-from ertel.inputs.case_files import load_case, path_of, read_toml, written
+from ertel.inputs.case_files import in_the_case, load_case, path_of, put, read_toml, written
 from ertel.inputs.layout import READER
 from ertel.inputs.quantities import marked_value, plain_data, split
 from ertel.physics.units import FINITE, Unit
@@ -149,15 +148,8 @@ def _number(data: Any, field: str) -> tuple[float, str]:
 
 def with_settings(case: Case, settings: Settings) -> Case:
     """A case with other values at paths.  Raises ConfigError, with these values, where it is not allowed."""
-    data = deepcopy(case.to_data())
-    try:
+    data = case.to_data()
+    with in_the_case(settings):
         for field, value in settings.items():
-            *place, last = field.split(".")
-            table = data
-            for part in place:
-                table = table.setdefault(part, {})
-            table[last] = plain_data(value)
+            put(data, field.split("."), plain_data(value))
         return Case.from_data(data, case.maps, READER)
-    except (ValueError, AttributeError, TypeError) as error:
-        where = ", ".join(f"{field} = {show(value)}" for field, value in settings.items())
-        raise ConfigError(f"{error} (in the case with {where})") from error

@@ -12,13 +12,13 @@ is.
 """
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from io import BytesIO, TextIOWrapper
 from os import fstat
 from pathlib import Path
 from string import printable
-from typing import IO, Any, NamedTuple, TypeVar
+from typing import IO, Any, NamedTuple
 from zipfile import ZipFile, ZipInfo, is_zipfile
 
 import numpy as np
@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from ertel.case.height_map import MOST, HeightMap, Measured, array_in, check_shape, check_size
 from ertel.case.reading import check_keys
-from ertel.case.records import named, shortened, show
+from ertel.case.records import ConfigError, named, refusing, shortened, show
 from ertel.inputs.layout import READER, MeasuredFile, field_names
 from ertel.inputs.quantities import parse_quantity
 from ertel.physics.units import LENGTH, Quantity
@@ -46,7 +46,6 @@ TEXT = printable.encode() + bytes(range(0x80, 0x100))
 BEFORE_XML = b"\xef\xbb\xbf \t\r\n"  # byte order mark and blanks
 OFFICE = "[Content_Types].xml"  # a member of every office document
 ROUND_OFF = 1e-12  # of the heights: no instrument measures what is smaller
-T = TypeVar("T")
 READING = {*field_names(MeasuredFile)}
 SIZES = ("length_x", "length_y", "rms")
 
@@ -84,28 +83,33 @@ def with_maps(read: Mapping[str, Any], folder: Path) -> tuple[dict[str, Any], di
 
 
 def _with_map(written: Mapping[str, Any], folder: Path, place: str) -> tuple[dict[str, Any], HeightMap]:
-    """A table with lengths and heights as its file says, and the heights."""
+    """A table with lengths and heights as its file says, and the heights.
+
+    A ValueError inside is a complaint about the file; a ConfigError names another key.
+    """
     check_keys(written, (*field_names(MeasuredFile), *field_names(Measured), "shape", "surface"), place)
     table = {key: value for key, value in written.items() if value is not None}
     table |= READER.values(MeasuredFile, table, place)
     table |= READER.values(Measured, {key: table[key] for key in SIZES if key in table}, place)
     path = folder / table["file"]
-    content = _named(table["file"], regular_content, path, LARGEST_FILE)
     placed = {key: value for key, value in table.items() if key not in READING}
-    if OWN_NAME.fullmatch(path.name):
-        for key in READING & table.keys():
-            raise ValueError(f"{key} = {show(table[key])}: was already applied when ertel wrote this file; remove it")
-        heights = _named(table["file"], HeightMap, _named(table["file"], array_in, content))
-        if heights.name != path.name:
-            raise ValueError(f"file = {show(table['file'])}: was changed since ertel wrote it; put the run's own back")
-        return placed, heights
-    if "filled" in table:
-        raise ValueError(f"filled = {show(table['filled'])}: is counted as the file is read; leave it out")
-    if path.suffix == ".npz":
-        raise ValueError(f"file = {show(table['file'])}: may hold many arrays; write one with numpy.save")
-    is_array = path.suffix == ".npy" or content.startswith(MAGIC_PREFIX)
-    raw = (_array if is_array else _of_instrument)(table, content)
-    heights = _named(table["file"], HeightMap, _smoothed(table, raw))
+    with refusing("file", table["file"]):
+        content = regular_content(path, LARGEST_FILE)
+        if OWN_NAME.fullmatch(path.name):
+            for key in READING & table.keys():
+                applied = "was already applied when ertel wrote this file; remove it"
+                raise ConfigError(f"{key} = {show(table[key])}: {applied}")
+            heights = HeightMap(array_in(content))
+            if heights.name != path.name:
+                raise ValueError("was changed since ertel wrote it; put the run's own back")
+            return placed, heights
+        if "filled" in table:
+            raise ConfigError(f"filled = {show(table['filled'])}: is counted as the file is read; leave it out")
+        if path.suffix == ".npz":
+            raise ValueError("may hold many arrays; write one with numpy.save")
+        is_array = path.suffix == ".npy" or content.startswith(MAGIC_PREFIX)
+        raw = (_array if is_array else _of_instrument)(table, content)
+        heights = HeightMap(_smoothed(table, raw))
     filled = {"filled": gaps} if (gaps := int(np.ma.getmaskarray(raw.heights).sum())) else {}
     return {**placed, **_sizes(table, raw, heights), **filled, "file": heights.name}, heights
 
@@ -129,76 +133,66 @@ def regular_content(path: Path, most: int) -> bytes:
     return content
 
 
-def _named(written: str, make: Callable[..., T], *content: Any) -> T:
-    """The result for a content; a ValueError that names the file where that fails."""
-    try:
-        return make(*content)
-    except (ValueError, EOFError) as error:
-        raise ValueError(f"file = {show(written)}: {shortened(str(error))}") from error
-
-
 # -- reading ----------------------------------------------------------------------------------------------------------
 
 
 def _array(table: Mapping[str, Any], content: bytes) -> _Raw:
     """A NumPy array, which has no sizes and no unit."""
     if "channel" in table:
-        raise ValueError(f"channel = {show(table['channel'])}: a NumPy array has none; leave it out")
-    heights = _named(table["file"], array_in, content).astype(np.float64)
-    return _Raw(_with_gaps(table, heights), None, _metre(table))
+        raise ConfigError(f"channel = {show(table['channel'])}: a NumPy array has none; leave it out")
+    return _Raw(_with_gaps(array_in(content).astype(np.float64)), None, _metre(table))
 
 
 def _of_instrument(table: Mapping[str, Any], content: bytes) -> _Raw:
     """A file that SurfaceTopography reads."""
-    written = show(table["file"])
-    module = _surface_topography(f"file = {written}")
-    _named(table["file"], check_declared, content)
-    with _reading(written):
+    module = _surface_topography(f"file = {show(table['file'])}")
+    check_declared(content)
+    with _reading():
         channels = module.open_topography(BytesIO(content)).channels
     channel = _channel(table, channels)
     if channel.unit is not None and "unit" in table:
-        raise ValueError(f"unit = {show(table['unit'])}: the file says {channel.unit}; leave it out")
+        raise ConfigError(f"unit = {show(table['unit'])}: the file says {channel.unit}; leave it out")
     if channel.nb_grid_pts is not None:
-        _named(table["file"], check_shape, tuple(map(int, channel.nb_grid_pts))[::-1])
+        check_shape(tuple(map(int, channel.nb_grid_pts))[::-1])
     sizes = {} if channel.physical_sizes else {"physical_sizes": tuple(map(float, channel.nb_grid_pts))}
-    with _reading(written):
+    with _reading():
         found = channel.topography(**sizes)
     if not found.is_uniform:
-        raise ValueError(f"file = {written}: its points are no regular map; resample them first")
-    with _reading(written):
+        raise ValueError("its points are no regular map; resample them first")
+    with _reading():
         found = found if channel.unit is None else found.to_unit("m")
         heights = np.ma.array(found.heights(), dtype=np.float64, copy=True).T
     along_x, along_y = map(float, found.physical_sizes)
     lengths = None if sizes else (along_x, along_y)
-    return _Raw(_with_gaps(table, heights), lengths, _metre(table) if channel.unit is None else 1.0)
+    return _Raw(_with_gaps(heights), lengths, _metre(table) if channel.unit is None else 1.0)
 
 
-def _with_gaps(table: Mapping[str, Any], heights: NDArray[np.float64]) -> NDArray[np.float64]:
+def _with_gaps(heights: NDArray[np.float64]) -> NDArray[np.float64]:
     """The heights with a mask where they are nan."""
     infinite = int(np.ma.filled(np.isinf(heights), False).sum())
     if infinite:
-        raise ValueError(f"file = {show(table['file'])}: {infinite} of its heights are infinite; a gap must be nan")
+        raise ValueError(f"{infinite} of its heights are infinite; a gap must be nan")
     return np.ma.masked_invalid(heights)
 
 
 @contextmanager
-def _reading(written: str) -> Iterator[None]:
-    """Any failure of SurfaceTopography, whose readers have their own, as a ValueError that names the file."""
+def _reading() -> Iterator[None]:
+    """Any failure of SurfaceTopography, whose readers have their own, as a ValueError."""
     try:
         yield
     except Exception as error:
         reason = shortened(" ".join(str(error).split()) or type(error).__name__)
-        raise ValueError(f"file = {written}: SurfaceTopography cannot read it, {reason}") from error
+        raise ValueError(f"SurfaceTopography cannot read it, {reason}") from error
 
 
 def _channel(table: Mapping[str, Any], channels: Any) -> Any:
     maps = {channel.channel_id: channel for channel in channels if channel.is_height_channel and channel.dim == 2}
     if not maps:
-        raise ValueError(f"file = {show(table['file'])}: has no map of heights")
+        raise ValueError("has no map of heights")
     if "channel" not in table:
         return next(iter(maps.values()))
     if table["channel"] not in maps:
-        raise ValueError(f"channel = {show(table['channel'])}: the file has {', '.join(map(show, maps))}")
+        raise ConfigError(f"channel = {show(table['channel'])}: the file has {', '.join(map(show, maps))}")
     return maps[table["channel"]]
 
 
@@ -206,10 +200,8 @@ def _surface_topography(needed_for: str) -> Any:
     try:
         import SurfaceTopography
     except ImportError as error:
-        raise ValueError(
-            f"{needed_for}: needs the package SurfaceTopography, which reads measured surfaces, takes off their form "
-            "and fills their gaps; install it with pip install 'ertel[surfaces]'"
-        ) from error
+        install = "install it with pip install 'ertel[surfaces]'"
+        raise ConfigError(f"{needed_for}: needs the package SurfaceTopography; {install}") from error
     return SurfaceTopography
 
 
@@ -220,7 +212,7 @@ def _metre(table: Mapping[str, Any]) -> float | None:
     try:
         return parse_quantity(f"1 {table['unit']}", LENGTH)
     except ValueError as error:
-        raise ValueError(f"unit = {show(table['unit'])}: must be a unit of length such as um") from error
+        raise ConfigError(f"unit = {show(table['unit'])}: must be a unit of length such as um") from error
 
 
 # -- trend, gaps, sizes -----------------------------------------------------------------------------------------------
@@ -231,8 +223,8 @@ def _smoothed(table: Mapping[str, Any], raw: _Raw) -> NDArray[np.float64]:
     heights, detrend = raw.heights, table.get("detrend", "plane")
     gaps = float(np.ma.getmaskarray(heights).mean()) if heights.size else 0.0
     if gaps > MOST_GAPS:
-        raise ValueError(f"file = {show(table['file'])}: {gaps:.0%} of its points are gaps; at most {MOST_GAPS:.0%}")
-    _named(table["file"], check_size, heights)
+        raise ValueError(f"{gaps:.0%} of its points are gaps; at most {MOST_GAPS:.0%}")
+    check_size(heights)
     if heights.ndim == 2 and (gaps or detrend != "none"):
         entry = f'detrend = "{detrend}"' if detrend != "none" else f"file = {show(table['file'])}"
         sizes = raw.sizes or tuple(map(float, heights.shape[::-1]))
@@ -242,9 +234,8 @@ def _smoothed(table: Mapping[str, Any], raw: _Raw) -> NDArray[np.float64]:
             topography = topography.interpolate_undefined_data_with_harmonic_function()
         heights = np.asarray(topography.heights()).T
         if detrend != "none" and np.abs(heights).max() < ROUND_OFF * np.abs(raw.heights).max():
-            raise ValueError(
-                f"{entry}: leaves nothing but round-off of file = {show(table['file'])}; leave the map out"
-            )
+            leaves = f"leaves nothing but round-off of file = {show(table['file'])}"
+            raise ConfigError(f"{entry}: {leaves}; leave the map out")
     return np.asarray(heights, dtype=np.float64)
 
 

@@ -78,10 +78,8 @@ def _lubricant(written: Mapping[str, Any], data: Mapping[str, Any]) -> dict[str,
     if "oils" in written and "oil" not in written:
         raise ConfigError(f"oils = {show(written['oils'])}: needs lubricant.oil, the name of an oil in it")
     if "oil" not in written:
-        raise ConfigError(
-            f"temperature = {show(written['temperature'])}: needs lubricant.oil, one of {', '.join(oils.names())}; or "
-            "give eta0 and alpha at the temperature of the inlet instead"
-        )
+        needs = f"needs lubricant.oil, one of {', '.join(oils.names())}"
+        raise ConfigError(f"temperature = {show(written['temperature'])}: {needs}; or give eta0 and alpha instead")
     oil = oil_of(written)
     if "temperature" not in written:
         raise ConfigError(f'temperature: missing; oil = {show(written["oil"])} needs it, for example "40 degC"')
@@ -203,10 +201,8 @@ def _inlet_temperature(given: Mapping[str, Any], lubricant: Mapping[str, Any]) -
         for name, section in (("thermal", given), ("lubricant", lubricant))
     )
     if of_oil is not None and T != of_oil:
-        raise ValueError(
-            f"thermal.temperature = {show(given['temperature'])}: differs from lubricant.temperature = "
-            f"{show(lubricant['temperature'])}, for which eta0 and alpha hold; leave thermal.temperature out"
-        )
+        other = f"differs from lubricant.temperature = {show(lubricant['temperature'])}; leave it out"
+        raise ValueError(f"thermal.temperature = {show(given['temperature'])}: {other}")
     return T
 
 

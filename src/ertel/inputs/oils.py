@@ -33,7 +33,6 @@ import warnings
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, dataclass, fields, replace
 from functools import cache
-from importlib.resources import files
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -42,43 +41,35 @@ from ertel.case.records import ConfigError, refusing, show
 from ertel.inputs.height_maps import regular_content
 from ertel.inputs.layout import READER, DataSheet
 from ertel.inputs.quantities import NumberOrText, number_or_quantity, parse_temperature
+from ertel.physics import temperature_laws
 from ertel.physics.fluidity import Carreau, Fluidity
 from ertel.physics.lubricant import Oil
 from ertel.physics.materials import Elasticity, LimitingStress, Material, NamedOil, Sourced, Strength, ThermalData
-from ertel.physics.temperature_laws import (
-    ZERO_CELSIUS,
-    DoolittleOfTemperature,
-    Expansion,
-    ModulusOfTemperature,
-    PowerOfViscosity,
-    SoKlaus,
-    Vogel,
-    Walther,
-)
 from ertel.physics.units import TEMPERATURE
 
 __all__ = ["at", "data_sheet", "get", "names", "read_file"]
 
-FOLDER = files("ertel.inputs") / "library"
-COLDEST, HOTTEST = ZERO_CELSIUS, ZERO_CELSIUS + 150.0  # of a data sheet: D341 is a straight line here
+FOLDER = Path(__file__).with_name("library")
+COLDEST = temperature_laws.ZERO_CELSIUS  # of a data sheet: D341 is a straight line from here
+HOTTEST = COLDEST + 150.0  # to here
 LAWS: Mapping[str, Mapping[str, Callable[..., Any]]] = {  # by table of a data file, and by name
-    "viscosity": {"astm-d341": Walther, "vogel": Vogel},
+    "viscosity": {"astm-d341": temperature_laws.Walther, "vogel": temperature_laws.Vogel},
     "pressure": {
-        "so-klaus": SoKlaus,
-        "power-of-viscosity": PowerOfViscosity,
-        "modulus": ModulusOfTemperature,
-        "doolittle": DoolittleOfTemperature,
+        "so-klaus": temperature_laws.SoKlaus,
+        "power-of-viscosity": temperature_laws.PowerOfViscosity,
+        "modulus": temperature_laws.ModulusOfTemperature,
+        "doolittle": temperature_laws.DoolittleOfTemperature,
     },
 }
 DATA: Mapping[str, Any] = {  # by table of a data file, where that names no law
-    "density": Expansion,
+    "density": temperature_laws.Expansion,
     "shear": Carreau,
     "limiting_stress": LimitingStress,
     "thermal": ThermalData,
     "elasticity": Elasticity,
     "strength": Strength,
 }
-RECORDS: Mapping[str, Any] = {"oils": NamedOil, "materials": Material}  # by folder; their fields are the tables
+RECORDS: Mapping[str, Any] = {"oil": NamedOil, "material": Material}  # by noun; their fields are the tables
 LARGEST_FILE = 1_000_000  # bytes
 
 
@@ -105,12 +96,12 @@ def names() -> tuple[str, ...]:
         own = _own()
     except ConfigError as error:
         warnings.warn(f"own oils are left out: {error}", stacklevel=1)  # of this line: once
-    return tuple(sorted((*_names("oils"), *own)))
+    return tuple(sorted((*_library("oil"), *own)))
 
 
 def material_names() -> tuple[str, ...]:
     """The names of the materials of the library."""
-    return _names("materials")
+    return tuple(_library("material"))
 
 
 def get(name: str, file: str | Path | None = None) -> NamedOil:
@@ -119,8 +110,9 @@ def get(name: str, file: str | Path | None = None) -> NamedOil:
     file: that of own oils; left out, the one in the folder of the user's configuration, which is then read only for a
     name that the library has not.
     """
-    own = read_file(file) if file is not None else {} if name in _names("oils") else _own()
-    return own[name] if isinstance(name, str) and name in own else _entry("oil", name, (*sorted(own), *_names("oils")))
+    library = _library("oil")
+    own = read_file(file) if file is not None else {} if isinstance(name, str) and name in library else _own()
+    return _entry("oil", name, {**dict(sorted(own.items())), **library})
 
 
 def read_file(file: str | Path) -> dict[str, NamedOil]:
@@ -134,7 +126,7 @@ def read_file(file: str | Path) -> dict[str, NamedOil]:
         tables = tomllib.loads(regular_content(path, LARGEST_FILE).decode("utf-8-sig"))
     except ValueError as error:
         raise ConfigError(f"the file of oils {path}: {error}") from error
-    if taken := sorted(tables.keys() & set(_names("oils"))):
+    if taken := sorted(tables.keys() & _library("oil").keys()):
         raise ConfigError(f"{path}: {taken[0]}: the library has an oil of this name; choose another")
     return {name: _own_oil(name, table, f"{path}: {name}") for name, table in tables.items()}
 
@@ -161,7 +153,7 @@ def _own_oil(name: str, table: Any, place: str) -> NamedOil:
 
 def material(name: str) -> Material:
     """A material of the library.  Raises ConfigError for a name that is not there."""
-    return _entry("material", name, material_names())
+    return _entry("material", name, _library("material"))
 
 
 def at(name: str, temperature: NumberOrText, rheology: str | Fluidity | None = None) -> Oil:
@@ -230,17 +222,17 @@ def oil_of_sheet(sheet: DataSheet, place: str = "") -> NamedOil:
     place: before the names of the keys in messages.  Raises ConfigError for viscosities that do not fall.
     """
     try:
-        viscosity = Walther(sheet.nu40, sheet.nu100)
+        viscosity = temperature_laws.Walther(sheet.nu40, sheet.nu100)
     except ValueError as error:
         raise ConfigError(f"{place}{error}") from error
     return NamedOil(
         sheet.reference or "data sheet",
         "an oil from its data sheet",
         _whole(viscosity, "ASTM D341."),
-        _whole(Expansion(sheet.density, sheet.expansion), "data sheet."),
-        _whole(SoKlaus(), "So and Klaus' correlation (ASLE Trans 1980;23:409-421).")
+        _whole(temperature_laws.Expansion(sheet.density, sheet.expansion), "data sheet."),
+        _whole(temperature_laws.SoKlaus(), "So and Klaus' correlation (ASLE Trans 1980;23:409-421).")
         if sheet.alpha is None
-        else _whole(PowerOfViscosity(sheet.alpha, 1.0, 0.0), "alpha as given."),
+        else _whole(temperature_laws.PowerOfViscosity(sheet.alpha, 1.0, 0.0), "alpha as given."),
     )
 
 
@@ -263,22 +255,17 @@ def oil_at(oil: NamedOil, temperature: NumberOrText, rheology: str | Fluidity | 
 
 
 @cache
-def _names(folder: str) -> tuple[str, ...]:
-    entries = (entry.name for entry in (FOLDER / folder).iterdir())
-    return tuple(sorted(name.removesuffix(".toml") for name in entries if name.endswith(".toml")))
+def _library(noun: str) -> Mapping[str, Any]:
+    """The oils or the materials of the library by name."""
+    files = sorted((FOLDER / f"{noun}s").glob("*.toml"))
+    tables = {file.stem: tomllib.loads(file.read_text(encoding="utf-8")) for file in files}
+    return {name: _built(RECORDS[noun], name, table, name) for name, table in tables.items()}
 
 
-def _entry(noun: str, name: object, allowed: tuple[str, ...]) -> Any:
-    if not isinstance(name, str) or name not in _names(f"{noun}s"):
-        raise ConfigError(f"{noun} = {show(name)}: allowed: {', '.join(allowed)}")
-    return _read(f"{noun}s", name)
-
-
-@cache
-def _read(folder: str, name: str) -> Any:
-    """The oil or the material in a data file."""
-    data = tomllib.loads((FOLDER / folder / f"{name}.toml").read_text(encoding="utf-8"))
-    return _built(RECORDS[folder], name, data, name)
+def _entry(noun: str, name: object, entries: Mapping[str, Any]) -> Any:
+    if not isinstance(name, str) or name not in entries:
+        raise ConfigError(f"{noun} = {show(name)}: allowed: {', '.join(entries)}")
+    return entries[name]
 
 
 def _built(record: Any, name: str, data: Any, place: str) -> Any:

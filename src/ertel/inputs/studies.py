@@ -31,7 +31,7 @@ from ertel.case.reading import check_keys
 from ertel.case.records import ConfigError, field_name, is_number, refusing, show
 from ertel.case.rules import plain_name
 from ertel.case.sections import FEWEST_NODES
-from ertel.inputs.case_files import apply_overrides, parse_case, path_of, read_toml
+from ertel.inputs.case_files import apply_overrides, in_the_case, parse_case, path_of, put, read_toml
 from ertel.inputs.layout import READER, Key, section, shape_place
 from ertel.inputs.quantities import LOG, check_number, parse_quantity, plain_data, spaced, split
 from ertel.physics.registry import SHAPES
@@ -115,11 +115,11 @@ def parse_study(data: Mapping[str, Any], folder: str | Path = ".") -> Study:
     if not axes:
         parse_case(plain, folder)  # a misspelled section or range is named first
         raise ConfigError(
-            "the study has one case only: give a list, or { from = ..., to = ..., number = ... }, for the value that "
-            "varies"
+            "the study has one case only: give a list, or { from, to, number }, for the value that varies"
         )
     cases = tuple(_case(plain, axes, values, folder) for values in _combinations(axes, mode))
-    _put(plain, axes, [axis.values[0] for axis in axes])
+    for axis in axes:
+        put(plain, axis.place, axis.values[0])
     return Study(cases[0].name or cases[0].kind, mode, axes, cases, plain)
 
 
@@ -211,21 +211,11 @@ def _combinations(axes: Sequence[Axis], mode: str) -> Iterator[tuple[Any, ...]]:
 
 
 def _case(data: dict[str, Any], axes: Sequence[Axis], values: Sequence[Any], folder: str | Path) -> Case:
-    _put(data, axes, values)
-    try:
-        return parse_case(data, folder)
-    except ConfigError as error:
-        where = ", ".join(f"{axis.field} = {show(value)}" for axis, value in zip(axes, values, strict=True))
-        raise ConfigError(f"{error} (in the case with {where})") from error
-
-
-def _put(data: dict[str, Any], axes: Sequence[Axis], values: Sequence[Any]) -> None:
-    """Put one value at each place, into the data themselves: a copy for each case would hold all values of all axes."""
+    """The case with these values, put into the data themselves: a copy for each would hold all values of all axes."""
     for axis, value in zip(axes, values, strict=True):
-        table: Any = data
-        for part in axis.place[:-1]:
-            table = table[part]
-        table[axis.place[-1]] = value
+        put(data, axis.place, value)
+    with in_the_case({axis.field: value for axis, value in zip(axes, values, strict=True)}):
+        return parse_case(data, folder)
 
 
 # -- a convergence series ----------------------------------------------------------------------------------------------
@@ -251,10 +241,8 @@ def convergence_series(case: Case, grids: int = FEWEST_GRIDS, along: str = "grid
     if along == "grid" and (cells % coarsening or cells // coarsening + 1 < FEWEST_NODES):
         coarsest = max(cells // coarsening, FEWEST_NODES - 1)
         allowed = " or ".join(str(coarsening * each + 1) for each in (coarsest, coarsest + 1))
-        raise ConfigError(
-            f"solver.nodes = {cells + 1}: has no {grids} grids of {FEWEST_NODES} nodes or more, each the half of the "
-            f"next; use solver.nodes = {allowed}, or another number of grids"
-        )
+        none = f"has no {grids} grids of {FEWEST_NODES} nodes or more, each the half of the next"
+        raise ConfigError(f"solver.nodes = {cells + 1}: {none}; use solver.nodes = {allowed}")
     cases = [case] * grids
     for number in reversed(range(grids - 1)) if along == "grid" else ():
         cases[number] = cases[number + 1].on_half_grid()

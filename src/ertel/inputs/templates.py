@@ -11,20 +11,8 @@ from ertel.case.conditions import FOREIGN, Kind
 from ertel.case.definition import SECTIONS
 from ertel.case.records import inner_laws, show
 from ertel.case.sections import ENDS, SOLVERS
-from ertel.inputs.layout import (
-    NEEDED,
-    TOP,
-    DataSheet,
-    Key,
-    Place,
-    able_names,
-    first_paragraph,
-    keys_of,
-    places,
-    section,
-    shape_keys,
-    shape_place,
-)
+from ertel.inputs import layout
+from ertel.inputs.layout import Key, Place
 from ertel.inputs.names import OF_OILS
 from ertel.inputs.quantities import LONGEST
 from ertel.physics.motion import Oscillation, Polyline, Signal, Track
@@ -68,7 +56,7 @@ def template(kind: Kind, name: str) -> str:
         "# that you like; amounts without one are in the units of the case: lengths a, heights a^2/R, times t0.",
     ]
     given = GIVEN[kind]
-    for place in places():
+    for place in layout.places():
         is_told = place.title.startswith("[") or place.title == f'shape = "{SHAPE}"'
         if is_told and not _is_of_other(place.text, kind):
             lines += _section(place, given, kind)
@@ -127,7 +115,7 @@ def table(sections: Iterable[Place]) -> str:
     for title, text, keys in sections:
         lines.append(f"| `{title}` | | | {_cell(text)} | |")
         for key in keys:
-            default = key.default if key.default in ("", NEEDED) or "(" in key.default else f"`{key.default}`"
+            default = key.default if key.default in ("", layout.NEEDED) or "(" in key.default else f"`{key.default}`"
             lines.append(f"| | `{key.name}` | {key.kind} | {_cell(key.meaning.text)} | {default} |".replace("  ", " "))
     return "\n".join(lines) + "\n"
 
@@ -149,10 +137,10 @@ DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
 def json_schema() -> Schema:
     """The JSON schema of a case file, with the laws and shapes that are registered now."""
-    top, *_ = places()
-    tables = {name: _table_schema(section(name)) for name in SECTIONS}
-    shapes = [_table_schema(shape_place(name), *shape_keys()[1:], shape=name) for name in SHAPES]
-    roughness = {"type": "array", "items": {"oneOf": shapes}, "description": TOP["roughness"].text}
+    top, *_ = layout.places()
+    tables = {name: _table_schema(layout.section(name)) for name in SECTIONS}
+    shapes = [_table_schema(layout.shape_place(name), *layout.shape_keys()[1:], shape=name) for name in SHAPES]
+    roughness = {"type": "array", "items": {"oneOf": shapes}, "description": layout.TOP["roughness"].text}
     properties = {key.name: _explained(key) for key in top.keys} | tables | {"roughness": roughness}
     whole = {"$schema": DIALECT, "title": "Case file of ertel", "type": "object", "description": "A case of ertel."}
     return {**whole, "properties": properties, "additionalProperties": False, "required": ["contact"]}
@@ -168,12 +156,12 @@ def _table_schema(place: Place, *more: Key, **name: str) -> Schema:
     keys = (*place.keys, *more)
     properties = {key: {"const": value} for key, value in name.items()} | {key.name: _explained(key) for key in keys}
     schema = {"type": "object", "description": place.text, "properties": properties, "additionalProperties": False}
-    required = [*name, *(key.name for key in keys if key.default == NEEDED)]
+    required = [*name, *(key.name for key in keys if key.default == layout.NEEDED)]
     return {**schema, "required": required} if required else schema
 
 
 def _record_schema(record: Any, **name: str) -> Schema:
-    return _table_schema(Place("", first_paragraph(record), keys_of(record)), **name)
+    return _table_schema(Place("", layout.first_paragraph(record), layout.keys_of(record)), **name)
 
 
 def _explained(key: Key) -> Schema:
@@ -195,8 +183,8 @@ def _value_schema(key: Key) -> Schema:
         return {"enum": list(key.choices)}
     if Signal in key.options:
         return {"anyOf": [_marked_schema(FINITE), _points_schema(Polyline), _record_schema(Oscillation)]}
-    if DataSheet in key.options:
-        return {"anyOf": [{"type": "string"}, _record_schema(DataSheet)]}
+    if layout.DataSheet in key.options:
+        return {"anyOf": [{"type": "string"}, _record_schema(layout.DataSheet)]}
     if Ellipsis in key.options:
         return {"type": "array", "items": {"type": "number"}}
     types = {bool: "boolean", float: "number", int: "integer"}
@@ -214,7 +202,7 @@ def _law_schema(laws: Registry, by_name: bool) -> Schema:
     named: list[Schema] = []
     if by_name:
         of_oils = [name for name in OF_OILS if name in inner_laws(laws)]
-        named = [{"type": "string", "enum": [*able_names(laws), *of_oils]}]
+        named = [{"type": "string", "enum": [*layout.able_names(laws), *of_oils]}]
     tables = []
     for name, law in (laws if by_name else inner_laws(laws)).items():
         table = _record_schema(law, law=name)

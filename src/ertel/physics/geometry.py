@@ -14,7 +14,7 @@ Source: Johnson KL. Contact Mechanics. Cambridge 1985, section 4.2.  Scaling by 
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from math import cos, hypot, pi, radians, sin
+from math import cos, exp, hypot, log, pi, radians, sin
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,7 +24,6 @@ Array = Any  # a NumPy or JAX array
 Floats = NDArray[np.float64]
 RIGHT = 90.0  # degrees: an angle of whole multiples of it is along a principal axis
 LEAST_RATIO, LARGEST_RATIO = 1 / 100, 100.0  # of the radii; beyond, the contact is a line in all but name
-ELLIPSE_ITERATIONS = 20  # each leaves a seventh of the error where D is 1/100 or 100: 17 reach round-off
 
 HERTZ_LOAD = 2.0 * pi / 3.0  # double integral of sqrt(1 - r^2): the dry load that carries Delta = 1 on a circle
 FREE_BALL_INERTIA = 4.0 / 5.0  # m delta*/(F* t0^2) in the scales of an impact: m v0^2/2 = (2/5) F* delta*
@@ -79,11 +78,12 @@ def hertz_ellipse(radius_ratio: float) -> HertzEllipse:
     if radius_ratio == 1.0:
         return HertzEllipse(1.0, 1.0, pi / 2, pi / 2)
     # SciPy is imported here, because circular contacts do not need it and its import is slow
+    from scipy.optimize import brentq
     from scipy.special import elliprf, elliprg
 
-    kappa = radius_ratio ** (2 / 3)
-    for _ in range(ELLIPSE_ITERATIONS):  # D grows as kappa^1.5 near the circle, and nearly so far from it
-        kappa *= (radius_ratio / _radius_ratio(kappa)) ** (2 / 3)
+    # the root lies between the circle and kappa = D, on either side
+    end = log(radius_ratio)
+    kappa = exp(brentq(lambda s: log(_radius_ratio(exp(s)) / radius_ratio), min(end, 0.0), max(end, 0.0), xtol=1e-15))
     m = kappa**2
     return HertzEllipse(radius_ratio, kappa, 2.0 * float(elliprg(0.0, m, 1.0)), float(elliprf(0.0, m, 1.0)))
 

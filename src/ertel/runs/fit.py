@@ -18,7 +18,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -129,11 +128,7 @@ def fit(
     check_jax()
     engine = Engine(jobs, scheduler, scheduler_file, tls)
     problem = fit_problem(as_case(case), measurements, unknowns)
-    if directory is None:
-        with TemporaryDirectory(prefix="ertel-fit-") as place:
-            result = replace(store_fit(problem, Path(place), engine, progress=progress), directory=None)
-    else:
-        result = store_fit(problem, studies.require_place(directory, NAME), engine, progress=progress)
+    result = studies.in_directory(directory, NAME, lambda place: store_fit(problem, place, engine, progress=progress))
     warn(result.warnings, frames=1)
     return result
 
@@ -224,9 +219,7 @@ def fit_problem(case: Case, measurements: Measurement | Sequence[Given], unknown
             raise ConfigError(f"measurements[{number}] = {written(item)}: {allowed}")
         place = f"measurements[{number}], {each.name}"
         if each.sigma is None:
-            raise ConfigError(
-                f"{place}: sigma = None: must be given: a fit weighs the data by their standard deviation"
-            )
+            raise ConfigError(f"{place}: sigma = None: must be given, data are weighed by their standard deviation")
         if both := {unknown.field for unknown in found} & set(settings):
             raise ConfigError(f"{place}: {min(both)} is an unknown and cannot be a condition")
         if settings not in conditions:

@@ -205,12 +205,9 @@ def _yielding(case: Case) -> Iterator[str]:
             continue
         limit = material.strength.data.first_yield
         if p > limit:
-            yield (
-                f"the maximum Hertz pressure is {with_prefix(p, 'Pa')}, and {name} of the hardness "
-                f"{with_prefix(material.strength.data.hardness, 'Pa')} yields from about {with_prefix(limit, 'Pa')} "
-                "(1.6 times the yield stress): the bodies here are elastic, and pressures and films are not those of "
-                "bodies that yield"
-            )
+            hard = f"{name} of the hardness {with_prefix(material.strength.data.hardness, 'Pa')}"
+            yields = f"yields from about {with_prefix(limit, 'Pa')} (1.6 times the yield stress)"
+            yield f"the maximum Hertz pressure is {with_prefix(p, 'Pa')}, and {hard} {yields}: bodies here are elastic"
 
 
 def _pressure_of_the_oil(case: Case) -> str:
@@ -218,10 +215,8 @@ def _pressure_of_the_oil(case: Case) -> str:
     p, highest = definition.largest_pressure(case), getattr(case.oil.viscosity_law, "highest", None)
     if highest is None or p <= highest or not (case.motion.slide_to_roll or case.thermal):
         return ""
-    return (
-        f"the viscosity law of the oil has a source up to {with_prefix(highest, 'Pa')}, and this contact has "
-        f"{with_prefix(p, 'Pa')}: friction is extrapolated; the film, which the inlet makes, hardly depends on it"
-    )
+    here = f"{with_prefix(highest, 'Pa')}, and this contact has {with_prefix(p, 'Pa')}"
+    return f"the viscosity law of the oil has a source up to {here}: friction is extrapolated, the film hardly"
 
 
 def _shear_stress(case: Case) -> str:
@@ -243,24 +238,18 @@ def _layer(case: Case) -> str:
     layer, start = case.track.extremes[1], case.schedule.start_approach
     edge = min(case.solver.half_width, case.solver.half_width_y or inf)
     if layer > -start:
-        return (
-            f"the ball starts in the oil: lubricant.layer = {layer:.4g} a*^2/R is thicker than the initial gap "
-            f"{-start:.4g}; use time.start_approach <= {-layer:.4g}, or leave it out"
-        )
+        thicker = f"lubricant.layer = {layer:.4g} a*^2/R is thicker than the initial gap {-start:.4g}"
+        return f"the ball starts in the oil: {thicker}; use time.start_approach <= {-layer:.4g}, or leave it out"
     wet = wet_radius(layer)
     if case.geometry is not CIRCLE or wet <= edge:
         return ""
-    return (
-        "the oil that the ball displaces may reach the edge of the grid, where it is lost (it may get to "
-        f"{wet:.3g} a*, the edge is at {edge:g}); use solver.half_width >= {ceil(4 * wet) / 4:g}"
-    )
+    reach = f"may get to {wet:.3g} a*, and the edge of the grid, where it is lost, is at {edge:g}"
+    return f"the oil that the ball displaces {reach}; use solver.half_width >= {ceil(4 * wet) / 4:g}"
 
 
 def _thin_film(which: str, thickness: float) -> str:
     """A sentence where a film is thinner than molecules."""
     if not 0.0 < thickness < SMALLEST_FILM:
         return ""
-    return (
-        f"the {which} film of {with_prefix(thickness, 'm')} is thinner than {with_prefix(SMALLEST_FILM, 'm')}, about "
-        "the size of the oil's molecules: it is not a liquid film there, and solids with their roughness may touch"
-    )
+    thinner = f"the {which} film of {with_prefix(thickness, 'm')} is thinner than {with_prefix(SMALLEST_FILM, 'm')}"
+    return f"{thinner}, about the size of the oil's molecules: no liquid film, and rough solids may touch"

@@ -17,13 +17,14 @@ edited and started again.  Runs that the study no longer has are left alone.
 
 import shutil
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from functools import partial
 from itertools import islice
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Literal, cast
+from typing import Any, Literal, TypeVar, cast
 from uuid import uuid4
 
 from ertel.case.case import Case
@@ -51,6 +52,7 @@ FAILED = "failed: "  # how the status of a run begins that raised an exception
 EVERY = (1, 1)  # the part that is all of it
 
 Part = tuple[int, int]  # i of n
+AnyStudy = TypeVar("AnyStudy", bound=StudyResult)
 
 
 def sweep(
@@ -150,23 +152,20 @@ def converge(
         Another process is working on the series, or the directory holds other files.
     """
     series, engine = convergence_series(as_case(case), grids, along), Engine(jobs, scheduler, scheduler_file, tls)
-    if directory is not None:
-        return cast(ConvergenceResult, _do(series, directory, engine, progress))
-    with TemporaryDirectory(prefix="ertel-convergence-") as place:
-        result = _do(series, place, engine, progress)
-    result.dataset["directory"][...] = ""
-    return ConvergenceResult(result.dataset)
+    return cast(ConvergenceResult, _do(series, directory, engine, progress))
 
 
-def _do(study: Study, directory: str | Path, engine: Engine, progress: bool) -> StudyResult:
+def _do(study: Study, directory: str | Path | None, engine: Engine, progress: bool) -> StudyResult:
     """Do what is left of a study, gather its numbers and write them."""
     check_jax()
-    path = require_place(directory, study.purpose)
-    with engine.workers(len(left_of(study.cases, path))) as workers, alone(path):
-        statuses = run_study(study.cases, path, workers, progress=progress)
-        result = gather(study, path, statuses)
-        write_study(result, path, study.purpose)
-    return result
+
+    def do(path: Path) -> StudyResult:
+        with engine.workers(len(left_of(study.cases, path))) as workers, alone(path):
+            result = gather(study, path, run_study(study.cases, path, workers, progress=progress))
+            write_study(result, path, study.purpose)
+        return result
+
+    return in_directory(directory, study.purpose, do)
 
 
 # -- runs -------------------------------------------------------------------------------------------------------------
@@ -209,6 +208,20 @@ def require_place(directory: str | Path, name: str = NAME, option: str = "direct
         allowed = f"give a new or empty directory, or that of an earlier {earlier}"
         raise Taken(f"{option} {place}: holds other files ({some}); {allowed}")
     return place
+
+
+def in_directory(directory: str | Path | None, name: str, do: Callable[[Path], AnyStudy]) -> AnyStudy:
+    """What `do` gives for the directory of a study; left out, for a temporary one, of which nothing remains.
+
+    name: as in `require_place`.
+    """
+    if directory is not None:
+        return do(require_place(directory, name))
+    with TemporaryDirectory(prefix=f"ertel-{name}-") as place:
+        result = do(Path(place))
+    if "directory" in result.dataset:
+        result.dataset["directory"][...] = ""
+    return replace(result, directory=None)
 
 
 @contextmanager

@@ -14,7 +14,6 @@ temporary one.
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Literal, get_args
 
 import numpy as np
@@ -102,12 +101,8 @@ def traction(
     check_jax()
     curve = curve_of(as_case(case), {"slide_to_roll": slide_to_roll, "mean_speed": mean_speed, "load": load}, film)
     warn(beyond(max(curve.cases, key=newtonian_stress)), frames=1)
-    if directory is None:
-        with TemporaryDirectory(prefix="ertel-traction-") as place:
-            result = curve_in(curve, Path(place), progress)
-        result.dataset["directory"][...] = ""
-        return replace(result, directory=None)
-    return store_curve(curve, studies.require_place(directory, NAME), progress)
+    do = curve_in if directory is None else store_curve
+    return studies.in_directory(directory, NAME, lambda place: do(curve, place, progress))
 
 
 # -- the curve --------------------------------------------------------------------------------------------------------
@@ -148,10 +143,8 @@ def curve_of(case: Case, given: Mapping[str, Given | None], film: str | None = N
     given: by the name of the axis, exactly one of them.  Raises ConfigError, naming the argument.
     """
     if not case.is_steady:
-        raise ConfigError(
-            f'solver.method = "{case.solver.method}": a traction curve is of a steady contact; use contact.kind = '
-            '"rolling" and solver.method = "steady"'
-        )
+        steady = 'must be "steady", a traction curve is of a steady contact'
+        raise ConfigError(f'solver.method = "{case.solver.method}": {steady}')
     axes = {name: values for name, values in given.items() if values is not None}
     if len(axes) != 1:
         raise ConfigError(f"give exactly one of {', '.join(CURVE_AXES)}; got {' and '.join(axes) or 'none'}")
