@@ -6,6 +6,7 @@ import os
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 from xml.etree import ElementTree
 
@@ -17,13 +18,14 @@ from app_runs import raising, refused
 from cases import ertel_
 from matplotlib.figure import Figure
 
+import ertel
 from ertel.apps import boundary_layers
-from ertel.apps.boundary_layers import beyond, figures, front, reduction, runs
+from ertel.apps.boundary_layers import beyond, figures, reduction, runs
 from ertel.apps.boundary_layers.figures import PaperFigure
 from ertel.apps.boundary_layers.pages import Drawn, side_by_side, to_csv
 from ertel.apps.boundary_layers.plans import FULL, LOADS, QUICK, SHOWN_LOAD, Plan
 from ertel.apps.boundary_layers.reduction import extrapolated, over_film
-from ertel.apps.boundary_layers.runs import Results
+from ertel.case.status import Status
 from ertel.physics import amplitude_reduction
 from ertel.physics.scales import Parameters
 from ertel.results import fronts
@@ -42,8 +44,8 @@ def fail() -> float:
     raise RuntimeError("no <film>")
 
 
-def drawn_squares(results: Results, plan: Plan) -> Drawn:
-    assert results == {"one": 4.0}
+def drawn_squares(results: Any, plan: Plan) -> Drawn:
+    assert results["one"] == 4.0
     figure, x = Figure(), [results["one"]]
     figure.subplots().plot(x)
     table = pd.DataFrame({"y & z": ["1 & 2", LONG]})
@@ -51,7 +53,7 @@ def drawn_squares(results: Results, plan: Plan) -> Drawn:
 
 
 FAKE = {
-    "fig1": PaperFigure("First", lambda plan: [Task("one", square, (2.0,), 30.0)], drawn_squares),
+    "fig1": PaperFigure("First", lambda plan: {"one": Task("one", square, (2.0,), 30.0)}, drawn_squares),
     "fig2": PaperFigure("Second", lambda plan: [Task("one", square, (2.0,), 30.0), Task("bad", fail)], drawn_squares),
 }
 
@@ -103,7 +105,7 @@ def test_command_and_a_full_disk(small, tmp_path, monkeypatch):
 @pytest.mark.parametrize("plan", [QUICK, FULL])
 def test_every_run_has_one_name_for_one_meaning(plan):
     """Two figures may share a run, but not a name for different runs."""
-    every = [task for figure in figures.FIGURES.values() for task in figure.tasks(plan)]
+    every = [task for figure in figures.FIGURES.values() for task in runs.tasks_in(figure.runs(plan))]
     assert len({task.name for task in every}) == len({(task.name, repr(task.arguments)) for task in every})
     assert all(task.seconds > 0 for task in every)
 
@@ -184,8 +186,7 @@ def fading(amplitude: float) -> xr.Dataset:
 
 
 def test_marks_of_other_shapes():
-    results = {task.name: fading(A) for task, A in zip(runs.shape_runs(SMALL)[M, L], (0.6, 0.5), strict=True)}
-    marks = list(beyond.impacts_on_shapes(results, SMALL))
+    marks = list(beyond.impacts_on_shapes({"impacts": {(M, L): [fading(0.6), fading(0.5)]}}, SMALL))
     assert [mark["kind"] for mark in marks] == ["transverse", "rings", "longitudinal"]
     assert [mark["coarse"] for mark in marks[:2]] == pytest.approx([0.6, 0.3], rel=1e-3)
     assert [mark["fine"] for mark in marks[:2]] == pytest.approx([0.5, 0.25], rel=1e-3)
@@ -201,8 +202,8 @@ def test_figure_5():
     """The last complete wave of a response of constant amplitude 0.4."""
     known, name = fading(0.4), runs.wave_name("isotropic", runs.HEIGHT, WAVE)
     response = known.isel(wave=[0]).assign(shape=known["dH"], H=known["dH"][0]).assign_coords(wave=[name])
-    smooth, _, fine = reduction.wave_tasks(SMALL)
-    made = reduction.deformed_waves({smooth.name: known, fine.name: response}, SMALL)
+    results = {"smooth": {(M, L): known}, "waves": {(M, L): [None, response]}}
+    made = reduction.deformed_waves(results, SMALL)
     [table] = made.tables.values()
     assert table.to_dict("list") == {"wavelength (a*)": ["0.4"], "X": ["0.700"], "A_d/A_i": ["0.400"]}
     assert list(made.data["dH"]) == ["X", "H", "dH/A_i, wavelength 0.4"]
@@ -221,10 +222,11 @@ def test_wavelength_over_film_is_nabla2_where_the_oil_is_piezoviscous():
 
 def drawn(name: str, results: dict[str, Any]) -> Drawn:
     """A figure, for which what is not there yet is run."""
-    for task in figures.FIGURES[name].tasks(SMALL):
+    needed = figures.FIGURES[name].runs(SMALL)
+    for task in runs.tasks_in(needed):
         if task.name not in results:
             results[task.name] = task.function(*task.arguments)
-    made = figures.FIGURES[name].draw(results, SMALL)
+    made = figures.FIGURES[name].draw(runs.in_place(needed, results), SMALL)
     assert made.caption and made.figure.axes
     assert all(len(table) and table.notna().all().all() for table in made.tables.values())
     assert all(np.isfinite(table.select_dtypes("number")).any().all() for table in made.data.values())
@@ -241,9 +243,11 @@ def turned(run: xr.Dataset) -> xr.Dataset:
 
 @pytest.fixture(scope="module")
 def impacts() -> dict[str, Any]:
-    tasks = front.radial_tasks(SMALL)
+    needed = runs.smooth_runs(SMALL)
+    radial = needed["radial"]
+    tasks = list(radial.values())
     done = dict(zip([task.name for task in tasks], run_tasks(tasks, LocalWorker()), strict=True))
-    return {**done, runs.plane_run(SMALL).name: turned(done[runs.radial_run(SMALL, (SHOWN_LOAD, 10.0)).name])}
+    return {**done, needed["plane"].name: turned(done[radial[SHOWN_LOAD].name])}
 
 
 @pytest.mark.parametrize("name", ["fig1", "fig2", "fig3", "fig4"])
@@ -255,7 +259,9 @@ def test_figures_of_the_front(impacts, name):
     assert name != "fig3" or "0.00%)" in made.caption
 
 
-def test_an_impact_that_gives_up_is_a_failure():
+def test_an_impact_that_gives_up_is_a_failure(monkeypatch):
+    """Which impact does so is tested with the loop."""
+    monkeypatch.setattr(ertel, "simulate", lambda case: SimpleNamespace(status=Status.FILM_VANISHED))
     [failure] = run_tasks([Task("thin", runs.smooth_impact, (1000, 10, {"nodes": 33}, 0.1))], LocalWorker())
     assert failure == Failure(failure.reason)
     assert failure.reason.startswith("RuntimeError: M = 1000, L = 10: the film vanishes on this grid; ")

@@ -18,9 +18,8 @@ from nicegui.testing import user_simulation
 
 from ertel.apps.browser import form, new_page, pictures, server
 from ertel.apps.browser.folder import Folder
-from ertel.apps.browser.pictures import Picture, Worker
+from ertel.apps.browser.pictures import Picture, Readout, Worker
 from ertel.apps.browser.processes import Phase, Processes
-from ertel.apps.browser.readout import Readout
 from ertel.apps.browser.site import Site, address_of
 from ertel.case.rules import plain_name
 from ertel.runs.directory import CASE
@@ -179,7 +178,7 @@ async def test_a_case_is_run_stopped_and_resumed(user, site):
     user.find(marker="stop").click()
     await until(lambda: one(user, "phase").text == "interrupted")
     await user.should_see("it can be resumed")
-    user.find(marker="resume").click()
+    user.find(marker="start").click()
     await until(lambda: site.processes.status(run).phase is Phase.FINISHED)
     await until(lambda: one(user, "phase").text == "finished")
     await user.should_see("coefficient of restitution")

@@ -1,6 +1,9 @@
 """Arguments and flags that several commands have, with what the tab key completes."""
 
-from collections.abc import Iterator
+import inspect
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, fields, is_dataclass
+from functools import wraps
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -100,20 +103,68 @@ CaseFile = Annotated[Path, path_argument("CASE.toml", "Case file; see examples/.
 OptionalCase = Annotated[
     Path | None, path_argument("CASE.toml", "Case file; without one --set gives the contact.", case_files)
 ]
+Moment = Annotated[str | None, option('A time, "60 us" or a number in t0, or max-approach or end.', "TIME|EVENT")]
 RunDirectory = Annotated[Path, path_argument("DIR", "Directory of a run.", run_directories)]
-Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress and no summary.")]
-ERROR_HELP = "Estimate the error by runs on the half grid, in smaller steps and on a wider domain."
-Estimate = Annotated[bool, typer.Option("--error", help=ERROR_HELP)]
-FLUSH_HELP = "Least time between two writes; default 5 s, and each grid of a steady run. A killed run loses this much."
-Flush = Annotated[float | None, option(FLUSH_HELP, "SECONDS", min=0.0)]
-JOBS_HELP = "Number of processes; default one per core. 1: this process, with all cores."
-Jobs = Annotated[int | None, option(JOBS_HELP, min=1)]
-SCHEDULER_HELP = "Use the workers of a running dask scheduler. Who reaches it can run programs as you."
-Scheduler = Annotated[str | None, option(SCHEDULER_HELP, "ADDRESS")]
-SchedulerFile = Annotated[Path | None, path_option("The same, by the file that the scheduler wrote.", "FILE")]
-Tls = Annotated[
-    Path | None, path_option("PEM file with certificate, key and authority, for a scheduler at tls://.", "FILE")
-]
 SET_HELP = "Replace a value of the case, e.g. solver.nodes=129."
 Set = Annotated[list[str] | None, option(SET_HELP, "KEY=VALUE", settings, "--set")]
+Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress and no summary.")]
+
+# -- options that belong together -------------------------------------------------------------------------------------
+
+
+def grouped(command: Callable[..., None]) -> Callable[..., None]:
+    """A command for typer: the fields of every parameter that is a dataclass are options of their own."""
+    signature = inspect.signature(command)
+    groups: dict[str, Any] = {
+        name: each.annotation for name, each in signature.parameters.items() if is_dataclass(each.annotation)
+    }
+    named = inspect.Parameter.KEYWORD_ONLY
+    parameters = [each.replace(kind=named) for name, each in signature.parameters.items() if name not in groups]
+    for group in groups.values():
+        parameters += [inspect.Parameter(f.name, named, default=f.default, annotation=f.type) for f in fields(group)]
+
+    @wraps(command)
+    def called(**given: Any) -> None:
+        made = {name: group(**{f.name: given.pop(f.name) for f in fields(group)}) for name, group in groups.items()}
+        command(**given, **made)
+
+    called.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+    return called
+
+
+@dataclass(frozen=True)
+class Report:
+    """How a command reports what it has done."""
+
+    as_json: Json = False
+    quiet: Quiet = False
+
+
+ERROR_HELP = "Estimate the error by runs on the half grid, in smaller steps and on a wider domain."
+FLUSH_HELP = "Least time between two writes; default 5 s, and each grid of a steady run. A killed run loses this much."
+
+
+@dataclass(frozen=True)
+class RunOptions(Report):
+    """The options of a run: its report, whether its error is estimated, and seconds between flushes."""
+
+    error: Annotated[bool, typer.Option("--error", help=ERROR_HELP)] = False
+    flush: Annotated[float | None, option(FLUSH_HELP, "SECONDS", min=0.0)] = None
+
+
+JOBS_HELP = "Number of processes; default one per core. 1: this process, with all cores."
+SCHEDULER_HELP = "Use the workers of a running dask scheduler. Who reaches it can run programs as you."
+TLS_HELP = "PEM file with certificate, key and authority, for a scheduler at tls://."
+
+
+@dataclass(frozen=True)
+class EngineOptions:
+    """The processes that do the runs of a study, see `runs.tasks.Engine`."""
+
+    jobs: Annotated[int | None, option(JOBS_HELP, min=1)] = None
+    scheduler: Annotated[str | None, option(SCHEDULER_HELP, "ADDRESS")] = None
+    scheduler_file: Annotated[Path | None, path_option("The same, by the file that the scheduler wrote.", "FILE")] = (
+        None
+    )
+    tls: Annotated[Path | None, path_option(TLS_HELP, "FILE")] = None

@@ -16,18 +16,15 @@ import typer
 from ertel.apps import cases, looking, process
 from ertel.apps.arguments import (
     CaseFile,
-    Estimate,
-    Flush,
-    Jobs,
-    Json,
+    EngineOptions,
     PlotCommand,
     Quiet,
+    Report,
     RunDirectory,
-    Scheduler,
-    SchedulerFile,
+    RunOptions,
     Set,
-    Tls,
     case_files,
+    grouped,
     option,
     path_argument,
     path_option,
@@ -73,17 +70,15 @@ def _options(
 
 
 @app.command()
+@grouped
 def run(
     case_file: CaseFile,
+    options: RunOptions,
     out: Annotated[Path | None, path_option("New directory for the run; default runs/NAME.")] = None,
     set_: Set = None,
     after: Annotated[
         Path | None, path_option("Rolling: the run whose track this one follows; what it leaves behind is the layer.")
     ] = None,
-    as_json: Json = False,
-    error: Estimate = False,
-    quiet: Quiet = False,
-    flush: Flush = None,
     help_keys: Annotated[
         bool,
         typer.Option("--help-keys", is_eager=True, callback=cases.print_keys, help="Print all keys of case files."),
@@ -96,39 +91,38 @@ def run(
     case = load_case(case_file, [*(set_ or []), *cases.on_track_of(after)])
 
     def before_compiling() -> None:
-        if not quiet:
+        if not options.quiet:
             say("The run is done; compiling faster programs for later runs, which Ctrl-C ends")
 
     with jax_prepared(case, before_compiling):
         from ertel.apps import running  # while programs are loaded
 
-        running.run(case, out, running.RunOptions(as_json, error, quiet, flush))
+        running.run(case, out, options)
 
 
 @app.command()
-def resume(
-    directory: RunDirectory, as_json: Json = False, error: Estimate = False, quiet: Quiet = False, flush: Flush = None
-) -> None:
+@grouped
+def resume(directory: RunDirectory, options: RunOptions) -> None:
     """Continue an interrupted run.
 
     Of a finished run the summary is printed; with --error its error is estimated. No step is computed twice.
     """
     from ertel.apps import running
 
-    running.resume(directory, running.RunOptions(as_json, error, quiet, flush))
+    running.resume(directory, options)
 
 
 @app.command()
+@grouped
 def traction(
     case_file: CaseFile,
+    report: Report,
     slide_to_roll: Annotated[str | None, values_option("slide-to-roll ratio", "0:0.5:15")] = None,
     mean_speed: Annotated[str | None, values_option("mean speed", "0.1 m/s:10 m/s:12:log")] = None,
     load: Annotated[str | None, values_option("load", "10 N:100 N:5")] = None,
     film: Annotated[str | None, option("Solve the film at each point, or once.", "each|once")] = None,
     set_: Set = None,
     out: Annotated[Path | None, path_option("Directory of the curve; default traction/NAME.")] = None,
-    as_json: Json = False,
-    quiet: Quiet = False,
 ) -> None:
     """Compute a traction curve: the friction of a steady contact against slide-to-roll ratio, speed or load.
 
@@ -147,21 +141,18 @@ def traction(
     case = load_case(case_file, set_ or [])
     given = {"slide_to_roll": slide_to_roll, "mean_speed": mean_speed, "load": load}
     name = case.name or case.kind
-    studies.traction(case, given, film, out or Path("traction").absolute() / name, as_json, quiet)
+    studies.traction(case, given, film, out or Path("traction").absolute() / name, report)
 
 
 @app.command()
+@grouped
 def sweep(
     study_file: Annotated[Path, path_argument("SWEEP.toml", "Case file with lists or ranges of values.", case_files)],
+    engine: EngineOptions,
+    report: Report,
     out: Annotated[Path | None, path_option("Directory of the study; default sweeps/NAME.")] = None,
     set_: Set = None,
-    jobs: Jobs = None,
-    scheduler: Scheduler = None,
-    scheduler_file: SchedulerFile = None,
-    tls: Tls = None,
     part: Annotated[str | None, option(PART_HELP, "I/N")] = None,
-    as_json: Json = False,
-    quiet: Quiet = False,
 ) -> None:
     """Run a parameter study: all combinations of the values in a case file that are lists or ranges.
 
@@ -175,25 +166,21 @@ def sweep(
     from ertel.apps import studies
     from ertel.inputs.studies import load_study
 
-    engine = studies.Engine(jobs, scheduler, scheduler_file, tls)
     chosen = studies.part_of(part)
     study = load_study(study_file, set_ or [])
-    studies.sweep(study, out or Path("sweeps").absolute() / study.name, engine, chosen, as_json, quiet)
+    studies.sweep(study, out or Path("sweeps").absolute() / study.name, studies.Engine(**vars(engine)), chosen, report)
 
 
 @app.command()
+@grouped
 def converge(
     case_file: CaseFile,
+    engine: EngineOptions,
+    report: Report,
     grids: Annotated[int, option("Number of grids, 3 to 6; the finest is that of the case.")] = 3,
     along: Annotated[Literal["grid", "time"], option("Refine grid and time steps, or time steps alone.")] = "grid",
     out: Annotated[Path | None, path_option("Directory of the series; default convergence/NAME.")] = None,
     set_: Set = None,
-    jobs: Jobs = None,
-    scheduler: Scheduler = None,
-    scheduler_file: SchedulerFile = None,
-    tls: Tls = None,
-    as_json: Json = False,
-    quiet: Quiet = False,
 ) -> None:
     """Run a case on several grids: the observed order of its numbers, extrapolated values and errors.
 
@@ -208,25 +195,21 @@ def converge(
     from ertel.inputs.case_files import load_case
     from ertel.inputs.studies import convergence_series
 
-    engine = studies.Engine(jobs, scheduler, scheduler_file, tls)
     series = convergence_series(load_case(case_file, set_ or []), grids, along)
     place = out or Path("convergence").absolute() / series.name
-    studies.sweep(series, place, engine, studies.part_of(None), as_json, quiet)
+    studies.sweep(series, place, studies.Engine(**vars(engine)), studies.part_of(None), report)
 
 
 @app.command()
+@grouped
 def fit(
     fit_file: Annotated[
         Path, path_argument("FIT.toml", "Case, unknowns and measurements; see examples/fits.", case_files)
     ],
+    engine: EngineOptions,
+    report: Report,
     out: Annotated[Path | None, path_option("Directory of the fit; default fits/NAME.")] = None,
     set_: Set = None,
-    jobs: Jobs = None,
-    scheduler: Scheduler = None,
-    scheduler_file: SchedulerFile = None,
-    tls: Tls = None,
-    as_json: Json = False,
-    quiet: Quiet = False,
 ) -> None:
     """Find the numbers of a case that explain what was measured: of an oil, a load, a speed, a layer.
 
@@ -240,9 +223,8 @@ def fit(
     from ertel.apps import studies
     from ertel.runs.fit import load_fit_problem
 
-    engine = studies.Engine(jobs, scheduler, scheduler_file, tls)
     problem = load_fit_problem(fit_file, set_ or [])
-    studies.fit(problem, out or Path("fits").absolute() / fit_file.stem, engine, as_json, quiet)
+    studies.fit(problem, out or Path("fits").absolute() / fit_file.stem, studies.Engine(**vars(engine)), report)
 
 
 @app.command("warm-up")
@@ -268,14 +250,12 @@ def warm_up(
 
 
 @app.command()
+@grouped
 def paper(
+    engine: EngineOptions,
     figure: Annotated[str, typer.Argument(metavar="all|fig1|fig2|...", help="Figure to reproduce.")] = "all",
     quick: Annotated[bool, typer.Option("--quick", help="Use coarse grids: seven minutes on one core.")] = False,
     out: Annotated[Path, path_option("Directory for the page; results kept in it are used again.")] = Path("paper"),
-    jobs: Jobs = None,
-    scheduler: Scheduler = None,
-    scheduler_file: SchedulerFile = None,
-    tls: Tls = None,
     quiet: Quiet = False,
 ) -> None:
     """Reproduce the figures of the paper, with their data, on one page.
@@ -284,7 +264,7 @@ def paper(
     """
     from ertel.apps import studies
 
-    studies.paper(figure, quick, out, studies.Engine(jobs, scheduler, scheduler_file, tls), quiet)
+    studies.paper(figure, quick, out, studies.Engine(**vars(engine)), quiet)
 
 
 for command in (

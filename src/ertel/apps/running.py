@@ -2,13 +2,13 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import xarray as xr
 
 from ertel.apps import tables
+from ertel.apps.arguments import RunOptions
 from ertel.apps.process import Stop, interruptible
 from ertel.apps.terminal import BAD_INPUT, FAILED, bad_input, in_shell, leave, print_json, say, shown, writing_to
 from ertel.case.case import Case
@@ -22,17 +22,6 @@ from ertel.runs.directory import CASE, Taken
 from ertel.runs.drive import Recorder, Run, bars, drive, run_of, watch
 from ertel.runs.files import StoreError
 from ertel.runs.store import RunStore
-
-
-@dataclass(frozen=True)
-class RunOptions:
-    """The options of a run: its report as JSON, its error, or nothing printed; seconds between flushes."""
-
-    as_json: bool = False
-    error: bool = False
-    quiet: bool = False
-    flush: float | None = None
-
 
 # -- commands ---------------------------------------------------------------------------------------------------------
 

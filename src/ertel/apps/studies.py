@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ertel.apps import running, tables
+from ertel.apps.arguments import Report
 from ertel.apps.process import Interrupted, deferred, interruptible
 from ertel.apps.terminal import FAILED, bad_input, in_shell, leave, print_json, print_path, say, shown, writing_to
 from ertel.case.case import Case
@@ -13,6 +14,7 @@ from ertel.case.definition import newtonian_stress
 from ertel.case.records import ConfigError
 from ertel.case.status import Status
 from ertel.inputs.studies import Study
+from ertel.results.numbers import aligned
 from ertel.results.study_result import StudyResult
 from ertel.runs import fit as fits
 from ertel.runs import studies as stored
@@ -36,24 +38,24 @@ def part_of(text: str | None) -> stored.Part:
     raise ConfigError(f"--part {text}: must be I/N with I from 1 to N, for example 2/8")
 
 
-def sweep(study: Study, directory: Path, engine: Engine, part: stored.Part, as_json: bool, quiet: bool) -> None:
+def sweep(study: Study, directory: Path, engine: Engine, part: stored.Part, options: Report) -> None:
     """Do what is left of a study, write and print what all its runs say."""
     stored.require_place(directory, study.purpose, "--out")
     prepare_jax()
     left = stored.left_of(study.cases, directory, part)
-    if not quiet:
+    if not options.quiet:
         in_part = "" if part == stored.EVERY else f" in part {part[0]} of {part[1]}"
         say(f"{len(study.cases)} runs, {len(left)} of them to do{in_part}")
     with interruptible(GOES_ON) as stop, ExitStack() as stack:
         workers = stack.enter_context(engine.workers(len(left)))
         stack.enter_context(stored.alone(directory) if part == stored.EVERY else heeding_stop(directory))
         with writing_to(directory, GOES_ON):
-            statuses = stored.run_study(study.cases, directory, workers, part, stop, not quiet)
+            statuses = stored.run_study(study.cases, directory, workers, part, stop, not options.quiet)
             result = stored.gather(study, directory, statuses)
             if part == stored.EVERY:
                 stored.write_study(result, directory, study.purpose)
     if part == stored.EVERY:
-        _report(result, directory, study.purpose, as_json, quiet)
+        _report(result, directory, study.purpose, options)
     if stop.code or len(statuses) < len(left) or Status.INTERRUPTED.value in statuses.values():
         stop.leave()
     failed = [name for name in result.failed if part == stored.EVERY or Path(name).name in statuses]
@@ -63,18 +65,16 @@ def sweep(study: Study, directory: Path, engine: Engine, part: stored.Part, as_j
         leave(FAILED, f"{len(failed)} of {result.dataset['status'].size} runs failed: {named}; {advice}")
 
 
-def traction(
-    case: Case, given: Mapping[str, str | None], film: str | None, directory: Path, as_json: bool, quiet: bool
-) -> None:
+def traction(case: Case, given: Mapping[str, str | None], film: str | None, directory: Path, options: Report) -> None:
     """Compute what is left of a traction curve, write and print it."""
     curve = curves.curve_of(case, given, film)
     stored.require_place(directory, curves.NAME, "--out")
-    if not quiet:
+    if not options.quiet:
         running.say_before(max(curve.cases, key=newtonian_stress))
     prepare_jax()
     with running.within_memory(case), interruptible(GOES_ON) as stop, writing_to(directory, GOES_ON):
-        result = curves.store_curve(curve, directory, not quiet, stop)
-    _report(result, directory, curves.NAME, as_json, quiet)
+        result = curves.store_curve(curve, directory, not options.quiet, stop)
+    _report(result, directory, curves.NAME, options)
     if not result.complete:
         stop.leave()
     if result.failed:
@@ -82,28 +82,28 @@ def traction(
         leave(FAILED, f"failed: the film did not converge at {result.axis} = {values}; the other points are there")
 
 
-def fit(problem: fits.FitProblem, directory: Path, engine: Engine, as_json: bool, quiet: bool) -> None:
+def fit(problem: fits.FitProblem, directory: Path, engine: Engine, options: Report) -> None:
     """Do what is left of a fit, write and print it."""
     stored.require_place(directory, fits.NAME, "--out")
     prepare_jax()
     with interruptible(GOES_ON) as stop, writing_to(directory, GOES_ON):
         try:
-            result = fits.store_fit(problem, directory, engine, stop, not quiet)
+            result = fits.store_fit(problem, directory, engine, stop, not options.quiet)
         except fits.StoppedFit:
             stop.leave()
         except fits.FitError as error:
             leave(FAILED, str(error))
-    _report(result, directory, fits.NAME, as_json, quiet)
+    _report(result, directory, fits.NAME, options)
 
 
-def _report(result: StudyResult, directory: Path, name: str, as_json: bool, quiet: bool) -> None:
+def _report(result: StudyResult, directory: Path, name: str, options: Report) -> None:
     """Print a study in the form that the user asked for.  name: of its files."""
-    if as_json:
+    if options.as_json:
         print_json(result.as_data())
-    elif not quiet:
+    elif not options.quiet:
         out = tables.console()
         out.print(result.heading, style="bold")
-        for line in result.table_lines():
+        for line in aligned(result.table()):
             out.print(line)
         for remark in result.remarks:
             out.say(remark, style="yellow" if remark.startswith("warning") else None)

@@ -18,7 +18,6 @@ from pandas import DataFrame
 from scipy.optimize import least_squares
 
 from ertel import amplitude_reduction, formulas, fronts, plots
-from ertel.apps.boundary_layers import runs
 from ertel.apps.boundary_layers.pages import Drawn, new_figure, texts
 from ertel.apps.boundary_layers.plans import Plan
 from ertel.apps.boundary_layers.reduction import (
@@ -28,6 +27,7 @@ from ertel.apps.boundary_layers.reduction import (
     WAVE,
     Curve,
     Mark,
+    Results,
     draw_curves,
     draw_fit,
     impact_mark,
@@ -35,8 +35,7 @@ from ertel.apps.boundary_layers.reduction import (
     rolling_mark,
     scatter_cells,
 )
-from ertel.apps.boundary_layers.runs import HEIGHT, LAYERS, OILS, USUAL, Results, found, listed, wave_name
-from ertel.runs.tasks import Task
+from ertel.apps.boundary_layers.runs import HEIGHT, LAYERS, OILS, USUAL, wave_name
 
 CURVES: Mapping[str, Curve] = {
     "(15), isotropic": amplitude_reduction.ratio_left,
@@ -60,14 +59,9 @@ def _draw_marks(axes: Axes, marks: DataFrame, styles: Mapping[str, tuple[str, st
 # -- Fig. 7 -----------------------------------------------------------------------------------------------------------
 
 
-def shape_tasks(plan: Plan) -> list[Task]:
-    """The runs of Fig. 7."""
-    return listed(runs.shape_runs(plan), runs.straight_runs(plan))
-
-
 def impacts_on_shapes(results: Results, plan: Plan) -> Iterator[Mark]:
     """The ratios in impacts; those of longitudinal waves are of transverse waves where the front runs along them."""
-    for case, grids in found(results, runs.shape_runs(plan)).items():
+    for case, grids in results["impacts"].items():
         for wavelength in plan.shaped[case]:
             across = last_wave("transverse", case, "transverse", wavelength, grids)
             yield across
@@ -82,7 +76,7 @@ def other_waves(results: Results, plan: Plan) -> Drawn:
     impacts = DataFrame(impacts_on_shapes(results, plan))
     rolled = DataFrame(
         rolling_mark(kind, (M, L), wavelength, [float(np.ravel(value)[0]) for value in values])
-        for (kind, M, L, wavelength), values in found(results, runs.straight_runs(plan)).items()
+        for (kind, M, L, wavelength), values in results["rolling"].items()
     )
     grids, rolling = plan.beyond_grids, plan.straight_grids
     figure, panels = new_figure(1, 2)
@@ -122,16 +116,11 @@ def _scatter_rows(impacts: DataFrame, rolled: DataFrame) -> Iterator[dict[str, s
 # -- Fig. 8 -----------------------------------------------------------------------------------------------------------
 
 
-def oil_tasks(plan: Plan) -> list[Task]:
-    """The runs of Fig. 8."""
-    return listed(runs.oil_runs(plan))
-
-
-def other_oils(results: Results, plan: Plan) -> Drawn:
+def other_oils(results: Mapping[Any, Any], plan: Plan) -> Drawn:
     """Fig. 8: A_d/A_i of isotropic waviness in impacts with other oils; right: compared with the usual oil."""
     marks = DataFrame(
         last_wave(oil, case, "isotropic", wavelength, grids)
-        for (oil, case, wavelengths), grids in found(results, runs.oil_runs(plan)).items()
+        for (oil, case, wavelengths), grids in results.items()
         for wavelength in wavelengths
     )
     usual, others = marks[marks["kind"] == USUAL], marks[marks["kind"] != USUAL]
@@ -175,16 +164,11 @@ def _draw_oils(marks: DataFrame, pairs: DataFrame) -> Figure:
 # -- Fig. 9 -----------------------------------------------------------------------------------------------------------
 
 
-def starved_tasks(plan: Plan) -> list[Task]:
-    """The contacts of Fig. 9."""
-    return listed(runs.starved_runs(plan))
-
-
-def starved(results: Results, plan: Plan) -> Drawn:
+def starved(results: Mapping[Any, Any], plan: Plan) -> Drawn:
     """Fig. 9."""
     shares = DataFrame(
         {"contact": kind, "M": M, "L": L, "r": r, "R": fine, "coarse grid": coarse, "change": fine - coarse}
-        for (kind, M, L), grids in found(results, runs.starved_runs(plan)).items()
+        for (kind, M, L), grids in results.items()
         for r, coarse, fine in zip(LAYERS, *grids, strict=True)
     )
     fits = DataFrame({"contact": kind, **_fit(shares[shares["contact"] == kind])} for kind in plan.starved)

@@ -14,10 +14,9 @@ from string import Template
 from typing import Any
 
 import ertel
-from ertel.apps.boundary_layers import beyond, front, reduction
+from ertel.apps.boundary_layers import beyond, front, reduction, runs
 from ertel.apps.boundary_layers.pages import Drawn, save
 from ertel.apps.boundary_layers.plans import FULL, QUICK, Plan
-from ertel.apps.boundary_layers.runs import Results
 from ertel.runs.tasks import Failure, Task, kept, run_tasks
 from ertel.runs.workers import Workers
 
@@ -33,23 +32,23 @@ PAGE = files("ertel.apps.boundary_layers") / "page.html"
 
 @dataclass(frozen=True)
 class PaperFigure:
-    """One figure.  tasks: the runs that it needs; draw: the figure from their results, task name -> result."""
+    """One figure.  runs: what it needs, see `runs`; draw: the figure from the same with results in place of tasks."""
 
     title: str
-    tasks: Callable[[Plan], list[Task]]
-    draw: Callable[[Results, Plan], Drawn]
+    runs: Callable[[Plan], Any]
+    draw: Callable[[Any, Plan], Drawn]
 
 
 FIGURES: Mapping[str, PaperFigure] = {
-    "fig1": PaperFigure("Fig. 1  The dry impact", front.radial_tasks, front.dry_impact),
-    "fig2": PaperFigure("Fig. 2  Speed of the front", front.smooth_tasks, front.front_speed),
-    "fig3": PaperFigure("Fig. 3  Film at maximum impact", front.smooth_tasks, front.film_and_speed),
-    "fig4": PaperFigure("Fig. 4  Film behind the front", front.radial_tasks, front.film_predicted),
-    "fig5": PaperFigure("Fig. 5  Waves in an impact", reduction.wave_tasks, reduction.deformed_waves),
-    "fig6": PaperFigure("Fig. 6  Amplitude reduction in impact and rolling", reduction.tasks, reduction.reduction),
-    "fig7": PaperFigure("Beyond the paper: Fig. 7  Waves of other shapes", beyond.shape_tasks, beyond.other_waves),
-    "fig8": PaperFigure("Beyond the paper: Fig. 8  Other lubricants", beyond.oil_tasks, beyond.other_oils),
-    "fig9": PaperFigure("Beyond the paper: Fig. 9  Starved films", beyond.starved_tasks, beyond.starved),
+    "fig1": PaperFigure("Fig. 1  The dry impact", runs.radial_runs, front.dry_impact),
+    "fig2": PaperFigure("Fig. 2  Speed of the front", runs.smooth_runs, front.front_speed),
+    "fig3": PaperFigure("Fig. 3  Film at maximum impact", runs.smooth_runs, front.film_and_speed),
+    "fig4": PaperFigure("Fig. 4  Film behind the front", runs.radial_runs, front.film_predicted),
+    "fig5": PaperFigure("Fig. 5  Waves in an impact", runs.wave_runs, reduction.deformed_waves),
+    "fig6": PaperFigure("Fig. 6  Amplitude reduction in impact and rolling", runs.reduction_runs, reduction.reduction),
+    "fig7": PaperFigure("Beyond the paper: Fig. 7  Waves of other shapes", runs.shape_runs, beyond.other_waves),
+    "fig8": PaperFigure("Beyond the paper: Fig. 8  Other lubricants", runs.oil_runs, beyond.other_oils),
+    "fig9": PaperFigure("Beyond the paper: Fig. 9  Starved films", runs.starved_runs, beyond.starved),
 }
 
 
@@ -62,7 +61,7 @@ def names_of(figure: str) -> list[str]:
 
 def tasks_of(names: Sequence[str], plan: Plan) -> list[Task]:
     """All runs that the figures need, each once."""
-    return list({task.name: task for name in names for task in FIGURES[name].tasks(plan)}.values())
+    return list({task.name: task for name in names for task in runs.tasks_in(FIGURES[name].runs(plan))}.values())
 
 
 def expected(names: Sequence[str], quick: bool, directory: Path, jobs: int) -> tuple[int, int, float]:
@@ -90,12 +89,13 @@ def make(
     missing, sections = {}, []
     for name in names:
         figure = FIGURES[name]
-        inputs = {task.name: results[task.name] for task in figure.tasks(plan)}
-        if failures := [result.reason for result in inputs.values() if isinstance(result, Failure)]:
+        needed = figure.runs(plan)
+        done = [results[task.name] for task in runs.tasks_in(needed)]
+        if failures := [result.reason for result in done if isinstance(result, Failure)]:
             missing[name] = "; ".join(failures)
             content = f'<p class="failed">Not made: {escape(missing[name])}</p>'
         else:
-            content = save(figure.draw(inputs, plan), name, figure.title, directory)
+            content = save(figure.draw(runs.in_place(needed, results), plan), name, figure.title, directory)
         sections.append(f"<section>\n<h2>{escape(figure.title)}</h2>\n{content}\n</section>")
     remarks = f"<p>{escape(f'ertel {ertel.__version__}, {plan.resolution}.  {SETTINGS}')}</p>"
     template = Template(PAGE.read_text(encoding="utf-8"))

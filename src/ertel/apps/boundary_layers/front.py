@@ -1,6 +1,7 @@
 """Figures 1 to 4 of the paper: the dry impact, the speed of the front in a lubricated one, and the film behind it."""
 
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -11,8 +12,6 @@ from ertel import Parameters, fronts, hertz, plots
 from ertel.apps.boundary_layers.pages import Drawn, new_figure, side_by_side
 from ertel.apps.boundary_layers.plans import LOADS, SHOWN_LOAD, L, Plan
 from ertel.apps.boundary_layers.reduction import FORMED, Values
-from ertel.apps.boundary_layers.runs import Results, plane_run, radial_run
-from ertel.runs.tasks import Task
 
 Curve = tuple[Values, str, str]  # values, colour and style of a line
 
@@ -28,25 +27,10 @@ INNER, OUTER = 0.75, 0.95  # a*: where the film follows the speed of the front
 FITTED_ON = np.linspace(INNER, OUTER, 81)
 
 
-def radial_tasks(plan: Plan) -> list[Task]:
-    """The smooth impacts by the radial method."""
-    return [radial_run(plan, (M, L)) for M in LOADS]
-
-
-def smooth_tasks(plan: Plan) -> list[Task]:
-    """The smooth impacts by the radial method, and the one by the 2-D method."""
-    return [*radial_tasks(plan), plane_run(plan)]
-
-
-def _impacts(results: Results, plan: Plan) -> dict[int, xr.Dataset]:
-    """M -> smooth impact by the radial method."""
-    return {M: results[radial_run(plan, (M, L)).name] for M in LOADS}
-
-
 # -- Fig. 1 -----------------------------------------------------------------------------------------------------------
 
 
-def dry_impact(results: Results, plan: Plan) -> Drawn:
+def dry_impact(results: Mapping[str, Any], plan: Plan) -> Drawn:
     """Fig. 1: contact radius of the dry impact and its rate, exact and by the asymptotes; t* fitted to them."""
     T = np.linspace(-hertz.HALF_CONTACT_TIME, hertz.HALF_CONTACT_TIME, 1201)
     exact = hertz.contact_radius(T + hertz.HALF_CONTACT_TIME)
@@ -69,7 +53,7 @@ def dry_impact(results: Results, plan: Plan) -> Drawn:
     largest = "largest error of a/a* where a > a*/2"
     bases = [
         {"M": str(M), **{f"front by {name}": f"{2 * _half_base(run, by):.3f}" for by, name in FRONTS.items()}}
-        for M, run in _impacts(results, plan).items()
+        for M, run in results["radial"].items()
     ]
     tables = {
         "Errors of the laws": DataFrame({"law": name, largest: f"{error:.4f}"} for name, error in errors.items()),
@@ -104,11 +88,11 @@ def _half_base(run: xr.Dataset, by: fronts.FrontDefinition) -> float:
 Fronts = Mapping[int, Mapping[fronts.FrontDefinition, fronts.Front]]  # M, definition -> front
 
 
-def front_speed(results: Results, plan: Plan) -> Drawn:
+def front_speed(results: Mapping[str, Any], plan: Plan) -> Drawn:
     """Fig. 2: speed of the front in the lubricated impact for six M, by three definitions of the front."""
-    all_fronts: Fronts = {M: {by: fronts.front(run, by) for by in FRONTS} for M, run in _impacts(results, plan).items()}
+    all_fronts: Fronts = {M: {by: fronts.front(run, by) for by in FRONTS} for M, run in results["radial"].items()}
     figure, (left, right) = new_figure(1, 2)
-    _draw_speed(left, all_fronts, fronts.front(results[plane_run(plan).name]))
+    _draw_speed(left, all_fronts, fronts.front(results["plane"]))
     _draw_share(right, all_fronts)
     caption = (
         f"Speed of the front for M = {LOADS[0]} to {LOADS[-1]}, L = {L:g}, up to maximum approach.  Left: front "
@@ -179,10 +163,10 @@ def _shades() -> Values:
 # -- Fig. 3 -----------------------------------------------------------------------------------------------------------
 
 
-def film_and_speed(results: Results, plan: Plan) -> Drawn:
+def film_and_speed(results: Mapping[str, Any], plan: Plan) -> Drawn:
     """Fig. 3: film at maximum impact for one M, by both methods, and C v^0.67."""
-    radial = _impacts(results, plan)[SHOWN_LOAD]
-    plane = fronts.at_max_approach(results[plane_run(plan).name])["H"].sel(Y=0.0, method="nearest")
+    radial = results["radial"][SHOWN_LOAD]
+    plane = fronts.at_max_approach(results["plane"])["H"].sel(Y=0.0, method="nearest")
     X, H = _profile(radial)
     dry = hertz.parabola_front_speed_at(np.where((X > 0) & (X < 1), X, np.nan))
     computed, by_parabola = (_fitted(X, H, speed) for speed in (fronts.front(radial).speed_at(X), dry))
@@ -228,9 +212,9 @@ def _fitted(X: Values, H: Values, speed: Values) -> Values:
 # -- Fig. 4 -----------------------------------------------------------------------------------------------------------
 
 
-def film_predicted(results: Results, plan: Plan) -> Drawn:
+def film_predicted(results: Mapping[str, Any], plan: Plan) -> Drawn:
     """Fig. 4: film behind the front for six M, C v^0.67, and the film that a steady formula predicts."""
-    impacts = _impacts(results, plan)
+    impacts = results["radial"]
     figure, panels = new_figure(2, 3)
     columns: dict[str, Values] = {}
     for (M, run), axes in zip(impacts.items(), panels, strict=True):

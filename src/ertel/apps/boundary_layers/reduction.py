@@ -22,12 +22,12 @@ from ertel import Parameters, amplitude_reduction, fronts, hertz, plots, waves
 from ertel.apps.boundary_layers import runs
 from ertel.apps.boundary_layers.pages import Drawn, new_figure, texts
 from ertel.apps.boundary_layers.plans import Moes, Plan
-from ertel.apps.boundary_layers.runs import HEIGHT, Results, found, wave_name
-from ertel.runs.tasks import Task
+from ertel.apps.boundary_layers.runs import HEIGHT, wave_name
 
 Values = NDArray[np.float64]
 Curve = Callable[[ArrayLike], Values]  # A_d/A_i of nabla2
 Mark = dict[str, Any]  # a row of a table of ratios
+Results = Mapping[str, Any]  # of the runs of a figure
 
 
 LINE_CONTACT: Mapping[str, Curve] = {
@@ -152,17 +152,12 @@ def scatter_cells(marks: DataFrame, parameter: str, curves: Mapping[str, Curve])
 # -- Fig. 5 -----------------------------------------------------------------------------------------------------------
 
 
-def wave_tasks(plan: Plan) -> list[Task]:
-    """The runs of Fig. 5: each M, L smooth by the radial method, and with the waves on both grids."""
-    return [runs.radial_run(plan, case) for case in plan.impacts] + runs.listed(runs.wave_runs(plan))
-
-
 def deformed_waves(results: Results, plan: Plan) -> Drawn:
     """Fig. 5: dH(X, 0)/A_i at maximum impact, inside and outside the contact."""
     (M, L), nodes = plan.shown, plan.impact_grids[1]
     wavelengths = plan.impacts[M, L]
-    fine = results[runs.wave_runs(plan)[M, L][1].name]
-    edge = float(fronts.front(results[runs.radial_run(plan, (M, L)).name]).A[-1])
+    _, fine = results["waves"][M, L]
+    edge = float(fronts.front(results["smooth"][M, L]).A[-1])
     figure, panels = new_figure(len(wavelengths), 1)
     figure.set_size_inches(8.0, 2.4 * len(wavelengths))
     columns, rows = {"X": fine["X"].values, "H": fine["H"].values}, []
@@ -194,15 +189,10 @@ def deformed_waves(results: Results, plan: Plan) -> Drawn:
 # -- Fig. 6 -----------------------------------------------------------------------------------------------------------
 
 
-def tasks(plan: Plan) -> list[Task]:
-    """The runs of Fig. 6."""
-    return wave_tasks(plan) + runs.listed(runs.check_runs(plan), runs.rolling_runs(plan), runs.twin_runs(plan))
-
-
 def _impacts(results: Results, plan: Plan) -> Iterator[Mark]:
     """Each complete wave inside the contact, from the centre outwards, with nabla2 by other speeds of the front."""
-    for case, grids in found(results, runs.wave_runs(plan)).items():
-        p, run = Parameters.from_moes(*case), results[runs.radial_run(plan, case).name]
+    for case, grids in results["waves"].items():
+        p, run = Parameters.from_moes(*case), results["smooth"][case]
         front, by_pressure = fronts.front(run), fronts.front(run, "half-hertz")
         for wavelength in plan.impacts[case]:
             inside = [waves.waves(*response(grid, "isotropic", wavelength), float(front.A[-1])) for grid in grids]
@@ -216,14 +206,14 @@ def _impacts(results: Results, plan: Plan) -> Iterator[Mark]:
 
 def _rolled(results: Results, plan: Plan) -> Iterator[Mark]:
     """The rolling contacts."""
-    for case, grids in found(results, runs.rolling_runs(plan)).items():
+    for case, grids in results["rolling"].items():
         for wavelength, *ratio in zip(plan.rolling[case], *grids, strict=True):
             yield rolling_mark("rolling", case, wavelength, ratio)
 
 
 def _twins(impacts: DataFrame, results: Results, plan: Plan) -> Iterator[Mark]:
     """The rolling twins, each with the wave of the impact that is nearest to its place."""
-    for (M, L, wavelength, X), ((_, coarse), (nabla2, fine)) in found(results, runs.twin_runs(plan)).items():
+    for (M, L, wavelength, X), ((_, coarse), (nabla2, fine)) in results["twins"].items():
         of_case = impacts[(impacts["M"] == M) & (impacts["L"] == L) & (impacts["wavelength"] == wavelength)]
         nearest = of_case.loc[(of_case["X"] - X).abs().idxmin()].to_dict()
         rolling = {f"rolling_{name}": value for name, value in extrapolated(coarse, fine).items()}
@@ -346,12 +336,12 @@ def _twins_table(twins: DataFrame) -> DataFrame:
 
 def _checks(results: Results, plan: Plan) -> dict[str, DataFrame]:
     """Title -> table of each check."""
-    done = {name: run for name, [run] in found(results, runs.check_runs(plan)).items()}
+    done = {name: run for name, [run] in results["checks"].items()}
     (M, L), nodes = plan.shown, plan.impact_grids[0]
     shortest = plan.impacts[M, L][0]
     by_height = {"0: tangent-linear": _last_ratio(done["linear"], shortest)}
     by_height |= {f"{height:g}": _last_ratio(done["heights"], shortest, height) for height in runs.CHECKED}
-    usual = results[runs.wave_runs(plan)[M, L][0].name]
+    usual = results["waves"][M, L][0]
     steps = [
         {
             "run": f"impact, M = {M:g}, L = {L:g}, wavelength {wavelength:g}, {nodes} nodes",

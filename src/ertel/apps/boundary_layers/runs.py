@@ -1,13 +1,14 @@
 """The runs of the paper's figures: impacts and rolling contacts, smooth, over waves and on layers of oil.
 
-A figure names its runs by what they are about: M and L, an oil, a shape, each with a `Task` for each grid.  It lists
-them before they are done, and finds their results by the same names.  This module imports no matplotlib: every process
-that computes runs imports it.
+The runs of a figure are a `Task`, or a list or a table of runs: by what they are about, M and L, an oil, a shape, and
+then by grids.  It is drawn from the same with the results in place of the tasks.  This module imports no matplotlib:
+every process that computes runs imports it.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import ceil, inf
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -15,11 +16,9 @@ from scipy.interpolate import CubicSpline
 
 import ertel
 from ertel import Case, RingWaviness, Waviness, fronts, parse_case, waves
-from ertel.apps.boundary_layers.plans import SHOWN_LOAD, L, Moes, Plan, Wavelengths
+from ertel.apps.boundary_layers.plans import LOADS, SHOWN_LOAD, L, Moes, Plan, Wavelengths
 from ertel.runs.tasks import Task
 
-Key = TypeVar("Key")
-Results = Mapping[str, Any]  # task name -> result
 Wave = tuple[str, float, float]  # key of SHAPES, height A_i in units of the trapped film, wavelength (a*)
 
 INTERVAL = 0.01  # t0 between maps
@@ -45,14 +44,22 @@ LAYERS = (0.25, 0.5, 0.7, 1.0, 1.5, 2.0, 4.0)  # of oil, over that in the centre
 LAYERS_HALF_WIDTH = 3.0  # a*, of the impacts on layers: the thickest one leaves the edge dry
 
 
-def listed(*runs: Mapping[Any, Sequence[Task]]) -> list[Task]:
+def tasks_in(runs: Any) -> Iterator[Task]:
     """All tasks of some runs."""
-    return [task for each in runs for tasks in each.values() for task in tasks]
+    if isinstance(runs, Task):
+        yield runs
+    else:
+        for each in runs.values() if isinstance(runs, Mapping) else runs:
+            yield from tasks_in(each)
 
 
-def found(results: Results, runs: Mapping[Key, Sequence[Task]]) -> dict[Key, list[Any]]:
-    """The results of some runs, by their names."""
-    return {key: [results[task.name] for task in tasks] for key, tasks in runs.items()}
+def in_place(runs: Any, results: Mapping[str, Any]) -> Any:
+    """The runs with the result of each task in its place.  results: by the names of the tasks."""
+    if isinstance(runs, Task):
+        return results[runs.name]
+    if isinstance(runs, Mapping):
+        return {key: in_place(each, results) for key, each in runs.items()}
+    return [in_place(each, results) for each in runs]
 
 
 # -- impacts ----------------------------------------------------------------------------------------------------------
@@ -72,19 +79,6 @@ def _completed(case: Case, name: str) -> ertel.Result:
     if not result.status.ok:
         raise RuntimeError(f"{name}: {result.status.value}; {result.status.advice}")
     return result
-
-
-def radial_run(plan: Plan, case: Moes) -> Task:
-    """A smooth impact by the radial method."""
-    solver = {"method": "radial", "nodes": plan.radial_nodes, "half_width": 4.0}
-    arguments = float(case[0]), float(case[1]), solver, INTERVAL
-    return Task(f"smooth_{_moes(case)}_{plan.radial_nodes}", smooth_impact, arguments, plan.radial_seconds)
-
-
-def plane_run(plan: Plan) -> Task:
-    """One of the smooth impacts by the 2-D method."""
-    arguments = SHOWN_LOAD, L, {"nodes": plan.plane_nodes, "half_width": plan.plane_half_width}, NO_MAPS
-    return Task(f"smooth_2d_M{SHOWN_LOAD}_{plan.plane_nodes}", smooth_impact, arguments, plan.plane_seconds)
 
 
 def wavy_impact(
@@ -139,75 +133,6 @@ def wavy_impact(
 def wave_name(shape: str, height: float, wavelength: float) -> str:
     """The coordinate of a wave in the result of `wavy_impact`."""
     return f"{shape}, height {height:g}, wavelength {wavelength:g}"
-
-
-def _moes(case: Sequence[float]) -> str:
-    return f"M{case[0]:g}_L{case[1]:g}"
-
-
-def _isotropic(wavelengths: Wavelengths) -> tuple[Wave, ...]:
-    return tuple(("isotropic", HEIGHT, wavelength) for wavelength in wavelengths)
-
-
-def _on_grids(
-    name: str, function: Callable[..., Any], arguments: Sequence[Any], grids: Sequence[int], seconds: float,
-    *options: Any, start: float = 5.0,
-) -> list[Task]:  # fmt: skip
-    """A run on each grid.  seconds: that it takes on 513 nodes after the start (measured, one core)."""
-    return [
-        Task(f"{name}_{nodes}", function, (*arguments, nodes, *options), start + seconds * (nodes / 513) ** 2)
-        for nodes in grids
-    ]
-
-
-def _impacts(name: str, case: Moes, shapes: Sequence[Wave], grids: Sequence[int], *options: Any) -> list[Task]:
-    seconds = 18.0 * (len(shapes) + 1)  # in lockstep with the smooth impact
-    return _on_grids(name, wavy_impact, (*case, tuple(shapes)), grids, seconds, *options)
-
-
-def wave_runs(plan: Plan) -> dict[Moes, list[Task]]:
-    """The impacts over the isotropic waves of Figs. 5 and 6."""
-    return {
-        case: _impacts(f"waves_{_moes(case)}", case, _isotropic(lengths), plan.impact_grids)
-        for case, lengths in plan.impacts.items()
-    }
-
-
-def check_runs(plan: Plan) -> dict[str, list[Task]]:
-    """The checks: other heights of the waves, the tangent-linear response, shorter time steps, and rolling by steps."""
-    case, grids = plan.shown, plan.impact_grids[:1]
-    usual = _isotropic(plan.impacts[case])
-    others = [("isotropic", height, plan.impacts[case][0]) for height in CHECKED]
-    *marched, wavelength, nodes = plan.marched
-    seconds = 5.0 + 190.0 * (nodes / 513) ** 3  # its step is a cell long
-    return {
-        "heights": _impacts("waves_heights", case, others, grids),
-        "linear": _impacts("waves_linear", case, usual[:1], grids, USUAL, True),
-        "steps": _impacts("waves_steps", case, usual, grids, USUAL, False, SHORTER**3),
-        "marched": [Task(f"waves_marched_{grids[0]}", marched_rolling, plan.marched, seconds)],
-        "not marched": _rolling(f"rolling_{_moes(marched)}", marched, (wavelength,), (nodes,)),
-    }
-
-
-def shape_runs(plan: Plan) -> dict[Moes, list[Task]]:
-    """The impacts over the transverse waves and the rings of Fig. 7."""
-    runs = {}
-    for case, lengths in plan.shaped.items():
-        shapes = [(shape, HEIGHT, length) for length in lengths for shape in ("transverse", "rings")]
-        runs[case] = _impacts(f"shapes_{_moes(case)}", case, shapes, plan.beyond_grids)
-    return runs
-
-
-def oil_runs(plan: Plan) -> dict[tuple[str, Moes, Wavelengths], list[Task]]:
-    """The impacts over isotropic waves with the oils of Fig. 8, by oil, M and L, wavelengths."""
-    impacts = [(oil, *impact) for impact in plan.oils.items() for oil in OILS if oil != SOFT]
-    impacts += [(SOFT, (M, 0), lengths) for M, lengths in plan.soft.items()]
-    return {
-        (oil, case, lengths): _impacts(
-            f"{oil.replace(', ', '_')}_{_moes(case)}", case, _isotropic(lengths), plan.beyond_grids, oil
-        )
-        for oil, case, lengths in impacts
-    }
 
 
 # -- rolling contacts -------------------------------------------------------------------------------------------------
@@ -305,46 +230,106 @@ def starved_films(kind: str, M: float, L: float, nodes: int) -> tuple[float, ...
     return tuple(oil_in_centre({"layer": r * flooded}) / flooded for r in LAYERS)
 
 
-def _rolling(name: str, case: Sequence[float], wavelengths: Wavelengths, grids: Sequence[int]) -> list[Task]:
-    seconds = 4.0 + 3.0 * len(wavelengths)
-    return _on_grids(name, rolling_response, (*case, wavelengths), grids, seconds)
+# -- the runs of the figures ------------------------------------------------------------------------------------------
 
 
-def rolling_runs(plan: Plan) -> dict[Moes, list[Task]]:
-    """The rolling contacts over the isotropic waves of Fig. 6."""
+def radial_runs(plan: Plan) -> dict[str, Any]:
+    """Of Figs. 1 and 4: smooth impacts by the radial method, by M."""
+    return {"radial": {M: _radial(plan, (M, L)) for M in LOADS}}
+
+
+def smooth_runs(plan: Plan) -> dict[str, Any]:
+    """Of Figs. 2 and 3: the same, and one by the 2-D method."""
+    solver = {"nodes": plan.plane_nodes, "half_width": plan.plane_half_width}
+    plane = _task(smooth_impact, (SHOWN_LOAD, L, solver, NO_MAPS), plan.plane_seconds)
+    return {**radial_runs(plan), "plane": plane}
+
+
+def wave_runs(plan: Plan) -> dict[str, Any]:
+    """Of Fig. 5: impacts by M and L, smooth by the radial method, and over isotropic waves on both grids."""
+    waves = {case: _impacts(case, _isotropic(lengths), plan.impact_grids) for case, lengths in plan.impacts.items()}
+    return {"smooth": {case: _radial(plan, case) for case in plan.impacts}, "waves": waves}
+
+
+def reduction_runs(plan: Plan) -> dict[str, Any]:
+    """Of Fig. 6: those of Fig. 5, rolling over isotropic waves, the rolling twins of impacts, and the checks."""
+    rolling = {case: _rolling(case, lengths, plan.rolling_grids) for case, lengths in plan.rolling.items()}
+    twins = {twin: _on_grids(rolling_twin, twin, plan.twin_grids, 7.0, start=15.0) for twin in plan.twins}
+    return {**wave_runs(plan), "rolling": rolling, "twins": twins, "checks": _checks(plan)}
+
+
+def _checks(plan: Plan) -> dict[str, list[Task]]:
+    """Other heights of the waves, the tangent-linear response, shorter time steps, and rolling by steps."""
+    case, grids = plan.shown, plan.impact_grids[:1]
+    usual = _isotropic(plan.impacts[case])
+    others = [("isotropic", height, plan.impacts[case][0]) for height in CHECKED]
+    *marched, wavelength, nodes = plan.marched
+    seconds = 5.0 + 190.0 * (nodes / 513) ** 3  # its step is a cell long
     return {
-        case: _rolling(f"rolling_{_moes(case)}", case, lengths, plan.rolling_grids)
-        for case, lengths in plan.rolling.items()
+        "heights": _impacts(case, others, grids),
+        "linear": _impacts(case, usual[:1], grids, USUAL, True),
+        "steps": _impacts(case, usual, grids, USUAL, False, SHORTER**3),
+        "marched": [_task(marched_rolling, plan.marched, seconds)],
+        "not marched": _rolling(marched, (wavelength,), (nodes,)),
     }
 
 
-def twin_runs(plan: Plan) -> dict[tuple[float, float, float, float], list[Task]]:
-    """The rolling twins of impacts, by M, L, wavelength and place."""
-    runs = {}
-    for twin in plan.twins:
-        name = "twin_{}_{:g}_at_{:g}".format(_moes(twin), *twin[2:])
-        runs[twin] = _on_grids(name, rolling_twin, twin, plan.twin_grids, 7.0, start=15.0)
-    return runs
+def shape_runs(plan: Plan) -> dict[str, Any]:
+    """Of Fig. 7: impacts over transverse waves and rings, rolling over straight waves by shape, M, L and wavelength."""
+    impacts, rolling, grids = {}, {}, plan.straight_grids
+    for case, lengths in plan.shaped.items():
+        shapes = [(shape, HEIGHT, length) for length in lengths for shape in ("transverse", "rings")]
+        impacts[case] = _impacts(case, shapes, plan.beyond_grids)
+    for *contact, length in plan.straight:
+        rolling["transverse", *contact, length] = _on_grids(rolling_response, (*contact, (length,)), grids, 7.0, inf)
+        rolling["longitudinal", *contact, length] = _on_grids(ridged_rolling, (*contact, length), grids, 7.0)
+    return {"impacts": impacts, "rolling": rolling}
 
 
-def straight_runs(plan: Plan) -> dict[tuple[Any, ...], list[Task]]:
-    """The rolling contacts over the transverse waves and the longitudinal ridges of Fig. 7, by shape, M, L, length."""
-    runs, grids = {}, plan.straight_grids
-    for *case, wavelength in plan.straight:
-        name, across = f"{_moes(case)}_{wavelength:g}", (*case, (wavelength,))
-        ridges = _on_grids(f"ridges_{name}", ridged_rolling, (*case, wavelength), grids, 7.0)
-        runs["transverse", *case, wavelength] = _on_grids(
-            f"transverse_{name}", rolling_response, across, grids, 7.0, inf
-        )
-        runs["longitudinal", *case, wavelength] = ridges
-    return runs
+def oil_runs(plan: Plan) -> dict[tuple[str, Moes, Wavelengths], list[Task]]:
+    """Of Fig. 8: impacts over isotropic waves by oil, M and L, wavelengths."""
+    impacts = [(oil, *impact) for impact in plan.oils.items() for oil in OILS if oil != SOFT]
+    impacts += [(SOFT, (M, 0), lengths) for M, lengths in plan.soft.items()]
+    return {
+        (oil, case, lengths): _impacts(case, _isotropic(lengths), plan.beyond_grids, oil)
+        for oil, case, lengths in impacts
+    }
 
 
 def starved_runs(plan: Plan) -> dict[tuple[str, float, float], list[Task]]:
-    """The contacts on layers of oil, by kind, M and L."""
+    """Of Fig. 9: contacts on layers of oil, by kind, M and L."""
     contacts = [(kind, float(M), float(L)) for kind, cases in plan.starved.items() for M, L in cases]
-    runs, seconds = {}, plan.starved_seconds
-    for contact in contacts:
-        name = f"starved_{contact[0]}_{_moes(contact[1:])}"
-        runs[contact] = _on_grids(name, starved_films, contact, plan.starved_grids, 0.0, start=seconds)
-    return runs
+    seconds = plan.starved_seconds
+    return {each: _on_grids(starved_films, each, plan.starved_grids, 0.0, start=seconds) for each in contacts}
+
+
+def _radial(plan: Plan, case: Moes) -> Task:
+    """A smooth impact by the radial method."""
+    solver = {"method": "radial", "nodes": plan.radial_nodes, "half_width": 4.0}
+    return _task(smooth_impact, (float(case[0]), float(case[1]), solver, INTERVAL), plan.radial_seconds)
+
+
+def _isotropic(wavelengths: Wavelengths) -> tuple[Wave, ...]:
+    return tuple(("isotropic", HEIGHT, wavelength) for wavelength in wavelengths)
+
+
+def _impacts(case: Moes, shapes: Sequence[Wave], grids: Sequence[int], *options: Any) -> list[Task]:
+    seconds = 18.0 * (len(shapes) + 1)  # in lockstep with the smooth impact
+    return _on_grids(wavy_impact, (*case, tuple(shapes)), grids, seconds, *options)
+
+
+def _rolling(case: Sequence[float], wavelengths: Wavelengths, grids: Sequence[int]) -> list[Task]:
+    return _on_grids(rolling_response, (*case, wavelengths), grids, 4.0 + 3.0 * len(wavelengths))
+
+
+def _on_grids(
+    function: Callable[..., Any], arguments: Sequence[Any], grids: Sequence[int], seconds: float,
+    *options: Any, start: float = 5.0,
+) -> list[Task]:  # fmt: skip
+    """A run on each grid.  seconds: that it takes on 513 nodes after the start (measured, one core)."""
+    return [_task(function, (*arguments, nodes, *options), start + seconds * (nodes / 513) ** 2) for nodes in grids]
+
+
+def _task(function: Callable[..., Any], arguments: tuple[Any, ...], seconds: float) -> Task:
+    """A run under the name of its function and arguments: figures share it."""
+    return Task(re.sub(r"[^\w.-]+", "_", f"{function.__name__}{arguments}").strip("_"), function, arguments, seconds)

@@ -4,7 +4,7 @@
 server             the server, and access by a token, for pages of the app only
 folder, processes  the folder with its runs; runs as processes of their own: started, watched, stopped, resumed
 form               the fields of a new case, and the answer of ertel to it
-pictures, readout  pictures, what is under the pointer on them, and the outlook on a new case: a process of their own
+pictures           pictures, what is under the pointer on them, and the outlook on a new case: a process of their own
 site, canvas       the frame around all pages, and the elements that they share
 new_page, ...      the pages: of a new case, of a run, of two runs
 =================  ====================================================================================================

@@ -8,8 +8,7 @@ from typing import Any, Literal
 
 from nicegui import background_tasks, ui
 
-from ertel.apps.browser.pictures import PlotRequest, RunInfo, Worker
-from ertel.apps.browser.readout import Readout
+from ertel.apps.browser.pictures import PlotRequest, Readout, RunInfo, Worker
 from ertel.apps.browser.site import sentence
 from ertel.results.variables import with_prefix
 

@@ -1,18 +1,15 @@
 """The page of a fit: its file, its progress, and in the end what `ertel fit` prints and draws."""
 
 from base64 import b64encode
-from collections.abc import Callable
-from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from nicegui import ui
 
 from ertel.apps.browser.folder import Folder
 from ertel.apps.browser.form import with_files
 from ertel.apps.browser.processes import Phase
-from ertel.apps.browser.site import Site, address_of, sentence, show_notes, show_phase
-from ertel.apps.terminal import reason_of
+from ertel.apps.browser.site import Site, WatchedPage, address_of, sentence, show_notes
 from ertel.inputs.case_files import read_text, read_toml
 from ertel.runs.directory import read_case
 from ertel.runs.files import content_of
@@ -51,24 +48,27 @@ def require_inside(folder: Folder, file: Path) -> None:
         folder.inside(str(case.parent / table[key]))
 
 
-class FitPage:
+class FitPage(WatchedPage):
     """The page of a fit, renewed each second."""
 
+    words: ClassVar = {Phase.NEW: "Start", Phase.FINISHED: "Start again"}
+
     def __init__(self, site: Site, name: str = ""):
-        self.site, self._report = site, dict[str, Any]()
+        self._report = dict[str, Any]()
         try:
-            self.path, self.file = site.folder.fit(name)
+            path, self.file = site.folder.fit(name)
             text = read_text(self.file, self.file.name)
         except ValueError as error:
             ui.label(f"{error}.").classes("alert")  # begins with a name
             return
-        self._status = site.processes.status(self.path)
+        super().__init__(site, path)
         with ui.row().classes("head"):
             ui.label(self.path.name).classes("title")
             ui.space()
-            self._show_phase()
+            self.show_phase()
+        self.show_progress()
         self._show_outcome()
-        is_new = self._status.phase is Phase.NEW
+        is_new = self.status.phase is Phase.NEW
         with ui.element("div").classes("card"):
             self._fold = ui.expansion(self.file.name, value=is_new).classes("fold")
         with self._fold:
@@ -77,11 +77,10 @@ class FitPage:
         ui.timer(1.0, self._renew)
 
     async def _renew(self) -> None:
-        before, self._status = self._status, self.site.processes.status(self.path)
-        if self._status != before:
-            self._show_phase.refresh()
+        was_active = self.status.phase.is_active
+        if self.renew():
             self._show_outcome.refresh()
-        if self._status.phase is not before.phase and not self._status.phase.is_active:
+        if was_active and not self.status.phase.is_active:
             await self._read()
 
     async def _read(self) -> None:
@@ -95,45 +94,16 @@ class FitPage:
         if not self._fold.is_deleted:  # the page was not left
             self._show_outcome.refresh()
 
-    def _order(self, order: Callable[[], object]) -> None:
-        """Start or stop."""
-        try:
-            order()
-        except OSError as error:
-            ui.notify(reason_of(error))
-        except ValueError as error:
-            ui.notify(str(error))
-
-    def _start(self) -> None:
+    def start(self) -> None:
+        """Start the fit, or go on with it, where all its files are in the folder."""
         require_inside(self.site.folder, self.file)
-        self.site.processes.resume(self.path)
-
-    # -- shown --------------------------------------------------------------------------------------------------------
-
-    @ui.refreshable_method
-    def _show_phase(self) -> None:
-        """The phase, and what can be done in it."""
-        phase = self._status.phase
-        show_phase(phase)
-        if phase.is_active:
-            stop = partial(self.site.processes.stop, self.path)
-            button = ui.button("Stop", icon="stop", on_click=partial(self._order, stop))
-            button.props("outline color=accent").mark("stop")
-        else:
-            label = {Phase.NEW: "Start", Phase.FINISHED: "Start again"}.get(phase, "Go on")
-            button = ui.button(label, icon="play_arrow", on_click=partial(self._order, self._start))
-            button.props("unelevated").mark("start")
+        super().start()
 
     @ui.refreshable_method
     def _show_outcome(self) -> None:
-        """The progress, and then the values with what follows from them."""
-        if self._status.phase not in (Phase.NEW, Phase.FINISHED):
-            with ui.element("div").classes("card progress"):
-                if self._status.phase.is_active:
-                    ui.linear_progress(show_value=False).props("indeterminate size=6px rounded")
-                ui.label(self._status.text).classes("news")
+        """The values with what follows from them."""
         remarks = self._report.get("remarks", ())
-        if "columns" in self._report and not self._status.phase.is_active:
+        if "columns" in self._report and not self.status.phase.is_active:
             with ui.element("div").classes("card outcome"):
                 names, *rows = zip(*self._report["columns"], strict=True)
                 ui.table(rows=[dict(zip(names, row, strict=True)) for row in rows]).props("flat dense").mark("values")

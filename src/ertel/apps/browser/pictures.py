@@ -11,7 +11,7 @@ import signal
 import sys
 import threading
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field
@@ -22,14 +22,19 @@ from multiprocessing import get_context, parent_process
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
-from ertel.apps.browser.readout import Readout, readout_of
+import numpy as np
+from numpy.typing import NDArray
+
 from ertel.inputs.rigs import interferometer
 from ertel.results.numbers import Number, number, scales_in
-from ertel.results.variables import figures_of, is_steady
+from ertel.results.variables import figures_of, is_steady, unit_of, with_prefix
 from ertel.runs.directory import DATA
 
 if TYPE_CHECKING:  # imported in the process that draws
     import xarray as xr
+    from matplotlib.figure import Figure
+
+    from ertel.plots.view import View
 
 INTERFEROGRAM = "interferogram"
 FIGURES = {  # in the order of their tabs: label, icon
@@ -47,6 +52,8 @@ LATEST = ("H_c", "H_min", "P_max", "F", "mu_sliding")  # shown of a run that goe
 HEAVY = ("ertel.plots", "ertel.runs.arrays", "ertel.runs.outlook")  # imported before they are needed
 PICTURES = "/pictures"  # where pages get them
 MEMORY = {-3: 2**17, -1: 2**17, -8: 1}  # M_MMAP_THRESHOLD, M_TRIM_THRESHOLD, M_ARENA_MAX of glibc's malloc.h
+MOST_NODES = 128  # along a side of a map, of what is under the pointer
+NAMES = {"x": "X", "y": "X", "h": "H", "p": "P"}  # the variables that have the units of these
 KEPT = 24  # pictures, of some 0.4 MB each with the fields under the pointer
 KEPT_OPEN = 3  # Datasets
 
@@ -89,6 +96,45 @@ class PlotRequest:
     def address(self) -> str:
         """The address of the picture."""
         return f"{PICTURES}/{hash(self) & (2**64 - 1):016x}"
+
+
+@dataclass(frozen=True)
+class Readout:
+    """Film and pressure on a regular grid, and the maps of a picture that show them.
+
+    boxes: left, right, lower and upper edge of each map, in shares of the picture, then as x and y.  is_turned: x is
+    downwards, y to the right.  x, y: of the nodes.  fields: film and pressure, (y, x).  units: of x, y, film, pressure,
+    by their symbols; in SI all values are in SI.
+    """
+
+    boxes: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]]
+    is_turned: bool
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    fields: Sequence[NDArray[np.float32]]
+    units: dict[str, str]
+    in_si: bool
+
+    def at(self, across: float, down: float) -> str:
+        """Position, film and pressure at a place of the picture, in shares of its sides; empty beside the maps."""
+        for (left, right, low, high), edges in self.boxes:
+            share, up = (across - left) / (right - left), (1.0 - down - low) / (high - low)
+            if 0.0 <= share <= 1.0 and 0.0 <= up <= 1.0:
+                place = edges[0] + share * (edges[1] - edges[0]), edges[2] + up * (edges[3] - edges[2])
+                x, y = place[::-1] if self.is_turned else place
+                return self._text(x, y, *(self._between_nodes(field, x, y) for field in self.fields))
+        return ""
+
+    def _between_nodes(self, field: NDArray[np.float32], x: float, y: float) -> float:
+        row = int(np.clip(np.searchsorted(self.y, y), 1, len(self.y) - 1))
+        along_x = [np.interp(x, self.x, each) for each in field[row - 1 : row + 1]]
+        return float(np.interp(y, self.y[row - 1 : row + 1], along_x))
+
+    def _text(self, *values: float) -> str:
+        named = zip(self.units.items(), values, strict=True)
+        if self.in_si:
+            return ",  ".join(f"{symbol} = {with_prefix(value, unit)}" for (symbol, unit), value in named)
+        return ",  ".join(f"{symbol.upper()} = {value:.3g} {unit}" for (symbol, unit), value in named)
 
 
 class Picture(NamedTuple):
@@ -156,6 +202,32 @@ def draw_picture(request: PlotRequest) -> Picture:
     del figure
     gc.collect()  # it refers to itself, and its arrays are large
     return picture
+
+
+def readout_of(figure: "Figure", view: "View") -> Readout | None:
+    """The readout of a figure that is drawn; None where it has no maps over the surface."""
+    maps = [axes for axes in figure.axes if axes.get_aspect() != "auto" and axes.get_label() != "<colorbar>"]
+    if not maps:
+        return None
+    about = {symbol: view.variable(name).attrs for symbol, name in NAMES.items()}
+    one = {symbol: each.get("si_factor", 1.0) for symbol, each in about.items()}
+    boxes = [axes.get_position().get_points().T.ravel() for axes in maps]
+    edges = [np.array([*axes.get_xlim(), *axes.get_ylim()]) / view.across.factor for axes in maps]
+    sides = dict(zip("YX" if view.is_turned else "XY", np.abs(edges).reshape(-1, 2, 2).max(axis=(0, 2)), strict=True))
+    fields = [view.map(name).sel({axis: slice(-side, side) for axis, side in sides.items()}) for name in ("H", "P")]
+    every = {axis: slice(None, None, -(-nodes // MOST_NODES)) for axis, nodes in fields[0].sizes.items()}
+    film, pressure = (each.isel(every) for each in fields)
+    kind = view.dataset.attrs["kind"]
+    units = {symbol: each.get("si_units") or unit_of(kind, each["in_units_of"]) for symbol, each in about.items()}
+    return Readout(
+        [(box, edge * one["x"]) for box, edge in zip(boxes, edges, strict=True)],
+        view.is_turned,
+        film["X"].values * one["x"],
+        film["Y"].values * one["x"],
+        [(each.values * one[symbol]).astype(np.float32) for symbol, each in (("h", film), ("p", pressure))],
+        units,
+        view.in_si,
+    )
 
 
 def _unreadable(run: Path) -> ValueError:

@@ -30,15 +30,8 @@ ERTEL = (sys.executable, "-P", "-m", "ertel")  # -P: a file typer.py in the fold
 STOPPED = (0, 130, 143, -signal.SIGTERM)  # exit codes of a run that ended or was asked to
 KILLED = -9
 FLUSH = ("--flush", "2")  # seconds between what a live picture can show
-OF_STUDIES = (
-    RUNS,
-    "stop",
-    "progress",
-    "sweep",
-    "traction",
-    "fit",
-    "converge",
-)  # in the directory of a study, without endings
+# the files in the directory of a study, without endings
+OF_STUDIES = (RUNS, "stop", "progress", "sweep", "traction", "fit", "converge")
 SAID = "ertel: "  # how a message begins
 
 COMPILING = (
@@ -48,16 +41,19 @@ COMPILING = (
 
 
 class Phase(Enum):
-    """The phases of a run, or of a fit."""
+    """The phases of a run, or of a fit: the word for each, and its icon."""
 
-    NEW = "unstarted"
-    COMPILING = "compiling"
-    RUNNING = "running"
-    STOPPING = "stopping"
-    FINISHED = "finished"
-    INTERRUPTED = "interrupted"
-    FAILED = "failed"
-    DAMAGED = "damaged"
+    NEW = "not started", "insights"
+    COMPILING = "compiling", "hourglass_top"
+    RUNNING = "running", "play_circle"
+    STOPPING = "stopping", "pause_circle"
+    FINISHED = "finished", "check_circle"
+    INTERRUPTED = "interrupted", "pause_circle"
+    FAILED = "failed", "error"
+    DAMAGED = "cannot be read", "broken_image"
+
+    def __init__(self, word: str, icon: str):
+        self.word, self.icon = word, icon
 
     @property
     def is_active(self) -> bool:

@@ -1,10 +1,11 @@
 """The pages of runs: of one, with its status, numbers, pictures and downloads, and of two side by side."""
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from time import monotonic
+from typing import ClassVar
 
 from nicegui import ui
 
@@ -12,7 +13,7 @@ from ertel.apps.browser.canvas import Canvas, Slider
 from ertel.apps.browser.folder import summary_of
 from ertel.apps.browser.pictures import FIGURES, INTERFEROGRAM, PlotRequest, RunInfo, stamp_of
 from ertel.apps.browser.processes import Phase
-from ertel.apps.browser.site import Site, address_of, show_line, show_notes, show_number, show_phase
+from ertel.apps.browser.site import Site, WatchedPage, address_of, show_line, show_notes, show_number
 from ertel.apps.terminal import reason_of
 from ertel.results.numbers import key_numbers
 from ertel.runs.directory import CASE
@@ -24,28 +25,28 @@ NARROW = {"film": "Film", "pressure": "Pressure"}  # figures of one panel, that 
 WIDE = {name: FIGURES[name][0] for name in ("profiles", "history", "friction", INTERFEROGRAM)}  # one above the other
 
 
-class RunPage:
+class RunPage(WatchedPage):
     """The page of a run, renewed each second."""
 
+    words: ClassVar = {Phase.FINISHED: ""}
+
     def __init__(self, site: Site, name: str = ""):
-        self.site = site
         try:
-            self.path = site.find(name)
+            super().__init__(site, site.find(name))
         except ValueError as error:
             ui.label(f"{error}.").classes("alert")  # begins with a name
             return
         self.name = site.folder.name_of(self.path)
         self._info = RunInfo()
         self._stamp, self._drawn, self._is_there = 0, 0.0, self.path.exists()
-        self._status = site.processes.status(self.path)
         with ui.row().classes("head"):
             with ui.element("div"):
                 ui.label(self.path.name).classes("title")
                 self._under = ui.label().classes("under")
             ui.space()
-            self._show_phase()
+            self.show_phase()
             self._downloads()
-        self._show_progress()
+        self.show_progress()
         with ui.element("div").classes("numbers"):
             self._show_numbers()
         with ui.element("div").classes("card pictures"):
@@ -79,14 +80,6 @@ class RunPage:
 
     # -- asked for ----------------------------------------------------------------------------------------------------
 
-    def _order(self, order: Callable[[Path], None]) -> None:
-        """Stop or resume the run."""
-        try:
-            order(self.path)
-        except (ValueError, OSError) as error:
-            ui.notify(str(error))
-        self._renew()
-
     async def _download(self, kind: str) -> None:
         request = self._request(kind, dots=200)
         try:
@@ -119,8 +112,10 @@ class RunPage:
         if was_there and not self._is_there:
             ui.navigate.to("/")
             return
-        self._renew()
-        stamp, now, is_active = stamp_of(self.path), monotonic(), self._status.phase.is_active
+        if self.renew():
+            self._show_numbers.refresh()
+            self._show_warnings.refresh()
+        stamp, now, is_active = stamp_of(self.path), monotonic(), self.status.phase.is_active
         if stamp == self._stamp or (self._info.figures and is_active and now - self._drawn < LIVE):
             return
         try:
@@ -144,7 +139,7 @@ class RunPage:
         if self._info.figures != info.figures:
             self._fill_tabs(info)
         last = max(len(info.T) - 1, 0)
-        best = last if self._status.phase.is_active else info.events.get("max-approach", last)
+        best = last if self.status.phase.is_active else info.events.get("max-approach", last)
         self._info = info
         self._slider.fill(info, best if follows else self._slider.index)
         self._under.set_text(info.title if info.title != self.path.name else self.name)
@@ -170,39 +165,6 @@ class RunPage:
         light = self._light.value if self._tabs.value == INTERFEROGRAM else "mono"
         figure = self._tabs.value or "overview"
         return PlotRequest(self.path, figure, self._slider.at(self._slider.index), light, kind, dots, self._stamp)
-
-    def _renew(self) -> None:
-        before, self._status = self._status, self.site.processes.status(self.path)
-        if self._status.phase is not before.phase:
-            self._show_phase.refresh()
-        if self._status != before:
-            self._show_progress.refresh()
-            self._show_numbers.refresh()
-            self._show_warnings.refresh()
-
-    @ui.refreshable_method
-    def _show_phase(self) -> None:
-        """The phase, and what can be done in it."""
-        phase = self._status.phase
-        show_phase(phase)
-        if phase.is_active:
-            word, order = "Stop now" if phase is Phase.STOPPING else "Stop", self.site.processes.stop
-            button = ui.button(word, icon="stop", on_click=lambda: self._order(order)).mark("stop")
-            button.props("outline color=accent")
-        elif phase is not Phase.FINISHED:
-            order = self.site.processes.resume
-            button = ui.button("Resume", icon="play_arrow", on_click=lambda: self._order(order)).mark("resume")
-            button.props("unelevated")
-
-    @ui.refreshable_method
-    def _show_progress(self) -> None:
-        status = self._status
-        if status.phase is not Phase.FINISHED:
-            with ui.element("div").classes("card progress"):
-                bar = ui.linear_progress(value=status.done, show_value=False).props("size=6px rounded")
-                if status.phase is Phase.COMPILING:
-                    bar.props("indeterminate")
-                ui.label(status.text).classes("news")
 
     @ui.refreshable_method
     def _show_numbers(self) -> None:

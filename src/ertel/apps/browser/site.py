@@ -1,11 +1,11 @@
 """What all pages share: the app, the frame with the list of runs, the first page, and elements of pages."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from html import escape
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 from urllib.parse import quote, urlencode
 
 from fastapi import Response
@@ -25,16 +25,6 @@ LOGO = (
     'stroke="#0b5673" stroke-width="3"><circle cx="20" cy="15" r="11"/><path d="M3 31 H13 Q20 25.5 27 31 H37"/>'
     '<path class="thin" d="M3 36 H37"/></svg>'
 )
-LABELS = {
-    Phase.NEW: ("not started", "insights"),
-    Phase.COMPILING: ("compiling", "hourglass_top"),
-    Phase.RUNNING: ("running", "play_circle"),
-    Phase.STOPPING: ("stopping", "pause_circle"),
-    Phase.FINISHED: ("finished", "check_circle"),
-    Phase.INTERRUPTED: ("interrupted", "pause_circle"),
-    Phase.FAILED: ("failed", "error"),
-    Phase.DAMAGED: ("cannot be read", "broken_image"),
-}
 
 
 ui.button.default_props("no-caps")
@@ -184,14 +174,13 @@ def _list(site: Site) -> None:
 
 def _row(site: Site, entry: Entry) -> None:
     phase = entry.status.phase
-    word, icon = LABELS[phase]
     with ui.element("div").classes("entry"):
-        with ui.link(target=entry.address).classes(f"run {phase.value}"):
-            ui.icon(icon).classes("state")
+        with ui.link(target=entry.address).classes(f"run {phase.name.lower()}"):
+            ui.icon(phase.icon).classes("state")
             with ui.element("div").classes("text"):
                 ui.label(in_unicode(entry.path.name)).classes("name").tooltip(entry.name)
                 is_part = phase in (Phase.RUNNING, Phase.INTERRUPTED) and entry.status.done
-                share = f"{word} {entry.status.done:.0%}" if is_part else word
+                share = f"{phase.word} {entry.status.done:.0%}" if is_part else phase.word
                 ui.label(f"{share} · {entry.about}" if entry.about else share).classes("more")
         if entry.path.exists() and not phase.is_active:
             delete = ui.button(icon="delete_outline", color="grey", on_click=lambda: site.ask_to_delete(entry.path))
@@ -244,7 +233,7 @@ def home_page(site: Site) -> None:
             for entry in runs[:4]:
                 _offer("blur_circular", entry.path.name, entry.about or "Run in this folder", entry.address)
             for fit in site.fits()[:4]:
-                _offer("insights", fit.path.name, f"Fit in this folder, {LABELS[fit.status.phase][0]}", fit.address)
+                _offer("insights", fit.path.name, f"Fit in this folder, {fit.status.phase.word}", fit.address)
             if len(runs) > 1:
                 _offer("vertical_split", "Compare", "Two runs side by side", "/compare")
 
@@ -256,15 +245,75 @@ def _offer(icon: str, title: str, text: str, target: str) -> None:
         ui.label(text).classes("more")
 
 
+# -- a run or a fit that is watched -----------------------------------------------------------------------------------
+
+
+class WatchedPage:
+    """What the pages of a run and of a fit share: its phase, what can be done in it, and its progress.
+
+    words: of the button that starts or resumes it, in some phases; there is none where it is empty.
+    """
+
+    words: ClassVar[Mapping[Phase, str]]
+
+    def __init__(self, site: Site, path: Path):
+        self.site, self.path = site, path
+        self.status = site.processes.status(path)
+
+    def renew(self) -> bool:
+        """Show what has changed; whether anything has."""
+        before, self.status = self.status, self.site.processes.status(self.path)
+        if self.status.phase is not before.phase:
+            self.show_phase.refresh()
+        if self.status != before:
+            self.show_progress.refresh()
+        return self.status != before
+
+    def start(self) -> None:
+        """Start or resume it."""
+        self.site.processes.resume(self.path)
+
+    def stop(self) -> None:
+        """Stop it."""
+        self.site.processes.stop(self.path)
+
+    def _order(self, order: Callable[[], None]) -> None:
+        try:
+            order()
+        except OSError as error:
+            ui.notify(reason_of(error))
+        except ValueError as error:
+            ui.notify(str(error))
+        self.renew()
+
+    @ui.refreshable_method
+    def show_phase(self) -> None:
+        """The phase, and what can be done in it."""
+        phase = self.status.phase
+        with ui.element("div").classes(f"chip {phase.name.lower()}"):
+            ui.icon(phase.icon)
+            ui.label(phase.word).mark("phase")
+        if phase.is_active:
+            word = "Stop now" if phase is Phase.STOPPING else "Stop"
+            stop = ui.button(word, icon="stop", on_click=lambda: self._order(self.stop))
+            stop.props("outline color=accent").mark("stop")
+        elif word := self.words.get(phase, "Resume"):
+            start = ui.button(word, icon="play_arrow", on_click=lambda: self._order(self.start))
+            start.props("unelevated").mark("start")
+
+    @ui.refreshable_method
+    def show_progress(self) -> None:
+        """The progress, until it is finished."""
+        status = self.status
+        if status.phase not in (Phase.NEW, Phase.FINISHED):
+            with ui.element("div").classes("card progress"):
+                bar = ui.linear_progress(value=status.done, show_value=False).props("size=6px rounded")
+                if status.phase is Phase.COMPILING or (status.phase.is_active and not status.done):
+                    bar.props("indeterminate")
+                ui.label(status.text).classes("news")
+
+
 # -- numbers and sentences --------------------------------------------------------------------------------------------
-
-
-def show_phase(phase: Phase) -> None:
-    """The phase of a run or of a fit, on its page."""
-    word, icon = LABELS[phase]
-    with ui.element("div").classes(f"chip {phase.value}"):
-        ui.icon(icon)
-        ui.label(word).mark("phase")
 
 
 def show_number(number: Number) -> None:
