@@ -83,9 +83,12 @@ def test_a_second_run_gets_its_own_directory_and_is_as_quiet_unless_jax_computes
 
 
 def test_error_estimate(here):
-    """It is that of a run on the half grid; what follows from the parts is tested with the loop."""
+    """Of a run that has ended.  It is that of a run on the half grid; the parts are tested with the loop."""
     radial = ("run", "small.toml", "--json", "--set", "solver.method=radial", "--set")
-    fine = json.loads(ertel_(*radial, "solver.nodes=33", "--out", "fine", "--error").stdout)
+    before = json.loads(ertel_(*radial, "solver.nodes=33", "--out", "fine").stdout)
+    fine = json.loads(ertel_("resume", "fine", "--error", "--json").stdout)
+    assert not before.get("error_estimate") and before["max_approach"] == fine["max_approach"]
+    assert json.loads(ertel_("show", "fine", "--json").stdout) == fine
     half = json.loads(ertel_(*radial, "solver.nodes=17", "--out", "half").stdout)
     assert list(fine["error_estimate"]) == ["H_c", "H_min", "T", "Delta_max", "P_c", "F", "power_loss"]
     estimate, films = fine["error_estimate"]["H_c"], [run["max_approach"]["H_c"] for run in (fine, half)]
@@ -212,8 +215,7 @@ def test_plot_refused(small):
 def test_plot_of_a_run_with_one_map_only(here):
     ertel_("run", "ball.toml", "--out", "a", "-q", *given("output.interval=50", "time.until=0.01"))
     assert RunStore.open(here / "a").dataset().sizes["frame"] == 1  # the end
-    pictures = {f"{name}.png" for name in ("overview", "maps", "profiles", "friction", "history")}
-    assert {Path(path).name for path in ertel_("plot", "a").stdout.split()} == pictures == names(here / "a" / "plots")
+    assert ertel_("plot", "a", "--what", "overview").stdout == "a/plots/overview.png\n"  # each: test_plots_in_time
 
 
 # -- params and film --------------------------------------------------------------------------------------------------

@@ -5,7 +5,7 @@ quadrature, and from the published formula of Nijenbanning, Venner and Moes.
 """
 
 from dataclasses import replace
-from math import nan, pi, sqrt
+from math import inf, nan, pi, sqrt
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from ertel.physics import film_formulas, hertz
 from ertel.physics.film_formulas import FlowDirection
 from ertel.physics.geometry import CIRCLE, Geometry, geometry, hertz_ellipse
-from ertel.physics.materials import conforming_radius
+from ertel.physics.materials import reduced_radius
 from ertel.physics.scales import Parameters, hamrock_dowson, impact_scales, parameters, rolling_scales
 
 TABLE = {  # D: kappa, E, F, beta, kernel factor, Delta_H, 2 pi/(3 kappa)
@@ -43,7 +43,7 @@ NVM = {  # (M, L): H_Moes for D = 1, 0.5, 0.2, 0.1, 0.05
     (200, 0): (1.1419, 1.3439, 1.5479, 1.69, 1.8285),
     (200, 5): (2.6083, 2.9408, 3.2637, 3.4596, 3.6275),
 }
-RATIOS = st.floats(-2, 2).map(lambda power: min(max(10.0**power, 0.01), 100.0))
+RATIOS = st.just(1.0) | st.floats(-2, 2).map(lambda power: min(max(10.0**power, 0.01), 100.0))
 
 
 @pytest.mark.parametrize("D", TABLE)
@@ -256,8 +256,9 @@ def test_flow_along_the_longer_axis() -> None:
 # -- bodies -----------------------------------------------------------------------------------------------------------
 
 
-def test_a_ball_in_a_raceway() -> None:
-    """A ball of 6 mm in a groove of 6.24 mm: 1/R = 1/6 - 1/6.24 per mm."""
-    assert conforming_radius(6e-3, -6.24e-3) == pytest.approx(0.156)
-    assert conforming_radius(6e-3, -6e-3) == float("inf")
-    assert conforming_radius(6e-3, -5e-3) < 0
+@pytest.mark.parametrize(
+    ("one", "other", "together"),
+    [(6e-3, 3e-3, 2e-3), (6e-3, inf, 6e-3), (6e-3, -6.24e-3, 0.156), (6e-3, -6e-3, inf), (6e-3, -5e-3, -30e-3)],
+)
+def test_radii_of_balls_planes_and_raceways(one: float, other: float, together: float) -> None:
+    assert reduced_radius(one, other) == pytest.approx(together)

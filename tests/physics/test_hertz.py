@@ -38,8 +38,7 @@ def test_displacement_is_the_integral_over_the_pressure(share, A):
 @given(st.floats(0.05, 2.0))
 def test_load_is_the_integral_of_the_pressure(A):
     integral = quad(lambda r: 2 * pi * r * float(hertz.pressure(r, A)), 0, A, epsabs=0, epsrel=1e-9)[0]
-    assert hertz.load(A**2) == pytest.approx(integral / (2 * pi / 3), rel=1e-8)
-    assert hertz.load(A**2) == pytest.approx(A**3, rel=1e-12)
+    assert hertz.load(A**2) == pytest.approx(A**3, rel=1e-12) == pytest.approx(integral / (2 * pi / 3), rel=1e-8)
 
 
 def test_dry_film_is_closed_inside_and_open_outside():
@@ -75,9 +74,8 @@ def test_radius_and_half_time_must_be_positive(bad):
 def test_contact_time():
     """Johnson's 2.94: twice the integral of dx/sqrt(1 - x^{5/2}), with x = 1 - s^2 to be rid of the singularity."""
     half = quad(lambda s: 2 * s / sqrt(-expm1(2.5 * log1p(-s * s))), 0, 1, epsabs=0, epsrel=1e-13)[0]
-    assert pytest.approx(2 * half, rel=1e-12) == CONTACT_TIME
-    assert pytest.approx(2.943275, abs=5e-7) == CONTACT_TIME
-    assert pytest.approx(1.471638, abs=5e-7) == HALF_CONTACT_TIME
+    assert pytest.approx(2.943275, abs=5e-7) == CONTACT_TIME == pytest.approx(2 * half, rel=1e-12)
+    assert 2 * HALF_CONTACT_TIME == CONTACT_TIME
 
 
 def test_motion_solves_newtons_law():
@@ -98,13 +96,8 @@ def test_energy_is_kept_and_the_rebound_mirrors_the_approach(T):
 
 @given(st.floats(-2.0, 1.0))
 def test_time_and_approach_invert_each_other(Delta):
+    """The approach itself solves Newton's law."""
     assert hertz.approach(hertz.time_at(Delta)) == pytest.approx(Delta, abs=1e-13)
-
-
-def test_time_at_against_quadrature():
-    for Delta in (1e-6, 0.1, 0.5, 0.9, 0.999):
-        time = quad(lambda y: 1 / sqrt(1 - y**2.5), 0, Delta, epsabs=0, epsrel=1e-12)[0]
-        assert hertz.time_at(Delta) == pytest.approx(time, rel=1e-11)
 
 
 def test_free_flight_before_and_after_and_the_maximum_between():
@@ -127,11 +120,9 @@ def test_front_speed_is_the_derivative_of_the_radius(T):
 
 
 def test_front_speed_at_its_ends():
-    assert hertz.front_speed(0.0) == np.inf
-    assert hertz.front_speed(1.0) == 0.0
+    assert_allclose(hertz.front_speed([0.0, 1.0, -0.1, 1.1]), [np.inf, 0.0, np.nan, np.nan])
     assert hertz.front_speed(1e-4) == pytest.approx(1 / 2e-4, rel=1e-12)
     assert hertz.front_speed(1 - 1e-6) == pytest.approx(sqrt(5) / 2 * 1e-3, rel=1e-5)
-    assert np.all(np.isnan(hertz.front_speed([-0.1, 1.1])))
 
 
 # --- the paper's asymptotes -----------------------------------------------------------------------------------------
@@ -153,15 +144,6 @@ def test_asymptotes_as_the_paper_writes_them(t_star, share):
         assert by_place == pytest.approx(hertz.parabola_front_speed(t, t_star), rel=1e-9)
 
 
-def test_best_parabola_of_the_central_part_is_the_papers_2_7():
-    """Half base fitted over the central 70 % of the contact time: the full base is 2.69."""
-    T = np.linspace(-0.7, 0.7, 401) * HALF_CONTACT_TIME
-    exact = hertz.contact_radius(T + HALF_CONTACT_TIME)
-    half_bases = np.linspace(1.2, 1.5, 301)
-    misfit = [np.sum((hertz.parabola_radius(T, t_star) - exact) ** 2) for t_star in half_bases]
-    assert 2 * half_bases[np.argmin(misfit)] == pytest.approx(2.69, abs=0.01)
-
-
 def test_how_near_the_asymptotes_come_to_the_exact_motion():
     """Johnson's cosine misses Delta by 2.1 % at most, the parabola A by 1.2 % in the central 70 %."""
     T = np.linspace(-HALF_CONTACT_TIME, HALF_CONTACT_TIME, 4001)
@@ -174,13 +156,9 @@ def test_how_near_the_asymptotes_come_to_the_exact_motion():
 def test_asymptotes_end():
     """Taylor's parabola has its root at 0.9 t*."""
     root = sqrt(8) / pi * HALF_CONTACT_TIME
-    assert 2 * root == pytest.approx(2.65, abs=0.005)
     assert hertz.taylor_radius(root * (1 - 1e-6)) > 0 == hertz.taylor_radius(root * (1 + 1e-6))
-    assert hertz.parabola_front_speed(-1.35) == np.inf
-    assert hertz.parabola_front_speed(1.35) == -np.inf
-    assert np.isnan(hertz.parabola_front_speed(1.5))
-    assert hertz.parabola_front_speed_at(0.0) == np.inf
-    assert np.all(np.isnan(hertz.parabola_front_speed_at([-0.5, 1.5])))
+    assert_allclose(hertz.parabola_front_speed([-1.35, 1.35, 1.5]), [np.inf, -np.inf, np.nan])
+    assert_allclose(hertz.parabola_front_speed_at([0.0, -0.5, 1.5]), [np.inf, np.nan, np.nan])
     for radius in (hertz.johnson_radius, hertz.taylor_radius, hertz.parabola_radius):
         assert_allclose(radius([-9.0, 9.0]), 0.0, atol=2e-8)
 

@@ -175,14 +175,6 @@ def test_picture_has_oil_and_air(ball, few_pixels):
     assert np.abs(grey - full)[beyond].max() > 0.1 and np.abs(chart - of_films)[:, 0].max() > 0.1
 
 
-def test_a_run_that_does_not_know_its_oil_is_full(ball, few_pixels):
-    """An earlier version wrote it; also where nothing is known of the oil."""
-    picture = images(plots.interferogram(ball))[0]
-    unknown = ball.assign(oil=np.nan * ball["oil"])
-    for run in (ball.drop_vars("oil"), unknown):
-        np.testing.assert_array_equal(images(plots.interferogram(run))[0], picture)
-
-
 def test_result_has_it(ball, rolls, few_pixels):
     figure = Plot(ball).interferogram(at=1.0, light=Monochromatic(653e-9))
     assert figure.axes[0].get_title() == "Interferogram at 653 nm"

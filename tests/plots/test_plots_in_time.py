@@ -92,7 +92,7 @@ def test_heading_says_the_conditions(runs):
 
 def test_heading_states_load_and_speed_of_the_moment(ball, moes):
     load = float(np.interp(2.45, moes["time"], moes["F"]))
-    assert f"load {load:.3g} $F^*$" in plots.maps(moes).get_suptitle()
+    assert f"load {load:.4g} $F^*$" in plots.maps(moes).get_suptitle()
     assert "load 0 $F^*$" in plots.maps(moes, at=0.2).get_suptitle()
     assert f"load {float(ball['F'].attrs['si_factor']) * load:.4g} N" in plots.maps(ball).get_suptitle()
     data = in_time(MOES_ROLLS)

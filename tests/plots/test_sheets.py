@@ -123,7 +123,6 @@ LIGHTS = "must be mono, white or a light of ertel.optics"
         ("before", "front", {}, r"the front has no speed: .*before it"),
         ("rough", "front", {}, "a rolling contact has none"),
         ("no maps", "overview", {}, "no maps"),
-        ("old", "oil", {}, r"oil: an earlier version wrote this run .*; run it again"),
         ("steady", "film", {"at": 1.0}, "steady contact has no moments"),
         ("steady", "history", {}, r"history: a steady contact has no such figure; it has overview, .*maps"),
         ("no solution", "overview", {}, "no solution"),
@@ -140,7 +139,7 @@ LIGHTS = "must be mono, white or a light of ertel.optics"
 def test_refused(runs, run, name, options, said):
     parts = {"before": slice(0, 30), "no maps": slice(0, 0), "one map": slice(0, 1)}
     cut = {key: runs["ball"].isel(frame=frames) for key, frames in parts.items()}
-    cut |= {"old": runs["ball"].drop_vars("oil"), "no solution": assemble_steady(LONG, grid_of(LONG), ())}
+    cut["no solution"] = assemble_steady(LONG, grid_of(LONG), ())
     with pytest.raises(plots.NoFigure, match=said):
         getattr(plots, name)({**runs, **cut}[run], **options)
 

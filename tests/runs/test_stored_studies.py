@@ -15,7 +15,7 @@ from cases import RADIAL, SMALL
 import ertel
 from ertel.case.case import Case
 from ertel.inputs.studies import convergence_series, coordinates, load_study, parse_study
-from ertel.results.numbers import scalars
+from ertel.results.numbers import aligned, scalars
 from ertel.results.study_result import StudyResult
 from ertel.runs import directory, studies
 from ertel.runs.batch import STEPS, program_of
@@ -76,7 +76,7 @@ def test_what_is_written_opens_without_ertel(four, recwarn):
     assert table[0].startswith("speed_m_per_s,eta0_Pa_s,M,L,") and len(table) == 5
     assert table[2].startswith("0.1,0.02,")
     result = gathered(study, four)
-    head, *rows = result.table_lines()
+    head, *rows = aligned(result.table())
     assert head.split()[:4] == ["speed", "(m/s)", "eta0", "(mPa*s)"] and len(rows) == 4
     assert "4 runs: 4 converged" in repr(result) and "<table>" in result._repr_html_()
 

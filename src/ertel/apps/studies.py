@@ -14,6 +14,7 @@ from ertel.case.definition import newtonian_stress
 from ertel.case.records import ConfigError
 from ertel.case.status import Status
 from ertel.inputs.studies import Study
+from ertel.results.numbers import aligned
 from ertel.results.study_result import StudyResult
 from ertel.runs import fit as fits
 from ertel.runs import studies as stored
@@ -102,7 +103,7 @@ def _report(result: StudyResult, directory: Path, name: str, options: Report) ->
     elif not options.quiet:
         out = tables.console()
         out.print(result.heading, style="bold")
-        for line in result.table_lines():
+        for line in aligned(result.table()):
             out.print(line)
         for remark in result.remarks:
             out.say(remark, style="yellow" if remark.startswith("warning") else None)

@@ -274,12 +274,12 @@ class Conditions:
     def _radii(self) -> tuple[float, float]:
         """The reduced radii (m) of a physical contact along x and along y; what is left out of a pair is a plane."""
         if self.is_ball:
-            R = materials.reduced_radius(self.radius or self.radius_1 or 0.0, self.radius_2 or inf)
+            R = materials.reduced_radius(self.radius or self.radius_1 or inf, self.radius_2 or inf)
             return R, R
         if self.radius_x is not None:
             return self.radius_x, self.radius_y or 0.0
-        along_x = materials.conforming_radius(self.radius_x_1 or inf, self.radius_x_2 or inf)
-        return along_x, materials.conforming_radius(self.radius_y_1 or inf, self.radius_y_2 or inf)
+        along_x = materials.reduced_radius(self.radius_x_1 or inf, self.radius_x_2 or inf)
+        return along_x, materials.reduced_radius(self.radius_y_1 or inf, self.radius_y_2 or inf)
 
     @property
     def is_ball(self) -> bool:

@@ -139,15 +139,7 @@ def reduced_modulus(E1: float, nu1: float, E2: float, nu2: float) -> float:
     return 2 / ((1 - nu1**2) / E1 + (1 - nu2**2) / E2)
 
 
-def reduced_radius(R1: float, R2: float = inf) -> float:
-    """Reduced radius R (m), 1/R = 1/R1 + 1/R2, of two balls, or of a ball on a plane (R2 infinite)."""
-    require_positive(R1=R1)
-    if not R2 > 0:
-        raise ValueError(f"R2 = {R2}: must be above zero (infinite for a plane)")
-    return 1 / (1 / R1 + 1 / R2)
-
-
-def conforming_radius(R1: float, R2: float) -> float:
+def reduced_radius(R1: float, R2: float) -> float:
     """Reduced radius R (m) along one principal axis, 1/R = 1/R1 + 1/R2: concave radii are negative, planes infinite.
 
     It is infinite or negative where the curvatures do not add up to more than zero: no contact at a point.

@@ -19,7 +19,7 @@ the run does not have.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from functools import partial
 from typing import Unpack
 
 import numpy as np
@@ -28,12 +28,22 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ertel.plots import drawing, fields, histories
-from ertel.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, NoFigure, Sheet, SheetOptions, compose
-from ertel.plots.fields import comparison
+from ertel.plots.drawing import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    ORDERED_COLOURS,
+    NoFigure,
+    Sheet,
+    SheetOptions,
+    Values,
+    compose,
+)
 from ertel.plots.interferograms import animation, interferogram, interferogram_of
 from ertel.plots.measurements import Overlay, measured, measured_view
 from ertel.plots.movies import movie
-from ertel.plots.view import View, in_same_units
+from ertel.plots.view import WIDEST, View, of_two
 from ertel.results.profiles import At
 from ertel.results.variables import figures_of, is_steady
 
@@ -88,6 +98,7 @@ PANELS: Mapping[str, Rows | Callable[[View], Rows]] = {  # of each figure
 }
 PARTS_IN_TIME, PARTS_STEADY = ("film", "pressure", "oil", "front", "spacetime"), ("oil", "maps")  # of another figure
 NAMES = tuple(PANELS)
+LOOKS = ((BLUE, "-"), (ORANGE, "--"))  # of two runs
 OVERLAID = ("profiles", "midlines")  # figures that show measured profiles
 
 
@@ -162,14 +173,63 @@ def side_by_side(
     NoFigure
         A run does not have this figure or this moment, or there is nothing to draw yet.
     """
-    one, two = in_same_units([View.of(run, moment) for run, moment in zip(runs, at, strict=True)])
-    pair, size = (replace(one, beside=two), replace(two, beside=one)), Sheet(**sheet)
-    is_optical = name == "interferogram"
+    pair, size, is_optical = of_two(runs, at), Sheet(**sheet), name == "interferogram"
     for run in () if is_optical else runs:
         _require(run, name)
     figures = [interferogram_of(view, size) if is_optical else _draw(view, name, size) for view in pair]
     drawing.share_limits(figures)
     return figures
+
+
+def comparison(
+    runs: Sequence[xr.Dataset], names: Sequence[str], at: At = None, **sheet: Unpack[SheetOptions]
+) -> Figure:
+    """The film and pressure of two runs along the mid-line, and of two runs in time the minimum film through time.
+
+    Parameters
+    ----------
+    runs : sequence of xarray.Dataset
+        Two runs; they are drawn in SI where both have SI scales.
+    names : sequence of str
+        Their names, for the legend.
+    at : float or str, optional
+        The moment of runs in time, as for other pictures.
+    **sheet
+        Axes or a size: ax, figsize, columns, see `Sheet`.
+
+    Raises
+    ------
+    NoFigure
+        A run has no such moment or no map.
+    """
+    views = of_two(runs, (at, at))
+    panels = [("X", "H"), ("X", "P")]
+    if all(view.frame is not None for view in views):
+        panels.append(("time", "H_min"))
+    return compose(views, [[partial(_compare, names=names, x=x, y=y) for x, y in panels]], [], Sheet(**sheet))
+
+
+def _compare(axes: Axes, views: tuple[View, View], names: Sequence[str], x: str, y: str) -> None:
+    """Draw one variable of two runs over another."""
+    scales = [view.scale(y, view.largest(y, lambda each: float(_curve(each, y).max()))) for view in views]
+    for view, z, name, (colour, line) in zip(views, scales, names, LOOKS, strict=True):
+        axes.plot(_curve(view, x) * view.scale(x).factor, _curve(view, y) * z.factor, line, color=colour, label=name)
+    view, z = views[0], scales[0]
+    axes.set(xlabel=view.scale(x).label, ylabel=z.label)
+    if y == "H":  # far outside the film is much thicker than in the middle
+        middle = view.largest("H", lambda each: float(np.interp(0.0, each.x, each.midline("H"))))
+        axes.set_ylim(0.0, 3.0 * z.factor * middle)
+        axes.legend(loc="upper center", frameon=False, fontsize="small")
+    if x == "X":
+        side = view.across.factor * view.largest("X", lambda each: min(WIDEST, float(np.abs(each.x).max())))
+        axes.set(xlim=(-side, side), xlabel=view.axis_label("x"))
+
+
+def _curve(view: View, name: str) -> Values:
+    """A variable along the mid-line, or through time."""
+    if name == "X":
+        return view.x
+    return view.midline(name) if name in ("H", "P") else np.asarray(view.dataset[name].values)
 
 
 def overview(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:

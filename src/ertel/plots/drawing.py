@@ -19,14 +19,14 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
+from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 
 from ertel.results.variables import prefixed, unit_of
 
 Values = NDArray[np.float64]
 Subject = TypeVar("Subject")
-Panel = Callable[[Axes, Subject], None]
+Panel = Callable[[Axes, Subject], object]
 
 BLUE, ORANGE, GREEN, PURPLE, GREY = "#0072B2", "#D55E00", "#009E73", "#CC2F8E", "#777777"
 ORDERED_COLOURS = LinearSegmentedColormap.from_list("ordered", colormaps["viridis"](np.linspace(0.0, 0.88, 256)))
@@ -109,11 +109,6 @@ def plain_ticks(axis: Axis) -> None:
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axis.set_major_formatter("{x:g}")
     axis.set_minor_formatter(NullFormatter())
-
-
-def levels(top: float, steps: int = 10) -> Values:
-    """Equal steps of a round number from zero to `top` or a little above."""
-    return np.asarray(MaxNLocator(steps).tick_values(0.0, top))
 
 
 class SheetOptions(TypedDict, total=False):

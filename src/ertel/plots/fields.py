@@ -3,38 +3,22 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Literal, Unpack
+from typing import Literal
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from ertel.plots.drawing import (
-    BLUE,
-    FLAT,
-    GREY,
-    ORANGE,
-    ORDERED_COLOURS,
-    PURPLE,
-    NoFigure,
-    Scale,
-    Sheet,
-    SheetOptions,
-    Values,
-    compose,
-    levels,
-)
+from ertel.plots.drawing import BLUE, FLAT, GREY, ORANGE, ORDERED_COLOURS, PURPLE, Scale, Values
 from ertel.plots.measurements import draw_measured
-from ertel.plots.view import LOADED, WIDEST, View, in_same_units
+from ertel.plots.view import LOADED, View
 from ertel.results.alignment import NOT_FULL
-from ertel.results.dataset import largest_of
-from ertel.results.profiles import At, events_of
+from ertel.results.profiles import events_of
 
 ARROWS = "\N{RIGHTWARDS ARROW}\N{LEFTWARDS ARROW}"  # of a flow along x, and against it
 MINUS = "\N{MINUS SIGN}"
@@ -46,19 +30,22 @@ BAND = 0.14  # height of the roughness at the bottom of a profile, as a share of
 FOOT = BAND / (1.0 + BAND)  # the same as a share of all
 BAND_NODES = 1001  # along the roughness
 MOST_PROFILES = 14  # about so many lines through time
-LOOKS = ((BLUE, "-"), (ORANGE, "--"))  # of two runs
 
 
 # -- over the surface -------------------------------------------------------------------------------------------------
+
+
+def levels(top: float, steps: int = 10) -> Values:
+    """Equal steps of a round number from zero to `top` or a little above."""
+    return np.asarray(MaxNLocator(steps).tick_values(0.0, top))
 
 
 def draw_film_map(axes: Axes, view: View) -> None:
     """Film thickness, with contour lines at equal steps as an interferometer shows them, and the edge of the oil."""
     top = view.limits.top if view.limits else view.largest("H", _top_of_film)
     is_steady = all(each.frame is None for each in (view, view.beside) if each)
-    z = view.scale("H", top / 2)
-    film = view.map("H")
-    _draw_map(axes, view, film, z, levels(top * z.factor, 16 if is_steady else 10), "Film thickness", "YlGnBu_r", "P")
+    z, film = view.scale("H", top / 2), view.map("H")
+    _draw_map(axes, view, film, z, levels(top * z.factor, 16 if is_steady else 10), "YlGnBu_r")
     gap = (film, view.map("void"))
     edge = draw_edge_of_oil(axes, view, *((each.T for each in gap) if view.is_turned else gap))
     draw_legend(axes, [*edge, *_draw_roughness(axes, view)], view.is_turned)
@@ -71,44 +58,36 @@ def _top_of_film(view: View) -> float:
 
 def draw_pressure_map(axes: Axes, view: View) -> None:
     """Pressure, with contour lines at equal steps."""
-    field = view.map("P")
-    top = view.limits.top if view.limits else view.largest("P", lambda each: float(each.values("P").max()))
-    top = max(top, 0.01)  # p_h*: something to divide if unloaded
-    z = view.scale("P", top)
-    _draw_map(axes, view, field, z, levels(top * z.factor), "Pressure", "YlOrRd", "P")
+    top = view.limits.top if view.limits else view.largest("P")
+    z = view.scale("P", max(top, 0.01))  # p_h*: something to divide if unloaded
+    _draw_map(axes, view, view.map("P"), z, levels(max(top, 0.01) * z.factor), "YlOrRd")
     draw_legend(axes, _draw_roughness(axes, view), view.is_turned)
 
 
 def draw_oil_map(axes: Axes, view: View) -> None:
     """The part of the gap that is filled with oil; the rest is void."""
-    if "oil" not in view.dataset:
-        raise NoFigure("oil: an earlier version wrote this run and did not store the oil in the gap; run it again")
     z = Scale(1.0, r"$h_\mathrm{oil}/h$", "", "oil in the gap")
-    _draw_map(axes, view, view.map("oil") / view.map("H"), z, levels(1.0), "Oil in the gap", "Blues", "P")
+    _draw_map(axes, view, view.map("oil") / view.map("H"), z, levels(1.0), "Blues")
 
 
 def draw_stress_map(axes: Axes, view: View) -> None:
     """Size of the shear stress in the middle of the film, with contour lines at equal steps."""
     field = xr.apply_ufunc(np.hypot, view.map("tau_x"), view.map("tau_y"))
-    top = max(view.largest("tau_x", _largest_stress), 1e-9)  # something to divide where there is no friction
+    largest = view.largest("tau_x", lambda each: float(np.hypot(each.values("tau_x"), each.values("tau_y")).max()))
+    top = max(largest, 1e-9)  # something to divide where there is no friction
     z = replace(view.scale("tau_x", top), symbol=r"$\tau_\mathrm{m}$", long_name="shear stress")
-    _draw_map(axes, view, field, z, levels(top * z.factor), "Shear stress", "BuPu", "loss")
-
-
-def _largest_stress(view: View) -> float:
-    return float(np.hypot(view.values("tau_x"), view.values("tau_y")).max())
+    _draw_map(axes, view, field, z, levels(top * z.factor), "BuPu", "loss")
 
 
 def draw_loss_map(axes: Axes, view: View) -> None:
     """Power loss per area, with contour lines at equal steps."""
-    field = view.map("loss")
-    top = max(view.largest("loss", lambda each: float(each.values("loss").max())), 1e-9)
+    top = max(view.largest("loss"), 1e-9)
     z = replace(view.scale("loss", top), symbol="")
-    _draw_map(axes, view, field, z, levels(top * z.factor), "Power loss", "YlOrBr", "loss")
+    _draw_map(axes, view, view.map("loss"), z, levels(top * z.factor), "YlOrBr", "loss")
 
 
 def _draw_map(
-    axes: Axes, view: View, field: xr.DataArray, z: Scale, steps: Values, heading: str, colours: str, shown_where: str
+    axes: Axes, view: View, field: xr.DataArray, z: Scale, steps: Values, colours: str, shown_where: str = "P"
 ) -> None:
     """Draw a field with contour lines at `steps` (as shown), and the direction of the flow.
 
@@ -141,6 +120,7 @@ def _draw_map(
     place = "bottom" if shape < FLAT else "right"
     if view.limits is None or len(axes.figure.axes) == 1:
         axes.figure.colorbar(image, ax=axes, label=z.label, extend=extend, location=place)
+    heading = z.long_name.removesuffix(" per area").capitalize()
     axes.set_title(f"{heading}, a line every {steps[1]:.3g} {z.unit}")
     if view.flow:
         ways = "\N{DOWNWARDS ARROW}\N{UPWARDS ARROW}" if view.is_turned else ARROWS
@@ -274,7 +254,7 @@ def _draw_section(axes: Axes, view: View, along: str, heading: str) -> None:
     geometry, load = view.geometry, float(view.dataset["load"].values[-1])
     dry = geometry.dry_pressure(load / geometry.hertz_load, *((x, 0 * x) if along == "x" else (0 * x, x)))
     h = view.scale("H", view.largest("H", lambda each: float(each.dataset["H_c"].values[-1])))
-    p = view.scale("P", view.largest("P", lambda each: float(each.values("P").max())))
+    p = view.scale("P", view.largest("P"))
     right = axes.twinx()
     right.plot(x * across, dry * p.factor, color=GREY, linewidth=0.8, linestyle="--")
     right.plot(x * across, P * p.factor, color=ORANGE)
@@ -329,62 +309,3 @@ def _set_height(axes: Axes, top: float, rough: bool) -> None:
     if rough:
         axes.set_yticks([tick for tick in axes.get_yticks() if 0.0 <= tick <= top])
         axes.set_ylim(-BAND * top, top)
-
-
-# -- two runs ---------------------------------------------------------------------------------------------------------
-
-
-def comparison(
-    runs: Sequence[xr.Dataset], names: Sequence[str], at: At = None, **sheet: Unpack[SheetOptions]
-) -> Figure:
-    """The film and pressure of two runs along the mid-line, and of two runs in time the minimum film through time.
-
-    Parameters
-    ----------
-    runs : sequence of xarray.Dataset
-        Two runs; they are drawn in SI where both have SI scales.
-    names : sequence of str
-        Their names, for the legend.
-    at : float or str, optional
-        The moment of runs in time, as for other pictures.
-    **sheet
-        Axes or a size: ax, figsize, columns, see `Sheet`.
-
-    Raises
-    ------
-    NoFigure
-        A run has no such moment or no map.
-    """
-    views = in_same_units([View.of(run, at) for run in runs])
-    panels = [("X", "H"), ("X", "P")]
-    if all(view.frame is not None for view in views):
-        panels.append(("time", "H_min"))
-    return compose(views, [[partial(_compare, names=names, x=x, y=y) for x, y in panels]], [], Sheet(**sheet))
-
-
-def _compare(axes: Axes, views: Sequence[View], names: Sequence[str], x: str, y: str) -> None:
-    """Draw one variable of two runs over another."""
-    curves = [(_curve(view, x), _curve(view, y)) for view in views]
-    largest = (max(largest_of(each) for each in of_runs) for of_runs in zip(*curves, strict=True))
-    kind = views[0].dataset.attrs["kind"]
-    across, z = (Scale.of(one, top, kind) for one, top in zip(curves[0], largest, strict=True))
-    for (along, values), name, (colour, line) in zip(curves, names, LOOKS, strict=True):
-        axes.plot(along * across.factor, values * z.factor, line, color=colour, label=name)
-    axes.set(xlabel=across.label, ylabel=z.label)
-    if y == "H":  # far outside the film is much thicker than in the middle
-        axes.set_ylim(0.0, 3.0 * z.factor * max(float(np.interp(0.0, *curve)) for curve in curves))
-        axes.legend(loc="upper center", frameon=False, fontsize="small")
-    if x == "X":
-        shares = (min(WIDEST / np.abs(view.x).max(), 1.0) for view in views)
-        side = across.factor * max(share * largest_of(along) for share, (along, _) in zip(shares, curves, strict=True))
-        axes.set(xlim=(-side, side), xlabel=f"${'x' if views[0].in_si else 'X'}$ {across.in_brackets}")
-
-
-def _curve(view: View, name: str) -> xr.DataArray:
-    """A variable along the mid-line, or through time; in SI where it has a scale."""
-    about = view.dataset["r" if name == "X" and view.is_radial else name].attrs
-    if name == "X":
-        values = view.x
-    else:
-        values = view.midline(name) if name in ("H", "P") else np.asarray(view.dataset[name].values)
-    return xr.DataArray(values * about.get("si_factor", 1.0), attrs={**about, "si_factor": 1.0})

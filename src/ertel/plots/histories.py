@@ -36,8 +36,8 @@ def _integral(values: Values, T: Values) -> Values:
 
 
 def _stored(view: View, looks: Mapping[str, Look]) -> list[tuple[Values, Look]]:
-    """The variables that a run has, with the looks of their lines."""
-    return [(view.dataset[name].values, look) for name, look in looks.items() if name in view.dataset]
+    """The variables with the looks of their lines."""
+    return [(view.dataset[name].values, look) for name, look in looks.items()]
 
 
 # -- motion and place -------------------------------------------------------------------------------------------------

@@ -22,7 +22,7 @@ from ertel.optics import Chart, Interferometer, Light, Monochromatic, Rig, White
 from ertel.plots.drawing import ORANGE, NoFigure, Scale, Sheet, SheetOptions, Values, compose
 from ertel.plots.fields import ARROWS, draw_edge_of_oil, draw_legend
 from ertel.plots.measurements import Overlay, draw_light, draw_measured, measured_view
-from ertel.plots.movies import PER_SECOND, in_motion, laid_out
+from ertel.plots.movies import PER_SECOND, animated, in_motion
 from ertel.plots.view import View, field
 from ertel.results.alignment import INTENSITY
 from ertel.results.profiles import At
@@ -60,7 +60,7 @@ def seen_on(view: View, pixels: tuple[Values, Values], film_scale: float) -> xr.
     H = np.maximum(_on_pixels(view, "H", *pixels, smooth=True), 0.0)
     P = np.maximum(_on_pixels(view, "P", *pixels, smooth=False), 0.0)
     void = np.minimum(_on_pixels(view, "void", *pixels, smooth=False), H)
-    values = {"film": H * film_scale, "density": _density(view, P), "void": void * film_scale}
+    values = {"film": H * film_scale, "density": view.case.lubricant.density(P), "void": void * film_scale}
     return xr.Dataset({name: field(*pixels, each) for name, each in values.items()})
 
 
@@ -72,24 +72,10 @@ class Scene:
     seen: xr.Dataset
     chart: Chart
 
-    def picture(self) -> Values:
-        """The interferogram on the pixels, in grey (y, x) or in colour (y, x, 3)."""
-        seen = (self.seen[name].values for name in ("film", "density", "void"))
-        return _without_grey_axis(self.chart.picture(*seen))
-
     def limits(self) -> tuple[float, float, float, float]:
         """The edges of the picture, as shown."""
         x, y = (self.seen[name].values * self.view.across.factor for name in ("X", "Y"))
         return x[0], x[-1], y[0], y[-1]
-
-
-def _density(view: View, P: Values) -> Values:
-    """rho/rho0 at pressures in p_h."""
-    return np.asarray(view.case.lubricant.density(P), dtype=np.float64)
-
-
-def _without_grey_axis(picture: Values) -> Values:
-    return picture[..., 0] if picture.shape[-1] == 1 else picture
 
 
 def _on_pixels(view: View, name: str, x: Values, y: Values, smooth: bool) -> Values:
@@ -113,27 +99,19 @@ def _on_pixels(view: View, name: str, x: Values, y: Values, smooth: bool) -> Val
 def draw_interferogram(axes: Axes, scene: Scene) -> None:
     """The interferogram, with a line where the gap stops being full."""
     view = scene.view
-    _show(axes, scene.picture(), scene.limits())
+    film, density, void = (scene.seen[name] for name in ("film", "density", "void"))
+    _show(axes, scene.chart.picture(film.values, density.values, void.values), scene.limits())
     axes.set(xlabel=view.axis_label("x"), ylabel=view.axis_label("y"), aspect="equal")
-    axes.set_title(_heading(scene.chart.light) + (f", flow {ARROWS[int(view.flow < 0)]}" if view.flow else ""))
+    light = scene.chart.light
+    seen = f"at {light.wavelength * 1e9:.4g} nm" if isinstance(light, Monochromatic) else "in white light"
+    axes.set_title(f"Interferogram {seen}" + (f", flow {ARROWS[int(view.flow < 0)]}" if view.flow else ""))
     for axis, pixels in ((axes.xaxis, scene.seen.sizes["X"]), (axes.yaxis, scene.seen.sizes["Y"])):
         axis.set_major_locator(MaxNLocator(max(1, round(TICKS * pixels / PIXELS)), min_n_ticks=1))
-    _draw_edge(axes, scene)
-
-
-def _draw_edge(axes: Axes, scene: Scene) -> None:
-    """Draw the edge of the full gap at the moment of the scene, in place of an earlier one."""
-    for earlier in filter(None, (*axes.collections, axes.get_legend())):
-        earlier.remove()
-    draw_legend(axes, draw_edge_of_oil(axes, scene.view, scene.seen["film"], scene.seen["void"]))
-
-
-def _heading(light: Light) -> str:
-    seen = f"at {light.wavelength * 1e9:.4g} nm" if isinstance(light, Monochromatic) else "in white light"
-    return f"Interferogram {seen}"
+    draw_legend(axes, draw_edge_of_oil(axes, view, film, void))
 
 
 def _show(axes: Axes, picture: Values, limits: tuple[float, float, float, float]) -> None:
+    """Draw a picture in grey, (y, x, 1), or in colour."""
     axes.imshow(picture, extent=limits, origin="lower", cmap="gray", vmin=0.0, vmax=1.0)
 
 
@@ -148,7 +126,7 @@ def draw_chart(axes: Axes, scene: Scene) -> None:
     films = np.linspace(0.0, top, PIXELS)[:, None]
     voids = np.where(void > 0.0, np.maximum(films - (film - void), 0.0), 0.0)
     colours = chart.shown(films, scene.seen["density"].values, void=voids)
-    _show(axes, _without_grey_axis(colours), (left, right, 0.0, top * nm.factor))
+    _show(axes, colours, (left, right, 0.0, top * nm.factor))
     for colour, width in (("white", 3.0), ("black", 1.2)):
         axes.plot(x * view.across.factor, film * nm.factor, color=colour, linewidth=width)
     stored = replace(nm, factor=nm.factor * view.dataset["H"].attrs.get("si_factor", 1.0))
@@ -267,22 +245,12 @@ def animation(
     views = {frame: View(dataset, frame) for frame in range(0, count, -(-count // FRAMES))}
     pixels = pixels_around(list(views.values()))
     thickest = max(float(view.values("H").max()) for view in views.values()) * scaled
-    densest = float(_density(views[0], dataset["P"].values.max()))
+    densest = float(views[0].case.lubricant.density(dataset["P"].values.max()))
     chart = Chart(rig or Rig(), _light(light), thickest, densest)
 
-    def scene(frame: int) -> Scene:
-        return Scene(views[frame], seen_on(views[frame], pixels, scaled), chart)
+    def draw(axes: Axes, frame: int) -> str:
+        view = views[frame]
+        draw_interferogram(axes, Scene(view, seen_on(view, pixels, scaled), chart))
+        return view.clock
 
-    figure = compose(scene(0), [[draw_interferogram]], views[0].title)
-    (axes,) = laid_out(figure).axes
-    (image,) = axes.images
-    heading = _heading(chart.light)
-
-    def update(frame: int) -> list[object]:
-        shown = scene(frame)
-        image.set_data(shown.picture())
-        _draw_edge(axes, shown)
-        axes.set_title(f"{heading}, {views[frame].clock}")
-        return []
-
-    return FuncAnimation(figure, update, frames=list(views), interval=1000 / rate)  # type: ignore[arg-type]
+    return animated(draw, list(views), views[0].title, rate)

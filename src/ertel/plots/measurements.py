@@ -10,9 +10,10 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ertel.optics import Interferometer
 from ertel.plots.drawing import BLUE, ORANGE, NoFigure, Panel, Scale, Sheet, SheetOptions, Values, compose
 from ertel.plots.view import View
-from ertel.results.alignment import INTENSITY, QUANTITIES, Comparison, Optics
+from ertel.results.alignment import INTENSITY, QUANTITIES, Comparison
 from ertel.results.dataset import largest_of
 from ertel.results.measurements import Measurement
 from ertel.results.profiles import At
@@ -49,7 +50,7 @@ Overlay = Measurement | Sequence[Measurement] | None
 
 
 def measured_view(
-    dataset: xr.Dataset, at: At, given: Overlay, shown: Sequence[str] = ("h", "p"), optics: Optics | None = None
+    dataset: xr.Dataset, at: At, given: Overlay, shown: Sequence[str] = ("h", "p"), optics: Interferometer | None = None
 ) -> View:
     """The view of a run at a moment, with measured profiles.
 
@@ -165,11 +166,10 @@ def measured(dataset: xr.Dataset, comparison: Comparison, **sheet: Unpack[SheetO
 # -- fits -------------------------------------------------------------------------------------------------------------
 
 
-def fit_figure(dataset: xr.Dataset, **options: Unpack[SheetOptions]) -> Figure:
+def fit_figure(dataset: xr.Dataset, sheet: Sheet) -> Figure:
     """The data with their fitted curves, and below the residuals in standard deviations.
 
     dataset: see `results.fit_result.fit_dataset`.  Each profile and each history has a column; all numbers share one.
-    options: ax, figsize, columns, title, see `Sheet`.
     """
     indices, is_number = dataset["measurement"].values, np.isnan(dataset["x"].values)
     parts = [dataset.isel(datum=indices == index) for index in np.unique(indices[~is_number])[:MOST_CURVES]]
@@ -177,7 +177,7 @@ def fit_figure(dataset: xr.Dataset, **options: Unpack[SheetOptions]) -> Figure:
     data: list[Panel[xr.Dataset]] = [partial(_draw_fitted, part=part) for part in parts]
     residuals: list[Panel[xr.Dataset]] = [partial(_draw_residuals, part=part) for part in parts]
     heading = [str(dataset.attrs["title"]).replace("_", " "), *dataset.attrs["found"]]
-    return compose(dataset, [data, residuals], heading, Sheet(**options))
+    return compose(dataset, [data, residuals], heading, sheet)
 
 
 def _draw_fitted(axes: Axes, dataset: xr.Dataset, part: xr.Dataset) -> None:

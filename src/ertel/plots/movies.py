@@ -6,14 +6,13 @@ The frames are at equal times; between two maps the fields are interpolated line
 the part of the surface that is shown are the same in all frames.
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.animation import FuncAnimation
-from matplotlib.figure import Figure
+from matplotlib.axes import Axes
 
 from ertel.plots.drawing import NoFigure, compose
 from ertel.plots.fields import draw_film_map, draw_pressure_map
@@ -58,18 +57,14 @@ def movie(dataset: xr.Dataset, what: str = "film", rate: float = PER_SECOND) -> 
     first, T = View(dataset, 0), dataset["frame"].values
     top = 1.5 * View.of(dataset).film_inside() if what == "film" else max(float(dataset["P"].max()), 0.01)
     limits = Limits(top, first.extent(first.x, first.midlines("P").max(axis=0)))
-    draw, times = MOVIES[what], np.linspace(T[0], T[-1], round(rate * SECONDS))
-    figure = laid_out(compose(replace(first, limits=limits), [[draw]], first.title))
-    axes = figure.axes[0]
+    times = np.linspace(T[0], T[-1], round(rate * SECONDS))
 
-    def update(T: float) -> list[Any]:
+    def draw(axes: Axes, T: float) -> str:
         view = View(between(dataset, T), 0, limits=limits)
-        axes.clear()
-        draw(axes, view)
-        axes.set_title(f"{axes.get_title().partition(',')[0]}, {view.clock}")
-        return []
+        MOVIES[what](axes, view)
+        return view.clock
 
-    return FuncAnimation(figure, update, frames=times.tolist(), interval=1000.0 / rate)
+    return animated(draw, times.tolist(), first.title, rate)
 
 
 def in_motion(dataset: xr.Dataset) -> xr.Dataset:
@@ -81,9 +76,23 @@ def in_motion(dataset: xr.Dataset) -> xr.Dataset:
     return dataset.load()
 
 
-def laid_out(figure: Figure) -> Figure:
-    """The figure, laid out once and for all."""
+def animated(
+    draw: Callable[[Axes, Any], str], frames: Sequence[float], heading: Sequence[str], rate: float
+) -> FuncAnimation:
+    """A panel that is drawn again for each frame, and laid out once and for all.
+
+    draw: it draws a frame into axes and gives its time, which comes into the title.
+    """
+    figure = compose(frames[0], [[draw]], heading)
     figure.set_dpi(100)
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
-    return figure
+    axes = figure.axes[0]
+
+    def update(frame: float) -> list[Any]:
+        axes.clear()
+        clock = draw(axes, frame)
+        axes.set_title(f"{axes.get_title().partition(',')[0]}, {clock}")
+        return []
+
+    return FuncAnimation(figure, update, frames=frames, interval=1000.0 / rate)

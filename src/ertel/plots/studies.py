@@ -29,6 +29,7 @@ from ertel.plots.drawing import (
     mathtext,
     plain_ticks,
 )
+from ertel.plots.measurements import fit_figure
 from ertel.plots.view import case_of, conditions_in_si, name_of
 from ertel.results.convergence import SEEN, limits_of
 from ertel.results.dataset import largest_of
@@ -59,9 +60,11 @@ def figure(dataset: xr.Dataset, **options: Unpack[SheetOptions]) -> Figure:
     """The key numbers of a study over what varies most, with error bars where there are any.
 
     There is a line for each combination of the other values that vary: its colour says one of them, line and marker the
-    others; the legend stands below the panels.  Traction curves and convergence series have panels of their own.
+    others; the legend stands below the panels.  Fits, traction curves and convergence series have panels of their own.
     Raises NoFigure where no run has any numbers.
     """
+    if "chi_square" in dataset.attrs:
+        return fit_figure(dataset, Sheet(**options))
     if "varies" in dataset.attrs:
         return _traction_figure(dataset, Sheet(**options))
     if "assumed_order" in dataset.attrs:

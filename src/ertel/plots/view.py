@@ -34,12 +34,6 @@ CONDITIONS = {  # by kind, for the heading of a physical case: symbol, attribute
     "impact": (("$v_0$", "v0_m_per_s", "m/s"), ("$p_h^*$", "p_h_Pa", "Pa")),
     "rolling": (("$u_m$", "u_m_m_per_s", "m/s"), ("$F$", "F_N", "N"), ("$p_h$", "p_h_Pa", "Pa")),
 }
-FRICTION_NAMES = {
-    "mu_sliding": "traction coefficient",
-    "mu_sliding_y": "along y",
-    "mu_rolling": "rolling resistance",
-    "power_loss": "power loss",
-}
 
 
 def case_of(dataset: xr.Dataset) -> Case:
@@ -182,11 +176,12 @@ class View:
         largest = self.largest(name, lambda _: 1.0) if largest is None else largest
         return Scale.of(self.variable(name), largest, self.dataset.attrs["kind"])
 
-    def largest(self, name: str, of: "Callable[[View], float]") -> float:
+    def largest(self, name: str, of: "Callable[[View], float] | None" = None) -> float:
         """The largest of a value that is found in a view: of this run, and of that beside it in units of this one.
 
-        name: of a variable with the same units.
+        name: of a variable with the same units.  of: left out, the largest of the variable at the moment.
         """
+        of = of or (lambda view: float(view.values(name).max()))
         if self.beside is None or (name == "time" and self.beside.frame is None):
             return of(self)
         here, there = (each.variable(name).attrs.get("si_factor", 1.0) for each in (self, self.beside))
@@ -213,10 +208,8 @@ class View:
     def with_unit(self, name: str, value: float) -> str:
         """A value of a variable with its unit; a negligible value is zero."""
         value = 0.0 if abs(value) < NOTHING else value
-        about = self.dataset[name].attrs
-        if "si_factor" in about:
-            return with_prefix(value * about["si_factor"], about["si_units"])
-        return f"{value:.3g} {self.scale(name).unit}"
+        z = self.scale(name, value)
+        return f"{value * z.factor:.4g} {z.unit}".rstrip()
 
     @property
     def title(self) -> list[str]:
@@ -236,11 +229,8 @@ class View:
         """The films of a steady contact with their errors; of a run in time the moment, its load and its speed."""
         if self.frame is None:
             return [self._film_with_error(name) for name in FILMS]
-        data = self.dataset
-        parts = [f"{self.moment} at {self.clock}"]
-        if "F" in data:
-            parts.append(f"load {self.with_unit('F', self._value('F'))}")
-        if "U" in data and np.any(data["U"].values):
+        parts = [f"{self.moment} at {self.clock}", f"load {self.with_unit('F', self._value('F'))}"]
+        if np.any(self.dataset["U"].values):
             parts.append(f"speed {self.with_unit('U', self.flow)}")
         return parts
 
@@ -255,7 +245,7 @@ class View:
         """The coefficients of friction of a steady contact that are not zero, and its power loss."""
         last = {name: float(self.dataset[name][-1]) for name in FRICTION}
         return [
-            f"{FRICTION_NAMES[name]} {self.with_unit(name, value)}"
+            f"{self.dataset[name].attrs['long_name']} {self.with_unit(name, value)}"
             for name, value in last.items()
             if name == "power_loss" or abs(value) > NO_FRICTION
         ]
@@ -284,7 +274,7 @@ class View:
     def flow(self) -> float:
         """The entrainment; of a steady contact +1 where the oil goes to the right."""
         if self.frame is not None:
-            return self._value("U") if "U" in self.dataset else 0.0
+            return self._value("U")
         X = self.dataset["X"].values  # pressure reaches far upstream, and ends soon behind the contact
         return -float(np.sign(np.mean(X[(self.dataset["P"].values > 0).any(axis=0)])))
 
@@ -292,7 +282,7 @@ class View:
         """A variable over the grid; "void" is the part of the gap without oil, zero where that is less than 1 %."""
         if name == "void":
             H = self.values("H")
-            void = H - self.values("oil") if "oil" in self.dataset else np.zeros_like(H)
+            void = H - self.values("oil")
             return np.where(void > NOT_FULL * H, void, 0.0)
         return np.asarray(self._now[name].values)
 
@@ -375,11 +365,12 @@ def reach(x: Values, P: Values) -> float:
     return max(farthest, 0.2 * float(x.max()))  # something to see even at first touch
 
 
-def in_same_units(views: Sequence[View]) -> Sequence[View]:
-    """Views of runs in SI, or without their SI scales where one has none."""
-    if all(view.in_si for view in views):
-        return views
-    return [replace(view, dataset=_without_si(view.dataset)) for view in views]
+def of_two(runs: Sequence[xr.Dataset], at: Sequence[At]) -> tuple[View, View]:
+    """Two runs at their moments, each beside the other; in SI, or without their SI scales where one has none."""
+    one, two = (View.of(run, moment) for run, moment in zip(runs, at, strict=True))
+    if not (one.in_si and two.in_si):
+        one, two = (replace(view, dataset=_without_si(view.dataset)) for view in (one, two))
+    return replace(one, beside=two), replace(two, beside=one)
 
 
 def _without_si(dataset: xr.Dataset) -> xr.Dataset:

@@ -9,9 +9,9 @@ with the unknown parts for which the squares of the differences from the measure
 the gain of an intensity, or n/n_assumed of a film that was computed with an assumed index of the oil.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -28,21 +28,15 @@ PLACES = 8001  # along a line, where its light is computed: fringes are finer th
 NOT_FULL = 0.01  # void, as a share of the gap, from which on the gap is not full
 
 
-class Optics(Protocol):
-    """A rig and its light, such as `optics.Interferometer`."""
-
-    def intensity(self, film: Values, density: Values, void: Values) -> Values: ...
-
-
-def light_along(line: xr.Dataset, case: Any, optics: Optics) -> xr.DataArray:
-    """The light that comes back along a line: intensity as the optics give it, over x or y in m.
+def light_along(line: xr.Dataset, case: Any, optics: Any) -> xr.DataArray:
+    """The light that comes back along a line: intensity as an `optics.Interferometer` gives it, over x or y in m.
 
     line: see `results.profiles.profile`, in SI.  case: of the run.  Films are interpolated by a cubic spline, pressure
     and void linearly.
     """
     axis = str(line["h"].dims[0])
     there, h, p = (np.asarray(line[name].values) for name in (axis, "h", "p"))
-    void = np.maximum(h - line["h_oil"].values, 0.0) if "h_oil" in line else np.zeros_like(h)
+    void = np.maximum(h - line["h_oil"].values, 0.0)
     x = np.linspace(there[0], there[-1], PLACES)
     density = np.asarray(case.lubricant.density(np.interp(x, there, p) / case.scales.p_h), dtype=np.float64)
     from scipy.interpolate import CubicSpline  # here and below: pictures do without 30 MB
@@ -54,45 +48,38 @@ def light_along(line: xr.Dataset, case: Any, optics: Optics) -> xr.DataArray:
     return xr.DataArray(optics.intensity(film, density, missing), place, (axis,), attrs=about)
 
 
-@dataclass(frozen=True, eq=False)
-class Unaligned:
-    """Measured values over x, (n,), their weights 1/sigma, and the names of what is not known."""
+def as_shown(measured: Any, computed: Values) -> tuple[dict[str, float], Values]:
+    """What is not known of a measurement, by name, and computed values as its instrument shows them with it."""
+    ways = {name: computed for name in FACTORS} | {name: np.ones_like(measured.x) for name in LEVELS}
+    ways["tilt"] = measured.x - measured.x.mean()
+    names = [name for name in ways if name in measured.align]
+    factor = names[0] if names and names[0] in FACTORS else ""
+    shapes = np.reshape([ways[name] for name in names], (len(names), len(measured.x))).T
+    scale = np.abs(shapes).max(axis=0)
+    A, b = shapes / scale * measured.weight[:, None], measured.values - (0.0 if factor else computed)
+    b = b * measured.weight
+    shares = np.linalg.lstsq(A, b)[0]
+    if factor and shares[0] < (least := LEAST * float(np.abs(measured.values).max())):
+        shares = np.array([least, *np.linalg.lstsq(A[:, 1:], b - least * A[:, 0])[0]])
+    parts = dict(zip(names, (shares / scale).tolist(), strict=True))
+    return parts, shapes @ (shares / scale) + (0.0 if factor else computed)
 
-    x: Values
-    values: Values
-    weight: Values
-    names: Collection[str]
 
-    def shown(self, computed: Values) -> tuple[dict[str, float], Values]:
-        """What is not known, by name, and computed values as the instrument shows them with it."""
-        ways = {name: computed for name in FACTORS} | {name: np.ones_like(self.x) for name in LEVELS}
-        ways["tilt"] = self.x - self.x.mean()
-        names = [name for name in ways if name in self.names]
-        factor = names[0] if names and names[0] in FACTORS else ""
-        shapes = np.reshape([ways[name] for name in names], (len(names), len(self.x))).T
-        scale = np.abs(shapes).max(axis=0)
-        A, b = shapes / scale * self.weight[:, None], (self.values - (0.0 if factor else computed)) * self.weight
-        shares = np.linalg.lstsq(A, b)[0]
-        if factor and shares[0] < (least := LEAST * float(np.abs(self.values).max())):
-            shares = np.array([least, *np.linalg.lstsq(A[:, 1:], b - least * A[:, 0])[0]])
-        parts = dict(zip(names, (shares / scale).tolist(), strict=True))
-        return parts, shapes @ (shares / scale) + (0.0 if factor else computed)
+def best_centre(measured: Any, there: Values, values: Values) -> float:
+    """The shift that leaves the smallest squares, as far as the run reaches, which has these values there."""
+    low, high = measured.x.max() - there[-1], measured.x.min() - there[0]
+    if low >= high:  # the run is shorter than the measurement, of which the caller tells
+        return 0.0
+    from scipy.optimize import minimize_scalar
 
-    def best_centre(self, there: Values, values: Values) -> float:
-        """The shift that leaves the smallest squares, as far as the run reaches, which has these values there."""
-        low, high = self.x.max() - there[-1], self.x.min() - there[0]
-        if low >= high:  # the run is shorter than the measurement, of which the caller tells
-            return 0.0
-        from scipy.optimize import minimize_scalar
+    def squares(centre: float) -> float:
+        _, shown = as_shown(measured, np.interp(measured.x - centre, there, values))
+        return float(np.sum((measured.weight * (measured.values - shown)) ** 2))
 
-        def squares(centre: float) -> float:
-            _, shown = self.shown(np.interp(self.x - centre, there, values))
-            return float(np.sum((self.weight * (self.values - shown)) ** 2))
-
-        tried = np.linspace(low, high, SHIFTS)
-        best, step = tried[np.argmin([squares(each) for each in tried])], (high - low) / (SHIFTS - 1)
-        bounds = max(low, best - step), min(high, best + step)
-        return float(minimize_scalar(squares, bounds=bounds, options={"xatol": 1e-6 * step}).x)
+    tried = np.linspace(low, high, SHIFTS)
+    best, step = tried[np.argmin([squares(each) for each in tried])], (high - low) / (SHIFTS - 1)
+    bounds = max(low, best - step), min(high, best + step)
+    return float(minimize_scalar(squares, bounds=bounds, options={"xatol": 1e-6 * step}).x)
 
 
 # -- beside a run ------------------------------------------------------------------------------------------------------

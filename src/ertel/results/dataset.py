@@ -191,10 +191,6 @@ def largest_of(values: xr.DataArray) -> float:
     return float(np.abs(np.nan_to_num(values.values)).max(initial=0.0))
 
 
-class NoExport(ValueError):
-    """A run cannot be written in this form; the message says why, and what can."""
-
-
 def to_netcdf(dataset: xr.Dataset, directory: Path) -> list[Path]:
     """Write the whole run as NetCDF 3, which every program that knows NetCDF reads; the paths of the files."""
     directory.mkdir(parents=True, exist_ok=True)
@@ -222,13 +218,13 @@ def to_csv(dataset: xr.Dataset, directory: Path) -> list[Path]:
 def to_vtk(dataset: xr.Dataset, directory: Path) -> list[Path]:
     """Write the maps as VTK images, and for a run in time a collection with their times; the paths of the files.
 
-    Raises NoExport where there are no maps on a plane, or where pyevtk is not installed.
+    Raises ValueError where there are no maps on a plane, or where pyevtk is not installed.
     """
     try:
         from pyevtk.hl import imageToVTK
         from pyevtk.vtk import VtkGroup
     except ImportError as error:
-        raise NoExport('maps for ParaView need pyevtk: pip install "ertel[paraview]"') from error
+        raise ValueError('maps for ParaView need pyevtk: pip install "ertel[paraview]"') from error
     Y, X = _plane(dataset)
     names = [str(name) for name, values in dataset.data_vars.items() if values.dims[-2:] == (Y, X)]
     x, y = (dataset[axis].values.tolist() for axis in (X, Y))  # of NumPy they would be written as np.float64(...)
@@ -248,11 +244,11 @@ def to_vtk(dataset: xr.Dataset, directory: Path) -> list[Path]:
 def _plane(dataset: xr.Dataset) -> tuple[str, str]:
     """The axes of the maps."""
     if dataset.sizes.get("frame", 1) == 0:
-        raise NoExport("the run has no maps yet; export it later")
+        raise ValueError("the run has no maps yet; export it later")
     for axes in PLANE:
         if set(axes) <= set(dataset.dims):
             return axes
-    raise NoExport("maps for ParaView: a run by the radial method has profiles only; use netcdf or csv")
+    raise ValueError("maps for ParaView: a run by the radial method has profiles only; use netcdf or csv")
 
 
 EXPORTS = {"netcdf": to_netcdf, "csv": to_csv, "vtk": to_vtk}

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import exp, log
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -22,13 +22,6 @@ from ertel.case.case import Case
 from ertel.results.study_result import StudyResult
 from ertel.results.variables import in_celsius, with_prefix
 from ertel.version import installed_version
-
-if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
-    from typing import Unpack
-
-    from matplotlib.figure import Figure
-
-    from ertel.plots.drawing import SheetOptions
 
 Values = NDArray[np.float64]
 
@@ -234,12 +227,6 @@ class FitResult(StudyResult):
     def to_csv(self, path: str | Path) -> None:
         """Write the data as a CSV file: what is measured, predicted and left over."""
         self.dataset.drop_dims(["unknown", "other", "product"]).to_dataframe().to_csv(path, index=False)
-
-    def plot(self, **sheet: "Unpack[SheetOptions]") -> "Figure":
-        """Data, fitted curves and residuals.  sheet: ax, figsize, columns, title, see `ertel.plots.Sheet`."""
-        from ertel.plots import measurements
-
-        return measurements.fit_figure(self.dataset, **sheet)
 
     def table(self) -> list[list[str]]:
         """The columns of a table to read, each with its heading first."""

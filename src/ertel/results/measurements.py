@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ertel.case.reading import hint_for
 from ertel.physics.units import Quantity, Unit, in_si
-from ertel.results.alignment import INTENSITY, QUANTITIES, Comparison, Optics, Unaligned, light_along, si_unit
+from ertel.results.alignment import INTENSITY, QUANTITIES, Comparison, as_shown, best_centre, light_along, si_unit
 from ertel.results.columns import Columns
 from ertel.results.numbers import IN_SI, numbers
 from ertel.results.profiles import At, profile
@@ -84,7 +84,7 @@ class Measurement:
     align: Sequence[str] = ()
     name: str = "measurement"
     index: float | None = None
-    optics: Optics | None = None
+    optics: Any = None
 
     def __post_init__(self) -> None:
         values = np.atleast_1d(np.asarray(self.values, dtype=np.float64))
@@ -160,7 +160,7 @@ class Measurement:
         sigma: Size | None = None,
         columns: Mapping[str, str] | None = None,
         index: float | None = None,
-        optics: Optics | None = None,
+        optics: Any = None,
         **units: str,
     ) -> "Measurement":
         """A profile or a history from a file of columns: `Measurement.read("film.csv", x="um", h="nm", at="60 us")`.
@@ -258,18 +258,15 @@ class Measurement:
         if self.x is None:
             value = np.array([self._number(result)])
             return Comparison(self, np.zeros(1), self.values, value, value)
-        line, shift = self._line(result), {}
+        line = self._line(result)
         there, values = line[self.axis].values, line.values
-        weight = np.ones_like(self.values) / (1.0 if self.sigma is None else self.sigma)
-        unaligned = Unaligned(self.x, self.values, weight, self.align)
-        if "centre" in self.align:
-            shift["centre"] = unaligned.best_centre(there, values)
+        shift = {"centre": best_centre(self, there, values)} if "centre" in self.align else {}
         x = self.x - shift.get("centre", 0.0)
         if x.min() < there[0] or x.max() > there[-1]:
             ends = [with_prefix(end, si_unit(self.axis)) for end in (x.min(), x.max(), there[0], there[-1])]
             raise ValueError("{}: reaches from {} to {}, and the run only from {} to {}".format(self.name, *ends))
         computed = np.interp(x, there, values)
-        parts, shown = unaligned.shown(computed)
+        parts, shown = as_shown(self, computed)
         factor = parts.get("index", 1.0)
         if "gain" in parts:  # an intensity stays in the units in which it was measured
             computed, line = (parts["gain"] * each + parts["background"] for each in (computed, line))
@@ -279,6 +276,11 @@ class Measurement:
         return Comparison(
             self, x, computed + (self.values - shown) / factor, computed, shown, shift | parts, line, sigma
         )
+
+    @property
+    def weight(self) -> Values:
+        """1/sigma of each value; one where that is not known."""
+        return np.ones_like(self.values) / (1.0 if self.sigma is None else self.sigma)
 
     @property
     def axis(self) -> str:

@@ -25,7 +25,6 @@ At = float | str | Quantity | None
 MAXIMUM, LAST, END, CHOSEN = "maximum approach", "last map", "end of the run", "chosen map"
 NAMES = {"max-approach": MAXIMUM, "end": END}
 ALONG = {"x": ("X", "Y"), "y": ("Y", "X")}  # the axis of a line, and the other one
-ON_A_LINE = ("H", "P", "oil")
 ROUNDING = 1e-9  # t0
 
 
@@ -100,7 +99,7 @@ def profile(dataset: xr.Dataset, at: At = None, along: str = "x") -> xr.Dataset:
     if along not in ALONG:
         raise ValueError(f'along = {along!r}: must be "x" or "y"')
     axis, other = ALONG[along]
-    fields, moment = dataset[[name for name in ON_A_LINE if name in dataset]], "steady contact"
+    fields, moment = dataset[["H", "P", "oil"]], "steady contact"
     if not is_steady(dataset):
         fields, moment = _at(fields, moment_of(dataset, at))
     elif at is not None:

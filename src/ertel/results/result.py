@@ -129,12 +129,12 @@ class Result:
         """The oil that a rolling contact leaves behind, at its end: points [y, thickness], in SI texts with a unit.
 
         It is the `layer` of the contact that follows on this track: `ertel.rolling(..., layer=result.track)`.  The oil
-        of both surfaces is taken together.  Raises ValueError for an impact, a run that failed, and one without oil.
+        of both surfaces is taken together.  Raises ValueError for an impact and a run that failed.
         """
         if not self.status.ok:
             raise ValueError(f"track: the run ended with status {self.status.value!r} and leaves none")
-        if self.case.starts_apart or "oil" not in self.dataset:
-            raise ValueError("track: the run is an impact, or has no oil; a rolling contact leaves a track behind")
+        if self.case.starts_apart:
+            raise ValueError("track: the run is an impact; a rolling contact leaves a track behind")
         oil = self.dataset["oil"] if self.case.is_steady else self.dataset["oil"].isel(frame=-1)
         end = 0.0 if self.case.is_steady else float(self.dataset["time"][-1])
         outlet = oil.isel(X=-1 if self.case.motion.entrainment(end) >= 0 else 0)

@@ -7,7 +7,7 @@ coefficients are multiples of a/R, a number that such a case does not have.
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from html import escape
@@ -163,6 +163,8 @@ class StudyResult:
     def plot(self, **sheet: "Unpack[SheetOptions]") -> "Figure":
         """The key numbers over what varies; of a traction curve friction, films, power loss and shear stress.
 
+        Of a convergence series the distances from the limits; of a fit data, fitted curves and residuals.
+
         sheet: ax, figsize, columns, title, see `ertel.plots.Sheet`.
         """
         from ertel.plots import studies
@@ -189,12 +191,8 @@ class StudyResult:
         shown = [f"the first {MOST_ROWS} are shown"] if runs > MOST_ROWS else []
         return [summary, *shown, *(f"warning: {each}" for each in self.warnings)]
 
-    def table_lines(self) -> Iterator[str]:
-        """The table as lines of text."""
-        yield from aligned(self.table())
-
     def __repr__(self) -> str:
-        lines = (*self.table_lines(), *self.remarks)
+        lines = (*aligned(self.table()), *self.remarks)
         return "\n".join([f"{type(self).__name__}: {self.heading}", *(f"  {line}" for line in lines)])
 
     def _repr_html_(self) -> str:
