@@ -56,9 +56,8 @@ PHYSICAL: Mapping[Kind, Keys] = {
 FOREIGN: Mapping[Kind, Mapping[str, str]] = {  # keys of the other kind, and what to use instead
     "impact": {
         "load": "its load follows from mass and speed; a load that is applied to the ball is motion.load",
-        **dict.fromkeys(
-            ("speed_1", "speed_2"), "a track that moves under the ball has contact.mean_speed and contact.slide_to_roll"
-        ),
+        "speed_1": "a track that moves has contact.mean_speed and contact.slide_to_roll",
+        "speed_2": "a track that moves has contact.mean_speed and contact.slide_to_roll",
     },
     "rolling": dict.fromkeys(
         ("speed", "drop_height"), "its surfaces have contact.mean_speed, or contact.speed_1 and contact.speed_2"
@@ -199,11 +198,8 @@ class Conditions:
         R_x, R_y = self._radii
         for keys, R in ((ALONG_X, R_x), (ALONG_Y, R_y)) if any(key in self.given for key in PAIRS) else ():
             given = [key for key in keys if key in self.given]
-            yield from (
-                (self.entry(key), "must not be zero; leave it out for a plane")
-                for key in given
-                if not getattr(self, key)
-            )
+            for zero in [key for key in given if not getattr(self, key)]:
+                yield self.entry(zero), "must not be zero; leave it out for a plane"
             if not 0 < R < inf:
                 sum_is_positive = f"the curvatures 1/{keys[0]} + 1/{keys[1]} must add up to more than zero"
                 place = " and ".join(map(self.entry, given)) or f"contact.{keys[0]}: missing"

@@ -120,9 +120,8 @@ def half_width_y(solver: Solver, geometry: Geometry) -> float | None:
     """
     along_x, along_y = geometry.extent
     default = solver.half_width + along_y - along_x
-    nodes, usual = (
-        nodes_across(solver.nodes, width / solver.half_width) for width in (solver.half_width_y or default, default)
-    )
+    widths = solver.half_width_y or default, default
+    nodes, usual = (nodes_across(solver.nodes, width / solver.half_width) for width in widths)
     if nodes == usual == solver.nodes:
         return None
     return solver.half_width * (nodes - 1) / (solver.nodes - 1)

@@ -206,11 +206,11 @@ def data_sheet(
 
     Raises ConfigError, naming the argument, for a value that is not allowed.
     """
-    given = dict(
-        nu40=nu40, nu100=nu100, density=density, expansion=expansion, alpha=alpha, reference=reference or "data sheet"
-    )
+    given = {"nu40": nu40, "nu100": nu100, "density": density, "expansion": expansion, "alpha": alpha}
     try:
-        sheet = Reader(number_or_quantity).record(DataSheet, given, "data_sheet")
+        sheet = Reader(number_or_quantity).record(
+            DataSheet, {**given, "reference": reference or "data sheet"}, "data_sheet"
+        )
     except ValueError as error:
         raise ConfigError(str(error).removeprefix("data_sheet.")) from error
     return oil_at(oil_of_sheet(sheet), temperature)
