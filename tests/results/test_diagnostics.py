@@ -47,6 +47,7 @@ class Hill:
     [
         (Waviness(0.01, 0.5, 0.25), 0.25),
         (Waviness(0.01, 0.5), 0.5),
+        (Waviness(0.01, wavelength_y=0.7), 0.7),
         (RingWaviness(0.01, 0.4), 0.4),
         (Spot(0.2, 0.1), 0.4),
         (Hill(), None),
