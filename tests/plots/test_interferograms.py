@@ -10,7 +10,6 @@ from ertel import plots
 from ertel.optics import Constant, Layer, Monochromatic, Rig, TwoBeams, White
 from ertel.plots import interferograms as page
 from ertel.plots.view import View
-from ertel.results.result import Plot
 
 
 @pytest.fixture(scope="module")
@@ -158,13 +157,6 @@ def test_picture_has_oil_and_air(ball, few_pixels):
     np.testing.assert_array_equal(grey[wet], full[wet])
     np.testing.assert_array_equal(chart[:, 20], of_films[:, 20])
     assert np.abs(grey - full)[beyond].max() > 0.1 and np.abs(chart - of_films)[:, 0].max() > 0.1
-
-
-def test_result_has_it(ball, rolls, few_pixels):
-    figure = Plot(ball).interferogram(at=1.0, light=Monochromatic(653e-9))
-    assert figure.axes[0].get_title() == "Interferogram at 653 nm"
-    assert "chosen map at $t$ = 37.41 µs" in figure.get_suptitle()
-    assert "interferogram" in dir(Plot(rolls)) and "interferogram()" in repr(Plot(ball))
 
 
 # -- animation --------------------------------------------------------------------------------------------------------
