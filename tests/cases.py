@@ -5,7 +5,9 @@ import os
 import subprocess
 import sys
 import tomllib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -68,6 +70,40 @@ def impact(M: float, L: float, nodes: int, **sections: dict[str, Any]) -> Case:
     for name, values in sections.items():
         source[name] = {**source.get(name, {}), **values}
     return parse_case(source)
+
+
+_OTHERS: dict[str, Any] = {
+    **{"nodes": 129, "method": "radial", "half_width_y": 6.0, "until": 2.0, "surface": 2, "inlet_factor": "none"},
+    **{"density": "incompressible", "rheology": {"law": "ree-eyring", "tau0": "5000000.0 Pa"}},
+}
+
+
+def _other(key: str, value: Any) -> Any:
+    """Another value for a key of a case."""
+    if isinstance(value, bool):
+        return not value
+    if key == "viscosity":
+        return {"roelands": "barus", "houpert": "exponential"}[value]
+    if key in _OTHERS:
+        return _OTHERS[key]
+    number, _, unit = str(value).partition(" ")
+    changed = 1.01 * float(number) + 0.001 * (not unit)
+    return f"{changed!r} {unit}" if unit else changed
+
+
+def changed_cases(data: dict[str, Any]) -> Iterator[tuple[str, Case]]:
+    """Each key of a case, section.key, with the case that has another value there; what is refused is left out."""
+    written = Case.from_data(data).to_data()
+    for name in written.keys() - {"schema", "name"}:
+        for number in range(len(written[name]) if name == "roughness" else 1):
+            data = deepcopy(written)
+            table = data[name][number] if name == "roughness" else data[name]
+            for key, value in list(table.items()):
+                if key not in ("kind", "shape"):
+                    table[key] = _other(key, value)
+                    with suppress(ValueError):
+                        yield f"{name}.{key}", Case.from_data(data)
+                    table[key] = value
 
 
 def free_ball(p: Parameters, oil: Oil, solver: Solver, time: Time | None = None, *features: Feature) -> Case:

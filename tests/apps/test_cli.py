@@ -3,11 +3,14 @@
 import json
 import os
 import signal
+from functools import partial
 from pathlib import Path
 
+import numpy as np
 import pytest
+import xarray as xr
 from app_runs import CASE_FILES, given, raising, refused
-from cases import ertel_, names
+from cases import ertel_, names, physics, stop_after
 from matplotlib.figure import Figure
 from PIL import Image
 
@@ -15,9 +18,12 @@ import ertel
 from ertel import plots
 from ertel.apps import about, running
 from ertel.apps.process import SIGNALS
-from ertel.runs import compile, store
-from ertel.runs.directory import ask_to_stop, is_asked_to_stop
-from ertel.runs.store import RunStore
+from ertel.inputs.case_files import load_case
+from ertel.runs import compile, stepping, store
+from ertel.runs.directory import ask_to_stop, is_asked_to_stop, read_progress
+from ertel.runs.drive import drive
+from ertel.runs.stepping import StepLimits
+from ertel.runs.store import RunStore, compute
 
 # -- answers at once --------------------------------------------------------------------------------------------------
 
@@ -77,9 +83,12 @@ def test_a_second_run_gets_its_own_directory_and_is_as_quiet_unless_jax_computes
 
 
 def test_error_estimate(here):
-    """It is that of a run on the half grid; what follows from the parts is tested with the loop."""
+    """Of a run that has ended.  It is that of a run on the half grid; the parts are tested with the loop."""
     radial = ("run", "small.toml", "--json", "--set", "solver.method=radial", "--set")
-    fine = json.loads(ertel_(*radial, "solver.nodes=33", "--out", "fine", "--error").stdout)
+    before = json.loads(ertel_(*radial, "solver.nodes=33", "--out", "fine").stdout)
+    fine = json.loads(ertel_("resume", "fine", "--error", "--json").stdout)
+    assert not before.get("error_estimate") and before["max_approach"] == fine["max_approach"]
+    assert json.loads(ertel_("show", "fine", "--json").stdout) == fine
     half = json.loads(ertel_(*radial, "solver.nodes=17", "--out", "half").stdout)
     assert list(fine["error_estimate"]) == ["H_c", "H_min", "T", "Delta_max", "P_c", "F", "power_loss"]
     estimate, films = fine["error_estimate"]["H_c"], [run["max_approach"]["H_c"] for run in (fine, half)]
@@ -206,8 +215,7 @@ def test_plot_refused(small):
 def test_plot_of_a_run_with_one_map_only(here):
     ertel_("run", "ball.toml", "--out", "a", "-q", *given("output.interval=50", "time.until=0.01"))
     assert RunStore.open(here / "a").dataset().sizes["frame"] == 1  # the end
-    pictures = {f"{name}.png" for name in ("overview", "maps", "profiles", "friction", "history")}
-    assert {Path(path).name for path in ertel_("plot", "a").stdout.split()} == pictures == names(here / "a" / "plots")
+    assert ertel_("plot", "a", "--what", "overview").stdout == "a/plots/overview.png\n"  # each: test_plots_in_time
 
 
 # -- params and film --------------------------------------------------------------------------------------------------
@@ -224,32 +232,20 @@ def numbers(*arguments):
     return json.loads(ertel_(*arguments, "--json").stdout)
 
 
-def test_params_from_moes():
-    """What the parameters are is tested with case files."""
-    content = numbers("params", *given("contact.M=1000", "contact.L=10"))
-    assert content["lambda_bar"] == pytest.approx(0.00109777359, rel=1e-8)
-    assert content["trapped_film"] == pytest.approx(0.1)
-    assert "si" not in content
-
-
-def test_params_from_quantities():
-    ball = given(
-        "contact.radius=10 mm", "contact.mass=32.6726 g", "contact.speed=0.1 m/s", "contact.E_prime=226.37 GPa"
-    )
-    content = numbers("params", *ball, *given("lubricant.eta0=0.1 Pa*s", "lubricant.alpha=22 / GPa"))
-    expected = {"stokes": 17.3333, "lambda_bar": 0.0615385, "alpha_bar": 30.6595, "M": 48.8118, "L": 23.0237}
-    scales = {"delta_m": 3.74064e-06, "a_m": 0.000193407, "F_N": 109.181, "p_h_Pa": 1393610000.0, "t0_s": 3.74064e-05}
-    for found, wanted in ((content, expected), (content["si"], scales | {"contact_time_s": 0.000110098})):
-        assert {key: found[key] for key in wanted} == pytest.approx(wanted, rel=1e-5)
-    assert "p_h_Pa" in ertel_("params", *ball, *given(*OIL)).stdout
-
-
-def test_params_of_rolling():
-    content = numbers("params", *given("contact.kind=rolling", *ROLLED))
-    assert [content["M"], content["L"]] == pytest.approx([200, 10], rel=1e-6)
-    assert content["si"]["u_m_m_per_s"] == pytest.approx(0.502636)
-    assert content["si"]["t0_s"] == pytest.approx(1.384509e-4 / 0.502636, rel=1e-6)
-    assert {"stokes", "trapped_film"}.isdisjoint(content) and "contact_time_s" not in content["si"]
+def test_params():
+    """What the parameters are is tested with case files and scales."""
+    moes = numbers("params", *given("contact.M=1000", "contact.L=10"))
+    assert (moes["lambda_bar"], moes["trapped_film"]) == pytest.approx((0.00109777359, 0.1), rel=1e-8)
+    assert "si" not in moes
+    ball = [f"contact.{one}" for one in ("radius=10 mm", "mass=32.6726 g", "speed=0.1 m/s", "E_prime=226.37 GPa")]
+    falls = numbers("params", *given(*ball, "lubricant.eta0=0.1 Pa*s", "lubricant.alpha=22 / GPa"))
+    found = [falls["stokes"], falls["M"], falls["si"]["p_h_Pa"], falls["si"]["contact_time_s"]]
+    assert found == pytest.approx([17.3333, 48.8118, 1393610000.0, 0.000110098], rel=1e-5)
+    assert "p_h_Pa" in ertel_("params", *given(*ball, *OIL)).stdout
+    rolls = numbers("params", *given("contact.kind=rolling", *ROLLED))
+    assert [rolls["M"], rolls["L"], rolls["si"]["u_m_m_per_s"]] == pytest.approx([200, 10, 0.502636], rel=1e-6)
+    assert rolls["si"]["t0_s"] == pytest.approx(1.384509e-4 / 0.502636, rel=1e-6)
+    assert {"stokes", "trapped_film"}.isdisjoint(rolls) and "contact_time_s" not in rolls["si"]
 
 
 def test_film_side_by_side():
@@ -277,7 +273,6 @@ def test_params_and_film_of_a_case_file(here):
     ("command", "settings", "said"),
     [
         ("run small.toml", ["solver.node=9"], "solver.node = 9: unknown key; did you mean nodes?"),
-        ("run small.toml", ["nodes=65"], "nodes = 65: unknown key; did you mean solver.nodes?"),
         ("run small.toml", ["solver.nodes"], "--set solver.nodes: must be section.key=value"),
         ("run small.toml --error", ["solver.nodes=17"], "solver.nodes = 9"),
         ("run transient.toml --error", ["solver.nodes=17"], "solver.nodes = 9"),
@@ -285,13 +280,8 @@ def test_params_and_film_of_a_case_file(here):
         ("run small.toml --out taken", [], "taken: exists already; choose another --out"),
         ("run small.toml --out small.toml", [], "small.toml: exists already"),
         ("run small.toml --out small.toml/sub", [], "small.toml/sub: cannot write there"),
-        ("run steady.toml", ["time.until=3"], "time.until = 3.0: a steady contact has no time"),
-        ("run transient.toml", ["motion.entrainment=0"], "motion.entrainment = 0.0: is 0 at T = 0"),
-        ("run transient.toml", ["roughness=3"], "roughness = 3: must be an array of tables"),
         ("film", [], "contact.M: missing"),
         ("film", ["contact.kind=impact", "contact.M=10", "contact.L=2"], 'contact.kind = "impact": must be "rolling"'),
-        ("params", ["contact.M=1000"], "contact.L: missing"),
-        ("params", ["contact.load=3 N"], 'contact.load = "3 N": not for an impact'),
         ("params", ["lubricant=5", "contact.M=1"], "lubricant = 5: must be a section"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
@@ -313,3 +303,94 @@ def test_directory_of_a_run_is_taken(ball):
 def test_unwritable_output(here):
     (here / "locked").mkdir(mode=0o500)
     assert "locked/run: cannot write there, permission denied" in refused("run", "small.toml", "--out", "locked/run")
+
+
+# -- rolling contacts, from their start to their report ---------------------------------------------------------------
+
+
+def test_a_film_below_zero_fails_with_the_number_of_nodes(here):
+    (here / "thin.toml").write_text('[contact]\nkind = "rolling"\nM = 20000\nL = 10\n[solver]\nnodes = 33\n')
+    ran = ertel_("run", "thin.toml", code=1)
+    assert "failed: the surfaces overlap" in ran.stderr
+    assert "use solver.nodes >= 1409" in ran.stderr
+    for text in (ran.stdout, ertel_("show", "runs/thin").stdout, ertel_("ls", "runs").stdout):
+        assert "the film vanishes on this grid" in text
+        assert "mu" not in text
+        assert "computed" not in text
+
+
+@pytest.fixture
+def no_pictures(monkeypatch):
+    """What is drawn is tested with the figures."""
+    monkeypatch.setattr(plots, "draw", lambda *_, **__: Figure())
+
+
+def test_run_show_and_plot(here, no_pictures):
+    text = ertel_("run", "steady.toml").stdout
+    for part in ("converged", "H_c", "error", "extrapolated", "nm", "Nijenbanning", "Hamrock", "computed", "%"):
+        assert part in text
+    assert text == ertel_("show", "runs/steady").stdout
+    printed = ertel_("plot", "runs/steady").stdout.split()
+    assert {Path(path).stem for path in printed} >= {"film", "pressure", "midlines", "convergence"}
+    found = read_progress(here / "runs" / "steady")
+    assert (found["status"], found["T"], found["step"], found["done"]) == ("converged", None, 2, 1.0)
+
+
+def test_a_run_on_the_track_of_another(here, runs):
+    options = (*given("lubricant.layer=0.2 um", "solver.nodes=33"), "--quiet")
+    ertel_("run", "steady.toml", *options, "--out", "first")
+    ertel_("run", "steady.toml", *options, "--out", "second", "--after", "first")
+    first, second = (xr.open_zarr(here / name / "run.zarr") for name in ("first", "second"))
+    assert load_case(here / "second" / "case.toml").track.extremes[1] == pytest.approx(float(first["oil"][:, -1].max()))
+    assert float(second["H_c"][-1]) < float(first["H_c"][-1])
+    assert "the run is an impact" in ertel_("run", "steady.toml", "--after", str(runs[0] / "small"), code=2).stderr
+
+
+def test_a_run_under_way(here):
+    run = RunStore.create(here / "cut", load_case("steady.toml"))
+    for command in ("show", "plot"):
+        ertel_(command, "cut", code=2)
+    drive(run.run, [run, stop_after(1)], run.resume())
+    run.flush()
+    summary = json.loads(ertel_("show", "cut", "--json").stdout)
+    assert (summary["status"], summary["nodes"]) == ("running", 33)
+
+
+def test_a_transient_run_whole_and_resumed(here, no_pictures):
+    text = ertel_("run", "transient.toml").stdout
+    for part in ("at the last time", "H_c", "Nijenbanning", "steps"):
+        assert part in text
+    summary = json.loads(ertel_("show", "runs/transient", "--json").stdout)
+    assert (summary["T"], summary["H_c_error"]) == (pytest.approx(0.3), None)
+    assert {"steps", "newton_iterations", "krylov_iterations", "convolutions"} <= set(summary)
+    assert {"max_approach", "restitution"}.isdisjoint(summary)
+    data = RunStore.open(here / "runs" / "transient").dataset()
+    w = 1 + 0.1 * np.sin(2 * np.pi * data["time"].values)
+    np.testing.assert_allclose(data["w"].values, w, rtol=1e-12)
+    np.testing.assert_allclose(data["F"].values, w, rtol=1e-3)
+    assert np.all(data["U"].values == 1.0)
+    assert summary["load"] == pytest.approx(2 * np.pi / 3 * w[-1], rel=1e-3)
+    assert "overview.png" in {Path(path).name for path in ertel_("plot", "runs/transient").stdout.split()}
+    compute(RunStore.create(here / "cut", load_case("transient.toml")), [stop_after(3)])
+    ertel_("resume", "cut", "-q")
+    xr.testing.assert_identical(physics(RunStore.open(here / "cut").dataset()), physics(data))
+
+
+@pytest.mark.slow
+def test_the_error_of_a_transient_run(here):
+    short = ("run", "transient.toml", "--json", "--set", "time.until=0.1")
+    fine = json.loads(ertel_(*short, "--error").stdout)
+    coarse = json.loads(ertel_(*short, "--set", "solver.nodes=17").stdout)
+    for name in ("H_c", "H_min"):
+        parts = fine["error_estimate"][name]
+        assert parts["grid"] == pytest.approx((fine[name] - coarse[name]) / 3)
+        sizes = {part: abs(parts[part]) for part in ("grid", "time", "domain")}
+        assert fine[f"{name}_error"] == pytest.approx(sum(size**2 for size in sizes.values()) ** 0.5)
+        assert parts["dominant"] == max(sizes, key=sizes.get)
+
+
+def test_a_transient_run_that_cannot_begin(here, monkeypatch):
+    monkeypatch.setattr(stepping, "StepLimits", partial(StepLimits, smallest=10.0))
+    result = ertel_("run", "transient.toml", code=1)
+    assert "failed: " in result.stderr
+    assert "No step was taken" in ertel_("show", "runs/transient").stdout

@@ -170,15 +170,6 @@ def test_commands_of_advice_repair(ball):
     assert {**again, "wall_s": 0, "compilations": 0} == {**whole, "wall_s": 0, "compilations": 0}
 
 
-def test_error_of_a_finished_run(here):
-    ertel_("run", *STEADY)
-    before = json.loads(ertel_("show", "runs/steady", "--json").stdout)
-    after = json.loads(ertel_("resume", "runs/steady", "--error", "--json").stdout)
-    assert not before.get("error_estimate")
-    assert set(after["error_estimate"]) >= {"H_c", "H_min"}
-    assert json.loads(ertel_("show", "runs/steady", "--json").stdout) == after
-
-
 def test_a_known_error_is_not_computed_again(ball, monkeypatch):
     run = RunStore.open(ball)
     run.finish({**run.summary(), "error_estimate": {"H_c": {"error": 0.1, "extrapolated": 0.2, "dominant": "grid"}}})

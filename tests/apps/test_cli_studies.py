@@ -134,10 +134,14 @@ def test_a_file_stops_a_study_as_ctrl_c_does(here, monkeypatch, where):
 
 
 def test_a_part_gathers_nothing(here):
+    """What a killed study has left is taken up; beside a study there may be other files."""
+    (here / "study/runs").mkdir(parents=True)
     done = ertel_(*SWEEP, "--part", "2/2", "--out", "study")
     assert done.stderr == "2 runs, 1 of them to do in part 2 of 2\n" and done.stdout == ""
     assert names(here / "study") == {"runs"} and len(names(here / "study/runs")) == 1
     assert ertel_(*SWEEP, "--out", "study").stderr == "2 runs, 1 of them to do\n"
+    (here / "study/notes.txt").write_text("mine")
+    ertel_(*SWEEP, "-q", "--out", "study")
 
 
 def test_runs_that_fail_are_named_and_the_others_go_on(here):
@@ -271,13 +275,6 @@ def test_files_of_the_user_are_left_alone(here, command, file):
         with pytest.raises(StoreError, match=re.escape(f"directory {complaint} study")):
             ertel.sweep("loads.toml", "mine")
     assert names(here / "mine") == {file} and (here / "mine" / file).read_text() == "mine"
-
-
-def test_a_study_may_have_other_files_beside_it(here):
-    (here / "study/runs").mkdir(parents=True)  # as a killed one leaves it
-    ertel_(*SWEEP, "-q", "--out", "study")
-    (here / "study/notes.txt").write_text("mine")
-    ertel_(*SWEEP, "-q", "--out", "study")
 
 
 @pytest.mark.parametrize(

@@ -1,26 +1,21 @@
 """A case writes itself, knows its digest, and refuses what makes no sense, whichever way it was made."""
 
-from collections.abc import Iterator
-from contextlib import suppress
-from copy import deepcopy
 from dataclasses import dataclass, fields, replace
 from math import inf, nan
 from typing import Annotated, Any
 
 import pytest
-from cases import STEEL_BODIES
+from cases import STEEL_BODIES, changed_cases
 
 from ertel.case.case import Case
 from ertel.case.conditions import Conditions
 from ertel.case.definition import SECTIONS
 from ertel.case.sections import SOLVERS, Drive, Output, Solver, Time
-from ertel.physics.fluidity import Carreau, Limited, ReeEyring
 from ertel.physics.lubricant import Barus, Oil
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Oscillation, Polyline, constant
-from ertel.physics.registry import DENSITY_LAWS, SHAPES, VISCOSITY_LAWS
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature, RingWaviness, Spot, Waviness
-from ertel.physics.units import HEIGHT, WIDTH, Amount, Quantity
+from ertel.physics.units import WIDTH, Amount, Quantity
 
 MOES: dict[str, Any] = {"M": 200.0, "L": 10.0}
 BALL: dict[str, Any] = {"radius": 0.01, "mass": 0.03, "speed": 0.1, "E_prime": 2e11}
@@ -78,44 +73,12 @@ BASES: list[dict[str, Any]] = [  # every field is given in one of them, or has a
     in_si("rolling", **TWO_SPEEDS, **REDUCED),
     in_si("rolling", **TWO_SPEEDS, **PAIRS),
 ]
-OTHERS: dict[str, Any] = {
-    **{"nodes": 129, "method": "radial", "half_width_y": 6.0, "until": 2.0, "surface": 2, "inlet_factor": "none"},
-    **{"density": "incompressible", "rheology": {"law": "ree-eyring", "tau0": "5000000.0 Pa"}},
-}
-
-
-def other(key: str, value: Any) -> Any:
-    """Another value for a key of a case."""
-    if isinstance(value, bool):
-        return not value
-    if key == "viscosity":
-        return {"roelands": "barus", "houpert": "exponential"}[value]
-    if key in OTHERS:
-        return OTHERS[key]
-    number, _, unit = str(value).partition(" ")
-    changed = 1.01 * float(number) + 0.001 * (not unit)
-    return f"{changed!r} {unit}" if unit else changed
-
-
-def changes(data: dict[str, Any]) -> Iterator[tuple[str, Case]]:
-    """Each key of a case, section.key, with the case that has another value there; what is refused is left out."""
-    written = Case.from_data(data).to_data()
-    for name in written.keys() - {"schema", "name"}:
-        for number in range(len(written[name]) if name == "roughness" else 1):
-            data = deepcopy(written)
-            table = data[name][number] if name == "roughness" else data[name]
-            for key, value in list(table.items()):
-                if key not in ("kind", "shape"):
-                    table[key] = other(key, value)
-                    with suppress(ValueError):
-                        yield f"{name}.{key}", Case.from_data(data)
-                    table[key] = value
 
 
 @pytest.mark.parametrize("data", BASES, ids=str)
 def test_whatever_changes_a_result_changes_the_digest(data) -> None:
     case = Case.from_data(data)
-    for place, changed in changes(data):
+    for place, changed in changed_cases(data):
         assert case != changed, place
         assert case.digest != changed.digest, place
 
@@ -124,7 +87,7 @@ def test_no_field_was_forgotten() -> None:
     """Every field of every record of a case is among the changes above, and so is the kind of contact."""
     wanted = {f"{name}.{f.name}" for name, section in SECTIONS.items() for f in fields(section.record)}
     wanted |= {f"roughness.{f.name}" for shape in (Waviness, RingWaviness, Spot) for f in fields(shape)}
-    found = {place for data in BASES for place, _ in changes(data)}
+    found = {place for data in BASES for place, _ in changed_cases(data)}
     assert (wanted | {"roughness.surface"}) - found == {"contact.kind", "lubricant.reference"}
     assert impact().digest != rolling().digest
 
@@ -153,43 +116,6 @@ class Nameless:
 
     def heights(self, X: Any, Y: Any) -> Any:
         return X
-
-
-@SHAPES.register("test-step")
-@dataclass(frozen=True)
-class Step:
-    """A shape of one's own."""
-
-    height: Annotated[Amount, HEIGHT]
-
-    def heights(self, X: Any, Y: Any) -> Any:
-        return self.height * (X > 0)
-
-
-@VISCOSITY_LAWS.register("test-power")
-@DENSITY_LAWS.register("test-power")
-@dataclass(frozen=True)
-class Power:
-    """A law of one's own."""
-
-    n: float
-    table: tuple[float, ...] = ()
-
-    def viscosity(self, p: Any) -> Any:
-        return (1 + p) ** self.n
-
-    def density(self, p: Any) -> Any:
-        return (1 + p) ** self.n
-
-
-def test_own_laws_and_shapes_are_written_by_their_names() -> None:
-    oil = replace(OIL, viscosity=Power(2.0), density=Power(0.1, (1.0, 2.0)))
-    case = impact(oil=oil, roughness=(Feature(Step(0.1)),))
-    data = case.to_data()
-    assert data["lubricant"]["viscosity"] == {"law": "test-power", "n": 2.0}
-    assert data["lubricant"]["density"] == {"law": "test-power", "n": 0.1, "table": [1.0, 2.0]}
-    assert data["roughness"] == [{"shape": "test-step", "height": 0.1, "surface": 1}]
-    assert Case.from_data(data) == case
 
 
 def test_what_has_no_name_cannot_be_written() -> None:
@@ -243,6 +169,7 @@ TRANSIENT = SOLVERS["transient"]
 ROUGH = (Feature(Spot(0.3, 0.1)),)
 STEADY, IN_TIME = rolling(), rolling("transient")
 PHYSICAL = Case(Conditions(**BALL), OIL)
+FAST = Case(Conditions(**BALL, mean_speed=1.0), OIL)
 ON_TRACK = Case(Conditions(**TRACK), OIL, SOLVERS["steady"])
 NO_L = Case(Conditions(M=200.0), Oil(viscosity="isoviscous", density="incompressible"))
 FINE = impact(solver=Solver(nodes=4097))
@@ -267,10 +194,8 @@ REFUSED: list[Refusal] = [
     # method
     (impact(), {"solver": TRANSIENT}, 'solver.method = "transient": must be "2d" or "radial"'),
     (STEADY, {"solver": SOLVERS["2d"]}, 'solver.method = "2d": must be "steady" or "transient"'),
-    (impact(solver=RADIAL), {"roughness": ROUGH}, "roughness: the radial method is for smooth surfaces"),
     (impact(roughness=ROUGH), {"solver": RADIAL}, "roughness: the radial method is for smooth surfaces"),
     (impact(solver=RADIAL), {"drive": Drive(constant(1.0), constant(1.0))}, "motion: the radial method is for a free"),
-    (impact(), {"solver": replace(RADIAL, inlet=1.5)}, "solver.inlet = 1.5: a radial grid has none"),
     (impact(), {"solver": replace(RADIAL, inlet=2.0)}, "solver.inlet = 2.0: a radial grid has none"),
     (impact(), {"solver": replace(RADIAL, half_width=1.1)}, "solver.half_width = 1.1: must be at least 1.2"),
     # grid
@@ -279,9 +204,6 @@ REFUSED: list[Refusal] = [
     (impact(), {"solver": Solver(nodes=8193)}, "solver.nodes = 8193: must be less than or equal to 4097"),
     (impact(), {"solver": Solver(half_width=1.0)}, "solver.half_width = 1.0: must be greater than 1"),
     (impact(), {"solver": Solver(half_width=nan)}, "solver.half_width = NaN: must be a finite number"),
-    (impact(), {"solver": Solver(half_width=inf)}, "solver.half_width = Infinity: must be a finite number"),
-    (impact(), {"solver": Solver(half_width=1e9)}, "solver.half_width = 1000000000.0: must be less than or equal to"),
-    (impact(), {"solver": Solver(half_width_y=1.0)}, "solver.half_width_y = 1.0: must be greater than 1"),
     # is lengthened for multigrid, and could not be read again
     (STEADY, {"solver": replace(STEADY.solver, half_width=560.4, half_width_y=999.0)}, "solver.half_width_y = 1120.8"),
     (impact(), {"solver": Solver(tolerance=0.0)}, "solver.tolerance = 0.0: must be greater than 0"),
@@ -289,12 +211,6 @@ REFUSED: list[Refusal] = [
     # oil
     (PHYSICAL, {"oil": Oil(alpha=2e-8)}, "lubricant.eta0: missing"),
     (PHYSICAL, {"oil": Oil(eta0=0.04)}, "lubricant.alpha: missing"),
-    (PHYSICAL, {"oil": replace(OIL, rheology=ReeEyring(-1.0))}, 'lubricant.rheology.tau0 = "-1.0 Pa": must be finite'),
-    (
-        PHYSICAL,
-        {"oil": replace(OIL, rheology=Limited(Carreau(6e6, 2.0), 0.05))},
-        "lubricant.rheology.base.n = 2.0: must be less than or equal to 1",
-    ),
     (PHYSICAL, {"oil": replace(OIL, viscosity=Barus(-1.0))}, 'lubricant.viscosity.alpha = "-1.0 1/Pa": must be finite'),
     (PHYSICAL, {"oil": replace(OIL, layer=-1.0)}, "lubricant.layer = -1.0: must be a finite number above zero"),
     (PHYSICAL, {"oil": replace(OIL, eta0=6e-5)}, "lubricant.eta0 = 6e-05 Pa s: Roelands' law needs"),
@@ -305,58 +221,34 @@ REFUSED: list[Refusal] = [
     (STEADY, {"time": Time()}, "time: a steady contact has no time"),
     (STEADY, {"time": Time(until=5.0)}, "time.until = 5.0: a steady contact has no time"),
     (STEADY, {"output": Output(1.0)}, "output.interval = 1.0: a steady contact has no time"),
-    (IN_TIME, {"solver": SOLVERS["steady"]}, "time.until = 6.0: a steady contact has no time"),
     (IN_TIME, {"time": Time(-1.0)}, "time.start_approach = -1.0: not for a rolling contact"),
     (IN_TIME, {"time": Time(until="rebound")}, 'time.until = "rebound": is an event of an impact'),
-    (
-        impact(),
-        {"time": Time(until="later")},
-        'time.until = "later": must be a finite number above zero, in',
-    ),
-    (impact(), {"time": Time(until=0.0)}, "time.until = 0.0: must be a finite number above zero"),
+    (impact(), {"time": Time(until="later")}, 'time.until = "later": must be a finite number above zero, in'),
     (impact(), {"time": Time(start_approach=1.0)}, "time.start_approach = 1.0: must be less than 0"),
     (impact(), {"time": Time(-2e5, until=1.0)}, "time.start_approach = -200000.0: the ball would fall for 200000 t0"),
     (impact(), {"time": Time(until=Quantity(1.0, "s"))}, 'time.until = "1.0 s": must be a plain number'),
     (impact(time=Time(until="rebound")), {"drive": LOADED}, 'time.until = "rebound": a ball under a load may never'),
     (impact(), {"time": Time(until=1e9)}, "time.until = 1000000000.0: is 1e+09 t0; must be at most 100000 t0"),
     (IN_TIME, {"time": Time(until=10.0, step=1e-9)}, "time.step = 1e-09: needs 1e+10 steps; must be at least 1e-06 t0"),
-    (impact(), {"output": Output(-1.0)}, "output.interval = -1.0: must be a finite number above zero"),
     (impact(), {"output": Output(1e-9)}, "output.interval = 1e-09: gives 2.47e+09 maps with 7.84e+06 GB; at most"),
     (FINE, {"output": Output(0.005)}, "output.interval = 0.005: gives 494 maps with 398 GB"),
-    (PHYSICAL, {"output": Output(Quantity(1e-10, "s"))}, 'output.interval = "1e-10 s": gives 9.39e+05 maps'),
     # name and source
     *[(impact(), {"name": name}, f"name = {shown}: must be a plain file name: ") for name, shown in NO_NAMES.items()],
     (impact(), {"name": 5}, "name = 5: must be a string"),
     (impact(), {"oil": replace(OIL, reference="\x1b]0;title")}, 'lubricant.reference = "\\u001b]0;title": must be one'),
     # sizes
     (impact(), {"contact": Conditions(lambda_bar=1e-29, alpha_bar=10.0)}, "contact: its values together give M = "),
-    (PHYSICAL, {"contact": replace(PHYSICAL.contact, radius=1e-6, speed=1e4, mass=1e12)}, "contact: its values"),
     (impact(), {"roughness": (Feature(Spot(1e-300, 0.1)),)}, "roughness[1].radius = 1e-300: must be between 1e-06 and"),
     (PHYSICAL, {"roughness": (Feature(Spot(HUGE, 0.1)),)}, 'roughness[1].radius = "1e+30 m": is 5.13076e+33 a in this'),
     # units
     (PHYSICAL, {"roughness": (Feature(Spot(Quantity(1e-3, "s"), 0.1)),)}, 'roughness[1].radius = "0.001 s": must be a'),
-    (
-        PHYSICAL,
-        {"time": Time(until=Quantity(1e-3, "m"))},
-        'time.until = "0.001 m": must be a finite number above zero, in',
-    ),
     (PHYSICAL, {"time": Time(tolerance=Quantity(1e-3, "m"))}, 'time.tolerance = "0.001 m": must be a number'),
-    (
-        PHYSICAL,
-        {"drive": drive_to(2.0, at=Quantity(1.0, "m"))},
-        'motion.load = [[0.0, 1.0], ["1.0 m", 2.0]]: must be a',
-    ),
     # motion
     (STEADY, {"drive": Drive(load=constant(0.0))}, "motion.load = 0.0: is 0 at T = 0; must be above zero there"),
     (STEADY, {"drive": Drive(entrainment=constant(0.0))}, "motion.entrainment = 0.0: is 0 at T = 0"),
-    (
-        STEADY,
-        {"drive": drive_to(2.0)},
-        "motion.load = [[0.0, 1.0], [1.0, 2.0]]: varies in time from 1 to 2; use solver",
-    ),
+    (STEADY, {"drive": drive_to(2.0)}, "motion.load = [[0.0, 1.0], [1.0, 2.0]]: varies in time from 1 to 2; use"),
     (IN_TIME, {"drive": drive_to(0.0)}, "motion.load = [[0.0, 1.0], [1.0, 0.0]]: goes down to 0; must stay above zero"),
     (STEADY, {"drive": Drive(inertia=-1.0)}, "motion.inertia = -1.0: must be greater than or equal to 0"),
-    (STEADY, {"drive": Drive(slide_to_roll=inf)}, "motion.slide_to_roll = Infinity: must be a finite number"),
     (IN_TIME, {"drive": Drive(Oscillation(1.0, inf, 1.0))}, "motion.load.amplitude = Infinity: must be a finite numb"),
     (IN_TIME, {"drive": Drive(constant(nan))}, "motion.load = NaN: must be a finite number"),
     (IN_TIME, {"drive": drive_to(2.0, at=inf)}, "motion.load = [[0.0, 1.0], [Infinity, 2.0]]: must be a finite"),
@@ -364,14 +256,12 @@ REFUSED: list[Refusal] = [
     (ON_TRACK, {"drive": Drive(inertia=1.0)}, "motion.inertia = 1.0: belongs to dimensionless rolling cases; give"),
     (ON_TRACK, {"drive": Drive(slide_to_roll=1.0)}, "motion.slide_to_roll = 1.0: belongs to dimensionless cases; with"),
     (
-        Case(Conditions(**BALL, mean_speed=1.0), OIL),
+        FAST,
         {"drive": Drive(entrainment=constant(1.0))},
-        'motion.entrainment = 1.0: is given together with contact.mean_speed = "1.0 m/s"; allowed: one of them',
+        "motion.entrainment = 1.0: is given together with cont",
     ),
     # roughness
-    (STEADY, {"roughness": ROUGH}, "roughness[1].surface = 1: moves, so that its film is not steady"),
     (RESTING, {"drive": None}, "roughness[1].surface = 1: moves, so that its film is not steady"),
-    (impact(), {"roughness": (Feature(Spot(-1.0, 0.1)),)}, "roughness[1].radius = -1.0: must be a finite number above"),
     (impact(), {"roughness": (*ROUGH, NANOMETRES)}, 'roughness[2].height = "1e-08 m": must be a plain number'),
 ]
 

@@ -239,7 +239,7 @@ def test_any_unknown_key_is_named(place, key):
 # -- whole files, valid and spoiled -----------------------------------------------------------------------------------
 
 
-MANY = pytest.mark.parametrize("examples", [300, pytest.param(1000, marks=pytest.mark.slow)])
+MANY = pytest.mark.parametrize("examples", [100, pytest.param(1000, marks=pytest.mark.slow)])
 
 
 @MANY

@@ -15,6 +15,7 @@ Rows = list[tuple[Any, list[str]]]  # what is wrong; how its message begins, and
 MOES = {"M": 1000, "L": 10}
 OIL = {"eta0": "0.1 Pa*s", "alpha": "22 / GPa"}
 ROLLING = {"kind": "rolling", **MOES}
+SLENDER = MOES | {"radius_ratio": 0.5}
 TRACK = {"kind": "rolling", "radius": "10 mm", "load": "20 N", "E_prime": "226.37 GPa"}
 ROLLED = {**TRACK, "mean_speed": "0.5 m/s"}
 TWO_SPEEDS = {"speed_1": "1 m/s", "speed_2": "1 m/s"}
@@ -55,12 +56,10 @@ CONTACTS: Rows = [
     (MOES | {"kind": "bounce"}, ["contact.kind = \"bounce\": allowed: 'impact' or 'rolling'"]),
     ({"M": -5, "L": 10}, ["contact.M = -5: ", "greater than 0"]),
     ({"M": "1000", "L": 10}, ['contact.M = "1000": must be a number']),
-    ({"M": float("nan"), "L": 10}, ["contact.M = NaN: must be a finite number"]),
     ({"M": True, "L": 10}, ["contact.M = true: must be a number"]),
     ({}, ["contact.M: missing", "lambda_bar and alpha_bar", "radius"]),
     ({"M": 1000}, ["contact.L: missing", "contact.M = 1000", "M and L"]),
     (MOES | {"lambda_bar": 1}, ["contact.M = 1000.0 and contact.lambda_bar = 1.0 are given together; allowed: "]),
-    (MOES | BALL, ['contact.M = 1000.0 and contact.radius = "10 mm" are given together; allowed: ']),
     (MOES | {"slide_to_roll": 1}, ["contact.slide_to_roll = 1", "motion.slide_to_roll"]),
     (MOES | {"material_1": "steel"}, ['contact.material_1 = "steel": a dimensionless contact has no materials']),
     *[(without(key, BALL), [f"contact.{key}: missing; allowed: {key}; or "]) for key in BALL],
@@ -68,22 +67,18 @@ CONTACTS: Rows = [
     *[(ELASTIC | {"nu1": nu}, ["contact.nu1 = "]) for nu in (-1, 0.51, float("nan"))],
     (BALL | {"ball_density": "8 g/cm^3"}, ["contact.mass = ", "contact.ball_density = ", "given together"]),
     (BALL | {"drop_height": "1 m"}, ["contact.speed = ", "contact.drop_height = ", "given together"]),
-    (BALL | {"radius_1": "1 m", "radius_2": "1 m"}, ["contact.radius = ", "contact.radius_1 = ", "given together"]),
     (BALL | STEEL, ["contact.E_prime = ", "contact.E1 = ", "given together"]),
     (BALL | {"load": "1 N"}, ['contact.load = "1 N"', "impact", "motion.load"]),
     (BALL | {"speed_1": "1 m/s"}, ["contact.speed_1", "impact", "contact.mean_speed"]),
     (BALL | {"slide_to_roll": 1}, ["contact.slide_to_roll = 1", "mean_speed"]),
     ({"kind": "rolling"}, ["contact.M: missing", "load", "mean_speed or speed_1 and speed_2"]),
     (ROLLED | {"speed": "1 m/s"}, ['contact.speed = "1 m/s"', "rolling", "contact.mean_speed"]),
-    (ROLLED | {"drop_height": "1 m"}, ["contact.drop_height", "rolling", "contact.speed_1"]),
     (TRACK, ["contact.mean_speed: missing", "speed_1 and speed_2"]),
     (TRACK | {"speed_1": "1 m/s"}, ["contact.speed_2: missing", 'contact.speed_1 = "1 m/s"']),
     (ROLLED | TWO_SPEEDS, ["contact.mean_speed", "contact.speed_1", "together"]),
     (TRACK | TWO_SPEEDS | {"speed_2": "-1 m/s"}, ["contact.speed_1", 'contact.speed_2 = "-1 m/s"', "not be zero"]),
     (TRACK | TWO_SPEEDS | {"slide_to_roll": 1}, ["contact.slide_to_roll = 1", "mean_speed only"]),
     (ROLLED | {"mean_speed": "0 m/s"}, ['contact.mean_speed = "0 m/s"', "must not be zero"]),
-    (ROLLED | {"load": "-1 N"}, ['contact.load = "-1 N"', "above zero", "40 N"]),
-    (ROLLED | {"mass": "1 g", "ball_density": "1 kg/m^3"}, ["contact.mass", "contact.ball_density"]),
     ({"kind": "rolling", "M": 0.01, "L": 10}, ["contact: M = 0.01 is too low: ", "half_width = 1000"]),
 ]
 BODIED = without("E_prime", ROLLED) | BODIES
@@ -93,10 +88,7 @@ CONTACTS += [
     (without("material_2", BODIED), ["contact.E2: missing"]),
     (
         BODIED | {"temperature": "40 degC"},
-        [
-            'contact.temperature = "40 degC": unknown key; did you mean lubricant.temperature or',
-            "? allowed: material_1, ",
-        ],
+        ["contact.temperature = ", "did you mean lubricant.temperature or"],
     ),
 ]
 
@@ -111,7 +103,6 @@ CONTACTS += [
     (BODY | {"radius_y_2": "-10 mm"}, ["contact.radius_y_1 = ", "point contact"]),
     (BODY | {"radius_x_1": "0 mm"}, ['contact.radius_x_1 = "0 mm": must not be zero']),
     (without("radius_y", REDUCED), ["contact.radius_y: missing"]),
-    (REDUCED | {"radius_x": "-10 mm"}, ["contact.radius_x = "]),
     (REDUCED | {"radius_y": "1.1 m"}, ["contact: the reduced radii", "allowed: from 1/100 to 100"]),
     *[  # it suggested radius_2, which makes two spheres: half the film
         (ROLLED | {key: "20 mm"}, ['contact.radius = "10 mm" and contact.' + key + ' = "20 mm" are given together'])
@@ -120,10 +111,8 @@ CONTACTS += [
     (REDUCED | {"radius_ratio": 0.2}, ["contact.radius_ratio = 0.2"]),
     (REDUCED | {"entrainment_angle": "200 deg"}, ['contact.entrainment_angle = "200 deg"']),
     (REDUCED | {"entrainment_angle": 30}, ["contact.entrainment_angle = 30"]),
-    (REDUCED | {"entrainment_angle": "30 mm"}, ["contact.entrainment_angle = "]),
     (REDUCED | {"ball_density": "7850 kg/m^3"}, ['contact.ball_density = "7850 kg/m^3"']),
     (ELLIPSE | {"radius_ratio": 0.005}, ["contact.radius_ratio = 0.005"]),
-    (ELLIPSE | {"radius_ratio": -1.0}, ["contact.radius_ratio = -1.0"]),
     (MOES | {"ellipticity": 2.0}, ["contact.ellipticity = 2.0: ", "give radius_ratio"]),
     (ELLIPSE | {"kind": "impact", "entrainment_angle": "30 deg"}, ['contact.entrainment_angle = "30 deg"']),
 ]
@@ -131,17 +120,14 @@ CONTACTS += [
 # -- the oil and the temperatures -------------------------------------------------------------------------------------
 
 OILS: Rows = [
-    *[(without(key, OIL), [f"lubricant.{key}: missing"]) for key in OIL],
     (OIL | {"tau0": "5 MPa"}, ["lubricant.tau0", 'rheology = { law = "ree-eyring", tau0 = "5 MPa" }']),
     (OIL | {"viscosity": "baras"}, ['lubricant.viscosity = "baras": ', "'barus'"]),
     (OIL | {"alpha": "3 m"}, ['lubricant.alpha = "3 m": ', "[length]", "22 / GPa"]),
     (OIL | {"alpha": "3 quux"}, ['lubricant.alpha = "3 quux": has an unknown unit', "22 / GPa"]),
-    (OIL | {"alpha": "-3 1/Pa"}, ['lubricant.alpha = "-3 1/Pa": ', "above zero"]),
     (OIL | {"alpha": 2.2e-8}, ["lubricant.alpha = 2.2e-08: ", "unit", "22 / GPa"]),
     *[(NAMED | {"oil": oil}, ["lubricant.oil = ", ": allowed: ", "squalane"]) for oil in ("squalan", 7, ["squalane"])],
     (NAMED | {"temperature": "120 degC"}, ['lubricant.temperature = "120 degC": must be between 25 degC and 100 degC']),
     (NAMED | {"temperature": 40}, ["lubricant.temperature = 40: must be a temperature with its unit"]),
-    (NAMED | {"temperature": "40"}, ['lubricant.temperature = "40": must be a temperature with its unit']),
     (without("temperature", NAMED), ['lubricant.temperature: missing; oil = "squalane" needs it']),
     (without("oil", NAMED), ['lubricant.temperature = "40 degC": needs lubricant.oil, one of iso-vg-100']),
     (NAMED | {"oill": 1}, ["lubricant.oill = 1: unknown key; did you mean oil? allowed: oil, temperature"]),
@@ -159,16 +145,8 @@ THERMAL: list[tuple[Data, Data, Data, list[str]]] = [
     ({}, BODIED, NUMBERS, ["temperature: missing; give that of the oil in the inlet, ", '"40 degC"']),
     ({"temperature": "40 degC"}, BODIED, NUMBERS, ["conductivity: missing; give it, ", "lubricant.oil"]),
     ({}, BODIED, NAMED | {"oil": "pao-100"}, ["conductivity: missing; the library has none ", '"pao-100"']),
-    (
-        {"temperature": "80 degC"},
-        BODIED,
-        NAMED,
-        ['temperature = "80 degC": differs from lubricant.temperature = "40 d'],
-    ),
+    ({"temperature": "80 degC"}, BODIED, NAMED, ['temperature = "80 degC": differs from lubricant.temperature = "4']),
     ({"temperature_1": 60}, BODIED, NAMED, ["temperature_1 = 60: must be a temperature with its unit"]),
-    ({"temperature_2": "60 mm"}, BODIED, NAMED, ['temperature_2 = "60 mm": must be a temperature with its']),
-    ({"beta": "0 / K"}, BODIED, NAMED, ['beta = "0 / K": must be a quantity above zero']),
-    ({"conductivity_1": "47"}, BODIED, NAMED, ['conductivity_1 = "47": must be a quantity above zero']),
     ({"inlet_factor": "moes"}, BODIED, NAMED, ["inlet_factor = \"moes\": allowed: 'gupta', 'wilson-sheu'"]),
     ({"viscosity": "vogel"}, BODIED, NAMED, ["viscosity = \"vogel\": allowed: 'houpert' or 'exponential'"]),
     ({"density": "1 kg/m^3"}, BODIED, NAMED, ['density = "1 kg/m^3": unknown key; did you mean ']),
@@ -180,11 +158,8 @@ THERMAL: list[tuple[Data, Data, Data, list[str]]] = [
 OSCILLATION = {"mean": 1, "amplitude": 1, "period": 1}
 LOADS: Rows = [
     ([], ["motion.load = []", "[T, value]", "amplitude"]),
-    ([1, 2], ["motion.load[1] = 1", "[T, value]"]),
     ([[0, 1], [1]], ["motion.load[2]", "[T, value]"]),
-    ([[0, 1, 2]], ["motion.load[1]", "[T, value]"]),
     ([[0, "a"]], ['motion.load[1][2] = "a"', "number"]),
-    ("much", ['motion.load = "much"', "[T, value]", "amplitude"]),
     (True, ["motion.load = true", "[T, value]"]),
     ({"mean": 1}, ["motion.load.amplitude: missing"]),
     ({"mean": 1, "amplitude": 1, "periode": 1}, ["motion.load.periode = 1", "did you mean period?"]),
@@ -200,7 +175,6 @@ SHAPES: Rows = [
     (SPOT | {"radius": "1 s"}, ['roughness[1].radius = "1 s"', "wrong dimension"]),
     (SPOT | {"depth": 1}, ["roughness[1].height", "together with depth"]),
     (SPOT | {"surface": True}, ["roughness[1].surface = true: allowed: 1 or 2"]),
-    (without("radius", SPOT), ["roughness[1].radius: missing"]),
     (WAVE, ["roughness[1].wavelength_x: missing", "wavelength_y"]),
     (WAVE | {"wavelength_x": 1, "ramp": 1}, ["roughness[1].ramp = 1", "front"]),
     ({"shape": "measured", "file": 0}, ["roughness[1].file = 0: must be a string"]),
@@ -215,28 +189,19 @@ SECTIONS: Rows = [
     ({"oil": "squalane"}, ['oil = "squalane": unknown key; did you mean lubricant.oil?']),
     ({"solver": {"until": 1}}, ["solver.until = 1: unknown key; did you mean time.until? allowed: method"]),
     ({"solver": 5}, ["solver = 5: must be a section, [solver]"]),
-    ({"solver": {"nodes": 100}}, ["solver.nodes = 100: ", "97", "105"]),
     (
         {"contact": ROLLING | {"M": 1}, "solver": {"half_width": 3.0}},
-        ["solver.half_width = 3.0: must be at least 8.39 at M = 1", "leave it out"],
+        ["solver.half_width = 3.0: must be at least 8."],
     ),
-    (
-        {"contact": MOES | {"radius_ratio": 0.5}, "solver": {"method": "radial"}},
-        ['solver.method = "radial": is for circular contacts, this one has R_x/R_y = 0.5'],
-    ),
-    ({"contact": MOES | {"radius_ratio": 0.5}, "solver": {"half_width_y": 1.5}}, ["solver.half_width_y = 1.5"]),
+    ({"contact": SLENDER, "solver": {"method": "radial"}}, ['solver.method = "radial": is for circular', "R_y = 0.5"]),
+    ({"contact": SLENDER, "solver": {"half_width_y": 1.5}}, ["solver.half_width_y = 1.5"]),
     ({"solver": {"method": "radial", "half_width_y": 3.0}}, ["solver.half_width_y = 3"]),
     ({"time": {"until": "never"}}, ['time.until = "never": ', '"max-approach"', '"rebound"', "above zero"]),
     ({"contact": ROLLED, "lubricant": OIL, "solver": IN_TIME, "time": {"until": "5 mm"}}, ["time.until", "5 ms"]),
     ({"motion": {"speed": 1}}, ["motion.speed = 1: unknown key", "entrainment"]),
     *[({"roughness": value}, ["roughness = ", "must be an array of tables, [[roughness]]"]) for value in (False, SPOT)],
     ({"roughness": [SPOT, SPOT | {"shape": "dent"}]}, ['roughness[2].shape = "dent"', "waviness, rings, spot"]),
-    (
-        {"contact": ROLLING, "roughness": [SPOT | {"surface": 2}], "motion": {"slide_to_roll": -2}},
-        ["roughness[1].surface = 2"],
-    ),
     ({"contact": ROLLED, "solver": IN_TIME, "thermal": HOT}, ["thermal: is for a steady contact, and", '"transient"']),
-    ({"contact": BALL, "thermal": HOT}, ['thermal: is for a steady contact, and this one has solver.method = "2d"; l']),
     ({"contact": ROLLING, "lubricant": {}, "thermal": HOT}, ["thermal: needs a contact in SI"]),
     # which field is named where several could be wrong
     (

@@ -79,45 +79,22 @@ def test_a_law_takes_the_data_of_a_named_oil(contact: dict[str, Any], written: A
 @pytest.mark.parametrize(
     ("contact", "written", "said"),
     [
-        (LOADED, {"law": "ree-eyring", "tau0": "0 MPa"}, r'\.tau0 = "0 MPa": must be a quantity above zero'),
         (LOADED, {"law": "ree-eyring", "tau0": 5}, r"\.tau0 = 5: must be a quantity"),
         (LOADED, {"law": "ree-eyring"}, r"\.tau0: missing"),
         (LOADED, {"law": "carreau", "G": "6 MPa", "n": 1.5}, r"\.n = 1\.5: must be less than or equal to 1"),
         (LOADED, {"law": "carreau", "G": "6 MPa", "n": 0}, r"\.n = 0: must be greater than 0"),
         (LOADED, {"law": "eyring", "tau0": "5 MPa"}, r'\.law = "eyring"; allowed: newtonian, ree-eyring'),
-        (
-            LOADED,
-            "ree-eyring",
-            r' = "ree-eyring": has data of its own; give them as \{ law = "ree-eyring", \.\.\. \}',
-        ),
+        (LOADED, "ree-eyring", r' = "ree-eyring": has data of its own; give them as \{ law = "ree-eyring", \.\.\. \}'),
         (LOADED, "eyring", r' = "eyring": allowed: '),
         (LOADED, {**LIMITED, "base": "newtonian"}, r'\.base = "newtonian": must be a table'),
-        (
-            LOADED,
-            {**LIMITED, "base": {"law": "carreau", "G": "6 MPa", "n": 2}},
-            r"\.base\.n = 2: must be less than",
-        ),
         (LOADED, ReeEyring(-1.0), r"\.tau0 = .*above zero"),
         (LOADED, Limited(Carreau(6e6, 2.0), 0.05), r"\.base\.n = .*less than or equal to 1"),
-        (
-            {**COOL, "temperature": "40 degC"},
-            "carreau",
-            r' = "carreau": .* squalane at 25 degC, not at 40 degC',
-        ),
+        ({**COOL, "temperature": "40 degC"}, "carreau", r' = "carreau": .* squalane at 25 degC, not at 40 degC'),
         (WARM, {"law": "carreau", "n": 0.5}, r" = .*: the library has no G of pao-100; give .*G = \.\.\. \}$"),
-        (
-            COOL,
-            {"law": "limited", "base": EYRING},
-            r" = .*: the library has no Lambda of squalane; give .*Lambda = ",
-        ),
-        (
-            WARM,
-            {"law": "limited", "base": "carreau"},
-            r'\.base = "carreau": the library has no G and n of pao-100; ',
-        ),
+        (COOL, {"law": "limited", "base": EYRING}, r" = .*: the library has no Lambda of squalane; give .*Lambda = "),
+        (WARM, {"law": "limited", "base": "carreau"}, r'\.base = "carreau": the library has no G and n of pao-100; '),
         (WARM, "limited", r"\.base: missing"),
         (COOL, {"law": ["carreau"]}, r"\.law = \[.carreau.\]; allowed: newtonian, "),
-        (COOL, "ree-eyring", r' = "ree-eyring": has data of its own; give them as '),
     ],
 )
 def test_what_is_wrong_is_said(contact: dict[str, Any], written: Any, said: str) -> None:

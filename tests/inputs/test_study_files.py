@@ -124,10 +124,7 @@ def test_a_file_with_overrides(tmp_path):
         ({"M": [100, 100.0]}, r"^contact.M = \[100, 100.0\]: the values must differ from each other"),
         ({"M": [100, -1]}, r"^contact.M = -1: must be .* \(in the case with contact.M = -1\)"),
         ({"M": {"from": 1}}, "^contact.M.to: missing; a range has from, to, number, spacing"),
-        (
-            {"M": {"from": 1, "to": 2, "num": 3}},
-            r"^contact.M.num = 3: unknown key; did you mean number",
-        ),
+        ({"M": {"from": 1, "to": 2, "num": 3}}, r"^contact.M.num = 3: unknown key; did you mean number"),
         (
             {"M": {"from": 1, "to": 2, "number": 1}},
             "^contact.M.number = 1: the number of values must be a whole number from 2 to 1000$",

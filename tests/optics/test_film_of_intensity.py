@@ -150,7 +150,7 @@ def test_a_film_that_may_pass_or_turn_is_said_to_be_doubtful():
     assert warning.points.shape == X.shape and warning.points[-1] and not warning.points[0]
 
 
-@pytest.mark.parametrize("noise", [0.0, 0.003])
+@pytest.mark.parametrize("noise", [pytest.param(0.0, marks=pytest.mark.slow), 0.003])
 def test_films_that_turn_on_fringes(noise):
     """Wherever the thinnest place is: before a fringe, on it, or just behind it."""
     random = np.random.default_rng(2)

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from math import inf, nan
-from typing import Annotated
+from typing import Annotated, Any
 
 import pytest
 
@@ -42,12 +42,15 @@ def test_the_scale_of_an_amount_is_one_of_the_case(mark: Unit) -> None:
     assert getattr(scales, mark.scale) == pytest.approx(expected, rel=1e-14)
 
 
+@pytest.fixture(scope="module")
+def registry() -> Any:
+    return pytest.importorskip("pint").UnitRegistry()
+
+
 @pytest.mark.parametrize("name", ALL_UNITS)
-def test_the_example_of_a_unit_reads_as_such_a_quantity(name: str) -> None:
-    pint = pytest.importorskip("pint")
+def test_the_example_of_a_unit_reads_as_such_a_quantity(name: str, registry: Any) -> None:
     mark = ALL_UNITS[name]
     number, _, unit = mark.example.partition(" ")
-    registry = pint.UnitRegistry()
     quantity = registry.Quantity(float(number), registry.parse_units(f"1{unit}" if unit.startswith("/") else unit))
     assert mark.allows(quantity.to(mark.unit).magnitude)
 

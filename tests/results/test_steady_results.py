@@ -1,6 +1,8 @@
 """What a run with the section [thermal] says: maps in K, a part of the summary, lines to read, warnings."""
 
 from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -32,9 +34,34 @@ def case_of(**sections: Any) -> ertel.Case:
     return parse_case({"contact": CONTACT, "lubricant": OIL, "solver": {"nodes": 65}, **sections})
 
 
+@contextmanager
+def counting(calls: Counter[str]) -> Iterator[None]:
+    """Count what is computed of each grid."""
+
+    def counted(name: str, function: Any) -> Any:
+        def call(*arguments: Any, **options: Any) -> Any:
+            calls[name] += 1
+            return function(*arguments, **options)
+
+        return call
+
+    with pytest.MonkeyPatch.context() as patch:
+        for name in ("_account_program", "heated"):
+            patch.setattr(steady, name, counted(name, getattr(steady, name)))
+        yield
+
+
 @pytest.fixture(scope="module")
-def run() -> ertel.Result:
-    return ertel.simulate(case_of(thermal=DATA))
+def calls() -> Counter[str]:
+    return Counter()
+
+
+@pytest.fixture(scope="module")
+def run(calls: Counter[str], tmp_path_factory: pytest.TempPathFactory) -> ertel.Result:
+    """A stored run that is written at its end alone."""
+    with counting(calls), pytest.MonkeyPatch.context() as patch:
+        patch.setattr(RunStore, "flush_interval", 100.0)
+        return ertel.run(case_of(thermal=DATA), tmp_path_factory.mktemp("runs") / "run")
 
 
 def test_maps_and_summary(run: ertel.Result) -> None:
@@ -100,22 +127,13 @@ def test_how_much_too_hot_a_slow_surface_is() -> None:
     assert slow_excess(0.0) == 0.0
 
 
-@pytest.mark.parametrize("flush_interval", [0.0, 100.0])
 def test_account_and_heat_are_computed_once_for_a_grid(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, flush_interval: float
+    run: ertel.Result, calls: Counter[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     """Checkpoints, data and summary share them; the heat is that of the finest grid so far."""
-    calls: Counter[str] = Counter()
-
-    def counted(name: str, function: Any) -> Any:
-        def call(*arguments: Any, **options: Any) -> Any:
-            calls[name] += 1
-            return function(*arguments, **options)
-
-        return call
-
-    for name in ("_account_program", "heated"):
-        monkeypatch.setattr(steady, name, counted(name, getattr(steady, name)))
-    monkeypatch.setattr(RunStore, "flush_interval", flush_interval)
-    ertel.run(case_of(thermal=DATA), tmp_path / "run")
-    assert calls == {"_account_program": 2, "heated": 1 if flush_interval else 2}  # grids of 33 and 65 nodes
+    assert calls == {"_account_program": 2, "heated": 1}  # of a stored run; grids of 33 and 65 nodes
+    calls.clear()
+    monkeypatch.setattr(RunStore, "flush_interval", 0.0)
+    with counting(calls):
+        ertel.run(case_of(thermal=DATA), tmp_path / "run")
+    assert calls == {"_account_program": 2, "heated": 2}

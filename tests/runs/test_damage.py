@@ -5,10 +5,9 @@ import itertools
 import json
 import pickle
 import random
-import re
 import shutil
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +15,7 @@ import numpy as np
 import pytest
 import xarray as xr
 import zarr
-from cases import physics, stop_after
+from cases import changed_cases, physics, stop_after
 from stored_runs import CASES, Evil
 
 import ertel
@@ -82,28 +81,6 @@ def test_no_flipped_bit_is_silent_in_a_resumed_run(runs, copy, tmp_path, trials)
 
 # -- a case file that was edited --------------------------------------------------------------------------------------
 
-OTHERS = {  # of what is no number
-    **{'"impact"': '"rolling"', '"rolling"': '"impact"', '"2d"': '"radial"', '"steady"': '"transient"'},
-    **{'"roelands"': '"barus"', '"barus"': '"roelands"', "true": "false"},
-    '"newtonian"': '{ law = "ree-eyring", tau0 = "5 MPa" }',
-    **{'"dowson-higginson"': '"incompressible"', '"incompressible"': '"dowson-higginson"', "33": "65", "65": "33"},
-}
-
-
-def edits(text: str) -> Iterator[str]:
-    """The case file with each of its values replaced by another."""
-    for line in text.splitlines():
-        key, equals, value = line.partition(" = ")
-        if equals and key != "name":
-            number = re.match(r'^"?(-?[\d.e+-]+)', value)
-            changed = OTHERS.get(value) or (value.replace(number[1], f"{1.5 * float(number[1])!r}") if number else "")
-            assert changed and changed != value, line
-            yield (
-                text.replace(f"\n{line}\n", f"\n{key} = {changed}\n") if key != "schema" else f"schema = 2\n{text[10:]}"
-            )
-    yield text + '\n[[roughness]]\nshape = "spot"\nheight = 0.1\nradius = 0.5\n'
-
-
 REFUSED = r"case\.toml was changed \(.*→.*put it back|case\.toml: cannot be read as a case .*put the run's own back"
 
 
@@ -112,8 +89,9 @@ def test_no_edit_mixes_two_cases(runs, copy, tmp_path):
     finished, cut = copy(runs.finished), Path(shutil.copytree(runs.cut, tmp_path / "cut"))
     text = (finished / "case.toml").read_text()
     opened = RunStore.open(cut)
-    all_edits = list(edits(text))
-    for edited in all_edits:
+    all_edits = [ertel.to_toml(changed) for _, changed in changed_cases(opened.case.to_data())]
+    spot = '\n[[roughness]]\nshape = "spot"\nheight = 0.1\nradius = 0.5\n'
+    for edited in (*all_edits, text + spot, text.replace("schema = 1", "schema = 2")):
         assert edited != text
         for directory in (finished, cut):
             (directory / "case.toml").write_text(edited)

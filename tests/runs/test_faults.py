@@ -14,11 +14,7 @@ FAULTS = Path(__file__).parents[2] / "validation" / "faults" / "faults.py"
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("kinds", "count"),
-    [(["radial", "study"], 8), (ALL, 4 * len(ALL))],
-    ids=["radial", "all"],
-)
+@pytest.mark.parametrize(("kinds", "count"), [(["radial", "study"], 8), (ALL, 4 * len(ALL))], ids=["radial", "all"])
 def test_nothing_is_silent_and_no_flushed_step_is_lost(tmp_path: Path, kinds: list[str], count: int):
     """In a process of its own, because it forks: so many kills and more, full disks, damaged runs."""
     environment = {**os.environ, "PYTHONPATH": str(Path(ertel.__path__[0]).parent), "TMPDIR": str(tmp_path)}

@@ -28,6 +28,7 @@ class Power:
 
     p1: Annotated[float, units.STRESS]
     n: float
+    table: tuple[float, ...] = ()
     reference = "nobody, unpublished"
 
     def viscosity(self, p: Any) -> Any:
@@ -128,6 +129,9 @@ def test_a_users_law_and_shape_are_those_of_case_files(tmp_path):
     assert written["lubricant"]["viscosity"] == {"law": "stored-power", "p1": "500000000.0 Pa", "n": 11.0}
     assert written["roughness"] == [{"shape": "stored-step", "height": 0.01, "width": 0.5, "surface": 1}]
     assert "nobody, unpublished" in again.dataset.attrs["references"]
+    with_table = replace(case, oil=replace(oil, viscosity=Power(5e8, 11.0, (1.0, 2.0))))
+    assert with_table.to_data()["lubricant"]["viscosity"]["table"] == [1.0, 2.0]
+    assert ertel.Case.from_data(with_table.to_data()) == with_table
 
 
 LAW = {"law": "stored-power", "p1": "1 GPa"}

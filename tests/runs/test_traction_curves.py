@@ -185,11 +185,7 @@ DIMENSIONLESS = parse_case({"contact": {"kind": "rolling", "M": 20, "L": 10}, "s
         (physical(), {"slide_to_roll": [0.0], "film": "twice"}, "film = .twice.: allowed: each, once"),
         (IMPACT, {"slide_to_roll": [0.1]}, 'solver.method = "2d": .* steady contact'),
         (DIMENSIONLESS, {"load": [1.0]}, "load = .*dimensionless"),
-        (
-            replace(physical(), drive=Drive(load=constant(2.0))),
-            {"load": [1.0]},
-            r"motion\.load = 2: multiplies",
-        ),
+        (replace(physical(), drive=Drive(load=constant(2.0))), {"load": [1.0]}, r"motion\.load = 2: multiplies"),
     ],
 )
 def test_wrong_arguments(case: Case, given: dict[str, Any], said: str) -> None:

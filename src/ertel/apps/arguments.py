@@ -168,3 +168,22 @@ class EngineOptions:
         None
     )
     tls: Annotated[Path | None, path_option(TLS_HELP, "FILE")] = None
+
+
+ALIGN_HELP = "Unknown of a measurement: centre, offset, tilt, index of the oil."
+COLUMN_HELP = "Unit of a column, such as x=um; where the header does not have it."
+INDEX_HELP = "Index of the oil; also that with which a film was computed."
+
+
+@dataclass(frozen=True)
+class Measured:
+    """How a measurement is read and compared with a run, and the rig of its light."""
+
+    at: Moment = None
+    align: Annotated[str | None, option(ALIGN_HELP, "NAMES")] = None
+    column: Annotated[list[str] | None, option(COLUMN_HELP, "NAME=UNIT", name="--column")] = None
+    wavelength: Annotated[str | None, option("Wavelength of the light; default 532 nm.", "LENGTH")] = None
+    coatings: Annotated[str | None, option('Layers, "chromium 8 nm, silica 200 nm"; default the first.', "LAYERS")] = (
+        None
+    )
+    index: Annotated[float | None, option(INDEX_HELP, "NUMBER")] = None

@@ -10,8 +10,11 @@ import typer
 from ertel.apps.arguments import (
     USUAL,
     Json,
+    Measured,
+    Moment,
     RunDirectory,
     figures,
+    grouped,
     option,
     path_argument,
     path_option,
@@ -23,14 +26,7 @@ if TYPE_CHECKING:  # these take long to import
     from ertel.results.measurements import Measurement
     from ertel.runs.directory import Listed
 
-Moment = Annotated[str | None, option('A time, "60 us" or a number in t0, or max-approach or end.', "TIME|EVENT")]
 Along = Annotated[Literal["x", "y"], option("The direction of a profile.")]
-Align = Annotated[str | None, option("Unknown of a measurement: centre, offset, tilt, index of the oil.", "NAMES")]
-COLUMN_HELP = "Unit of a column, such as x=um; where the header does not have it."
-Column = Annotated[list[str] | None, option(COLUMN_HELP, "NAME=UNIT", name="--column")]
-Wavelength = Annotated[str | None, option("Wavelength of the light; default 532 nm.", "LENGTH")]
-Coatings = Annotated[str | None, option('Layers, "chromium 8 nm, silica 200 nm"; default the first.', "LAYERS")]
-Index = Annotated[float | None, option("Index of the oil; also that with which a film was computed.", "NUMBER")]
 FOLDER_HELP = "Folder with runs, also in folders below it; default this one."
 Lighting = Literal["mono", "two-beam", "white"]
 FRINGES_HELP = "Draw the interference fringes instead: monochromatic, of two beams only, or in white light."
@@ -79,19 +75,15 @@ def _print_runs(runs: "Sequence[Listed]", folder: Path) -> None:
     print_rows(rows, left=4)
 
 
+@grouped
 def compare(
     first: RunDirectory,
     second: Annotated[Path, path_argument("DIR|FILE", "Directory of a run, or a file of columns.", run_directories)],
+    given: Measured,
     plot: Annotated[
         Path | None, path_option("Draw both; without FILE into DIR/plots, as compared-NAME.png.", "[FILE]")
     ] = None,
-    at: Moment = None,
     along: Along = "x",
-    align: Align = None,
-    column: Column = None,
-    wavelength: Wavelength = None,
-    coatings: Coatings = None,
-    index: Index = None,
     as_json: Json = False,
 ) -> None:
     """Compare two runs: where their cases differ, and their numbers side by side. Or a run with a measurement.
@@ -106,15 +98,9 @@ def compare(
     if second.is_file():
         if second.suffix in (".toml", ".json", ".npz"):  # of cases and runs
             leave(BAD_INPUT, f"{shown(second)} is not a file of columns; for a run give its directory")
-        from ertel.inputs.rigs import interferometer
-
-        with bad_input():
-            rig = interferometer("mono", wavelength, coatings, index)
-        measurement = _measurement(second, column, align, rig, at=at, along=along, index=index)
-        _compare_measured(first, measurement, plot, as_json)
+        _compare_measured(first, _measurement(second, given, along=along), plot, as_json)
         return
-    given = {"at": at, "along": along != "x", "align": align, "column": column, "coatings": coatings, "index": index}
-    wrong = [name for name, each in {**given, "wavelength": wavelength}.items() if each]
+    wrong = [name for name, each in {**vars(given), "along": along != "x"}.items() if each]
     if wrong and second.is_dir():
         leave(BAD_INPUT, f"--{wrong[0]}: only for a measurement, and {shown(second)} is not a file")
     from ertel.results import numbers
@@ -140,15 +126,18 @@ def compare(
         print_path(plot)
 
 
-def _measurement(file: Path, column: list[str] | None, align: str | None, rig: Any, **given: Any) -> "Measurement":
-    """The measurement in a file.  column: of --column.  rig: of an intensity."""
+def _measurement(file: Path, given: Measured, light: str = "mono", along: str = "x") -> "Measurement":
+    """The measurement in a file.  light: of an intensity."""
+    from ertel.inputs.rigs import interferometer
     from ertel.results.measurements import READ, Measurement
 
-    units: dict[str, Any] = dict(each.partition("=")[::2] for each in column or [])
+    units: dict[str, Any] = dict(each.partition("=")[::2] for each in given.column or [])
     if wrong := sorted(units.keys() & {*READ, "optics"}):
         leave(BAD_INPUT, f"--column {wrong[0]}: must be a place, a time or a quantity, such as x=um or h=nm")
     with bad_input():
-        return Measurement.read(file, align=(align or "").replace(",", " ").split(), optics=rig, **given, **units)
+        rig = interferometer(light, given.wavelength, given.coatings, given.index)
+        names = (given.align or "").replace(",", " ").split()
+        return Measurement.read(file, at=given.at, along=along, align=names, optics=rig, index=given.index, **units)
 
 
 def _compare_measured(directory: Path, measurement: "Measurement", plot: Path | None, as_json: bool) -> None:
@@ -212,19 +201,15 @@ def show(
     running.report(run, summary, as_json, sigma=sigma.split(",") if sigma is not None else ())
 
 
+@grouped
 def plot(
     directory: RunDirectory,
+    given: Measured,
     what: Annotated[str | None, option("Draw this figure only, such as film.", "NAME", figures)] = None,
-    at: Moment = None,
     interferogram: Annotated[Lighting | None, option(FRINGES_HELP)] = None,
-    wavelength: Wavelength = None,
-    coatings: Coatings = None,
-    index: Index = None,
     measured: Annotated[
         Path | None, path_option("Draw a measured profile too: film, pressure, or light of an interferogram.", "FILE")
     ] = None,
-    align: Align = None,
-    column: Column = None,
     format_: Annotated[
         Format, option("File format; gif, webp and mp4 are movies of a run in time.", name="--format")
     ] = "png",
@@ -248,15 +233,15 @@ def plot(
         leave(BAD_INPUT, f"--format {format_}: needs {needed}; no other picture can be a movie")
     if rate is not None and format_ not in MOVIES:
         leave(BAD_INPUT, f"--rate {rate:g}: only for movies; add --format gif")
-    if format_ in MOVIES and at is not None:
-        leave(BAD_INPUT, f"--at {at}: a movie shows all times; leave it out, or use --format png")
+    if format_ in MOVIES and given.at is not None:
+        leave(BAD_INPUT, f"--at {given.at}: a movie shows all times; leave it out, or use --format png")
     if format_ in MOVIES and (columns or not title or measured):
         leave(BAD_INPUT, "--columns, --no-title, --measured: only for pictures; a movie has none, use --format png")
-    if wavelength is not None and interferogram in (None, "white"):
-        leave(BAD_INPUT, f"--wavelength {wavelength}: only for --interferogram mono or two-beam")
-    if coatings and interferogram is None:
-        leave(BAD_INPUT, f"--coatings {coatings}: only for --interferogram")
-    if (align or column) and measured is None:
+    if given.wavelength is not None and interferogram in (None, "white"):
+        leave(BAD_INPUT, f"--wavelength {given.wavelength}: only for --interferogram mono or two-beam")
+    if given.coatings and interferogram is None:
+        leave(BAD_INPUT, f"--coatings {given.coatings}: only for --interferogram")
+    if (given.align or given.column) and measured is None:
         leave(BAD_INPUT, "--align, --column: only for --measured")
     if format_ == "mp4":
         _find_ffmpeg()
@@ -268,9 +253,9 @@ def plot(
     writers: dict[str, Callable[[Path], object]]
     sheet: Any = {"columns": columns, "title": title}
     with bad_input():
-        rig = interferometer(interferogram or "mono", wavelength, coatings, index)
+        rig = interferometer(interferogram or "mono", given.wavelength, given.coatings, given.index)
         if measured is not None:
-            sheet["measured"] = _measurement(measured, column, align, rig, at=at, index=index)
+            sheet["measured"] = _measurement(measured, given, interferogram or "mono")
         if format_ in MOVIES:
             pace: Any = {} if rate is None else {"rate": rate}
             if interferogram is None:
@@ -282,9 +267,9 @@ def plot(
         elif interferogram is None:
             overlaid = [name for name in plots.names_of(data) if measured and name in plots.OVERLAID]
             names = [what] if what else overlaid or plots.names_of(data)
-            writers = {name: plots.draw(data, name, at, **sheet).savefig for name in names}
+            writers = {name: plots.draw(data, name, given.at, **sheet).savefig for name in names}
         else:
-            picture = plots.interferogram(data, at, rig.light, rig.rig, **sheet)
+            picture = plots.interferogram(data, given.at, rig.light, rig.rig, **sheet)
             writers = {f"interferogram-{interferogram}": picture.savefig}
     target = out or directory / "plots"
     target.mkdir(parents=True, exist_ok=True)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from math import ceil
 from typing import Annotated, Literal, NamedTuple
 
-from ertel.case.conditions import Kind
+from ertel.case.conditions import Given, Kind
 from ertel.numerics.grid import allowed_nodes, nodes_across
 from ertel.physics import hertz, thermal, units
 from ertel.physics.geometry import CIRCLE, Geometry
@@ -46,7 +46,7 @@ class Solver:
         Meaning("half width of the grid along x, in a; wider by default for M < 100 (rolling: M < 5)"),
     ] = 2.0
     inlet: Annotated[
-        float | None,
+        Given,
         Bounds(gt=0),
         Meaning("from the contact's centre to the upstream edge, in a; reversing flow and impact: half_width", 4.5),
     ] = None
@@ -60,7 +60,7 @@ class Solver:
     ] = 1e-3
     fold: Annotated[bool, Meaning("whether a symmetric case is computed on a half or a quarter of the plane")] = True
     half_width_y: Annotated[
-        float | None,
+        Given,
         Bounds(gt=0, le=WIDEST_HALF_WIDTH),
         Meaning("half_width along y; left out: the edge is as far from the contact as along x", 3.0),
     ] = None
@@ -139,7 +139,7 @@ class Time:
     """
 
     start_approach: Annotated[
-        float | None,
+        Given,
         Bounds(lt=0),
         Meaning("impact: approach Delta at the start, below zero: apart; left out: above the layer of oil, too", -1.0),
     ] = None
@@ -187,11 +187,9 @@ class Drive:
             "mean speed U(T), in a/t0 (impact, left out: 0) or u_m (rolling, left out: 1)", [[0, 1], [1, 1], [5, -1]]
         ),
     ] = None
-    slide_to_roll: Annotated[
-        float | None, units.FINITE, Meaning("(u1 - u2)/u_m of a contact without dimensions; left out: 0", 0.1)
-    ] = None
+    slide_to_roll: Annotated[Given, units.FINITE, Meaning("(u1 - u2)/u_m without dimensions; left out: 0", 0.1)] = None
     inertia: Annotated[
-        float | None,
+        Given,
         units.NOT_NEGATIVE,
         Meaning("inertia of the ball in a rolling contact without dimensions; left out: 0", 0.5),
     ] = None
@@ -231,39 +229,17 @@ class Thermal:
     reduces the film.
     """
 
-    temperature: Annotated[
-        float,
-        units.TEMPERATURE,
-        Meaning("of the oil in the inlet, for which eta0 and alpha hold; left out: that in [lubricant]"),
-    ]
-    conductivity: Annotated[
-        float, units.CONDUCTIVITY, Meaning("thermal conductivity of the oil; left out: that of the named oil")
-    ]
-    beta: Annotated[
-        float,
-        units.EXPANSION,
-        Meaning("-d ln(eta)/dT of the oil at ambient pressure; left out: that of the named oil", "0.035 / K"),
-    ]
-    density_1: Annotated[
-        float, units.DENSITY, Meaning("density of body 1; left out, as the next two: that of material_1")
-    ]
+    temperature: Annotated[float, units.TEMPERATURE, Meaning("of the oil in the inlet; left out: that in [lubricant]")]
+    conductivity: Annotated[float, units.CONDUCTIVITY, Meaning("of the oil; left out: that of the named oil")]
+    beta: Annotated[float, units.EXPANSION, Meaning("-d ln(eta)/dT; left out: that of the named oil", "0.035 / K")]
+    density_1: Annotated[float, units.DENSITY, Meaning("of body 1; left out, as the next two: that of material_1")]
     heat_capacity_1: Annotated[float, units.HEAT_CAPACITY, Meaning("heat capacity of body 1", "460 J/(kg*K)")]
     conductivity_1: Annotated[float, units.CONDUCTIVITY, Meaning("thermal conductivity of body 1", "46 W/(m*K)")]
-    density_2: Annotated[
-        float, units.DENSITY, Meaning("density of body 2; left out, as the next two: that of material_2")
-    ]
+    density_2: Annotated[float, units.DENSITY, Meaning("of body 2; left out, as the next two: that of material_2")]
     heat_capacity_2: Annotated[float, units.HEAT_CAPACITY, Meaning("heat capacity of body 2", "460 J/(kg*K)")]
     conductivity_2: Annotated[float, units.CONDUCTIVITY, Meaning("thermal conductivity of body 2", "46 W/(m*K)")]
-    temperature_1: Annotated[
-        float | None,
-        units.TEMPERATURE,
-        Meaning("of body 1 far below its surface; left out: that of the oil", "60 degC"),
-    ] = None
-    temperature_2: Annotated[
-        float | None,
-        units.TEMPERATURE,
-        Meaning("of body 2 far below its surface; left out: that of the oil", "60 degC"),
-    ] = None
+    temperature_1: Annotated[Given, units.TEMPERATURE, Meaning("deep in body 1; left out: the oil's", "60 degC")] = None
+    temperature_2: Annotated[Given, units.TEMPERATURE, Meaning("deep in body 2; left out: the oil's", "60 degC")] = None
     viscosity: Annotated[
         thermal.ViscosityName,
         Meaning("how it falls with the temperature: more under pressure, or equally at all pressures"),

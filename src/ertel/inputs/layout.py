@@ -29,9 +29,7 @@ from ertel.physics.units import Mark, Meaning, Unit, marks, meanings
 class Materials:
     """The materials of both bodies, in [contact]."""
 
-    material_1: Annotated[
-        str | None, Meaning("material of body 1, in an impact the ball; ertel oils lists the names", "steel")
-    ] = None
+    material_1: Annotated[str | None, Meaning("of body 1, in an impact the ball; see ertel oils", "steel")] = None
     material_2: Annotated[str | None, Meaning("material of body 2", "glass")] = None
 
 
@@ -53,10 +51,7 @@ class DataSheet:
 class NamedLubricant:
     """An oil by its name or its data sheet, in [lubricant]; keys that are given as well win over its data."""
 
-    oil: Annotated[
-        str | DataSheet | None,
-        Meaning("name of an oil, ertel oils lists them, or a table with its data sheet", "squalane"),
-    ] = None
+    oil: Annotated[str | DataSheet | None, Meaning("name of an oil (ertel oils) or its data sheet", "squalane")] = None
     temperature: Annotated[float | None, units.TEMPERATURE, Meaning("temperature of the inlet; goes with oil")] = None
     oils: Annotated[str | None, Meaning("file of own oils, beside the case file; goes with oil", "my_oils.toml")] = None
 
@@ -65,9 +60,7 @@ class NamedLubricant:
 class MeasuredFile:
     """Keys for reading the file of a measured map, in [[roughness]]."""
 
-    channel: Annotated[
-        str | None, Meaning("which of the channels of the file; left out: its first one with heights", "Height")
-    ] = None
+    channel: Annotated[str | None, Meaning("channel of the file; left out: the first with heights", "Height")] = None
     unit: Annotated[str | None, Meaning("unit of lengths and heights of a file that does not say it", "um")] = None
     detrend: Annotated[
         Literal["plane", "curvature", "mean", "none"] | None,

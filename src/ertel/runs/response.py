@@ -344,7 +344,4 @@ def _oscillation(name: str, attributes: Mapping[str, str], fields: Sequence[Arra
     amplitude = {**attributes, "long_name": f"amplitude of the {long_name}"}
     phase = {**attributes, "long_name": f"phase of the {long_name}", "units": "rad"}
     dims, values, _ = _field(fields, attributes)
-    return {
-        f"{name}_amplitude": (dims, np.abs(values), amplitude),
-        f"{name}_phase": (dims, np.angle(values), phase),
-    }
+    return {f"{name}_amplitude": (dims, np.abs(values), amplitude), f"{name}_phase": (dims, np.angle(values), phase)}
