@@ -13,7 +13,6 @@ from numpy.testing import assert_allclose
 from ertel.equations.contact import traceable
 from ertel.equations.shear import shear
 from ertel.physics.fluidity import Carreau, CarreauYasuda, Fluidity, Limited, NewtonianOil, ReeEyring, cut_off
-from ertel.physics.registry import FLUIDITY_LAWS
 from ertel.physics.units import STRESS, marks
 
 TAU = np.array([1.0, 1e3, 1e6, 5e6, 2e7, 6e7])  # Pa
@@ -126,12 +125,6 @@ def test_a_users_own_law_takes_its_place() -> None:
     found = FLOW(law, np.zeros(1), np.array([[s], [0.0]]), np.array([[g], [0.0]]))
     assert found.stress[0, 0] == pytest.approx(t, rel=1e-9)
     assert found.flux[0, 0] == pytest.approx(g / 12 + t**2 * g / 4 + g**3 / 80, rel=1e-9)
-
-
-def test_laws_by_name() -> None:
-    names = {"newtonian", "ree-eyring", "carreau", "carreau-yasuda", "limited"}
-    assert names <= set(FLUIDITY_LAWS)
-    assert all(len(FLUIDITY_LAWS[name].reference) > 10 for name in names)
 
 
 def test_stress_that_is_cut_off_keeps_its_direction() -> None:

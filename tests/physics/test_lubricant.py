@@ -62,7 +62,6 @@ def test_every_law(law, formula):
     assert_allclose(jax.jit(value)(law, P), value(law, P), rtol=1e-13)
     difference = (value(law, P[1:] + 1e-6) - value(law, P[1:] - 1e-6)) / 2e-6
     assert_allclose(jax.vmap(jax.grad(lambda p: value(law, p)))(P[1:]), difference, rtol=1e-7, atol=1e-8)
-    assert len(law.reference) > 10
 
 
 @given(st.floats(0.8, 2.0), st.floats(5.0, 15.0), st.floats(0.5, 0.7), st.floats(2.0, 6.0))
@@ -74,12 +73,6 @@ def test_laws_begin_at_ambient_pressure_as_they_say(K0, K0_prime, R, B):
         assert slope == pytest.approx(alpha, rel=1e-10)
     modulus, change = jax.value_and_grad(lambda p: tait.density(p) / jax.grad(tait.density)(p))(0.0)
     assert (modulus, change) == (pytest.approx(K0, rel=1e-12), pytest.approx(K0_prime, rel=1e-9))
-
-
-@pytest.mark.parametrize("eta0", [6e-5, 1e-9])
-def test_roelands_has_no_meaning_for_gases(eta0):
-    with pytest.raises(ValueError, match=f"eta0 = {eta0} Pa s: Roelands' law needs"):
-        roelands_exponent(ALPHA, eta0)
 
 
 def test_new_constants_need_no_new_compilation():
@@ -165,16 +158,12 @@ def test_laws_by_name_as_records_and_from_data(oil, viscosity, density):
 
 
 @pytest.mark.parametrize(
-    ("oil", "missing"), [(Oil(viscosity="barus"), "alpha"), (Oil(eta0=0.04), "alpha"), (Oil(alpha=2e-8), "eta0")]
-)
-def test_data_that_a_law_needs_are_asked_for(oil, missing):
-    with pytest.raises(ValueError, match=rf"^{missing}: missing; this viscosity law needs it"):
-        oil.viscosity_law  # noqa: B018
-
-
-@pytest.mark.parametrize(
     ("law", "message"),
     [
+        ({"viscosity": "barus"}, "^alpha: missing; this viscosity law needs it"),
+        ({"eta0": 0.04}, "^alpha: missing; this viscosity law needs it"),
+        ({"alpha": 2e-8}, "^eta0: missing; this viscosity law needs it"),
+        ({"alpha": 2e-8, "eta0": 6e-5}, "^eta0 = 6e-05 Pa s: Roelands' law needs"),
         ({"viscosity": "tar"}, r"^viscosity = \"tar\": allowed: 'isoviscous', 'barus' or 'roelands'"),
         ({"viscosity": "µ" + "x" * 80}, rf'^viscosity = "µ{"x" * 59}": allowed: '),
         ({"density": "lead"}, r"^density = \"lead\": allowed: 'incompressible' or 'dowson-higginson'"),
@@ -186,7 +175,7 @@ def test_data_that_a_law_needs_are_asked_for(oil, missing):
 )
 def test_a_law_that_is_not_known_or_lacks_its_data_is_refused(law, message):
     with pytest.raises(ValueError, match=message):
-        Oil(**law)
+        _ = Oil(**law).viscosity_law
 
 
 def test_the_enthalpy_is_the_integral_of_the_specific_volume() -> None:

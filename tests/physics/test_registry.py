@@ -92,7 +92,8 @@ def test_what_other_packages_announce_is_known_before_it_is_imported(monkeypatch
 
 
 @pytest.mark.parametrize("laws", [VISCOSITY_LAWS, DENSITY_LAWS, FLUIDITY_LAWS, SHAPES], ids=lambda laws: laws.noun)
-def test_every_field_of_a_shipped_record_has_a_mark(laws: Registry) -> None:
+def test_every_field_of_a_shipped_record_has_a_mark_and_every_law_a_source(laws: Registry) -> None:
     for record in laws.values():
         if record.__module__.startswith("ertel.physics"):
             assert {f.name for f in fields(record)} - {"base"} == set(marks(record))
+            assert laws is SHAPES or len(record.reference) > 10

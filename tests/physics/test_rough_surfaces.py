@@ -197,30 +197,6 @@ def test_it_repeats_itself_after_its_period(x, m, n) -> None:
     assert ROUGH.heights(x + 8.0 * m, 8.0 * n) == pytest.approx(ROUGH.heights(x, 0.0), abs=1e-11)
 
 
-def test_it_enters_behind_its_front() -> None:
-    entering = replace(ROUGH, front=0.5, ramp=1.0)
-    assert not entering.heights(X[X >= 0.5], 0.1).any()
-    behind = X[X <= -0.5]
-    np.testing.assert_array_equal(entering.heights(behind, 0.1), ROUGH.heights(behind, 0.1))
-    assert entering.heights(0.0, 0.1) == pytest.approx(ROUGH.heights(0.0, 0.1) / 2)
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"shortest": 1.0}, "shortest = 1 a: must be below longest, 1 a"),
-        ({"rolloff": 2.0}, "rolloff = 2 a: must be from shortest, 0.1 a, to longest, 1 a"),
-        ({"period": 0.5}, "period = 0.5 a: must be at least longest, 1 a"),
-        ({"shortest": 0.001}, "shortest = 0.001 a: is too short for a period of 8 a; must be at least 0.0078125 a"),
-        ({"ramp": 0.1}, "ramp = 0.1: needs front"),
-        ({"front": 0.1}, "front = 0.1: needs ramp"),
-    ],
-)
-def test_what_is_no_self_affine_surface_is_said(change, message) -> None:
-    with pytest.raises(ValueError, match=f"^{message}"):
-        replace(ROUGH, **change)
-
-
 # -- what a grid keeps ------------------------------------------------------------------------------------------------
 
 

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from made_up import BALL_FALLS, dry_impact
-from PIL import Image
 
 from ertel import plots
 from ertel.results.profiles import between
@@ -42,13 +41,6 @@ def test_between_two_maps_fields_are_interpolated_linearly(ball):
     np.testing.assert_allclose(found["P"].values[0], expected)
     np.testing.assert_allclose(between(ball, second)["H"].values[0], ball["H"].values[3])
     assert found.sizes["frame"] == 1 and found.sizes["time"] == ball.sizes["time"]
-
-
-def test_a_movie_is_written_with_its_rate(ball, tmp_path, monkeypatch):
-    monkeypatch.setattr("ertel.plots.movies.SECONDS", 0.15)
-    plots.movie(ball, "pressure", rate=20).save(tmp_path / "p.gif", writer="pillow", dpi=40)
-    with Image.open(tmp_path / "p.gif") as movie:
-        assert (movie.n_frames, movie.info["duration"]) == (3, 50)
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ from ertel.physics.surfaces import Feature, RingWaviness, Spot, Waviness, height
 from ertel.plots.drawing import Scale
 from ertel.plots.view import View
 from ertel.results import fronts
-from ertel.results.variables import FIGURES_IN_TIME
+from ertel.results.variables import FIGURES_IN_TIME, FIGURES_STEADY
 
 ROUGH = (Feature(Waviness(0.01, 0.5, phase_x=0.3), 1), Feature(Spot(0.3, -0.05, x=-1.0), 2))
 SLIDING = rolling(
@@ -42,7 +42,8 @@ def moes():
 
 @pytest.fixture(scope="module")
 def runs(ball, moes):
-    return {"ball": ball, "moes": moes, "ball rolls": in_time(BALL_ROLLS), "moes rolls": in_time(MOES_ROLLS)}
+    rolls = {"ball rolls": in_time(BALL_ROLLS), "moes rolls": in_time(MOES_ROLLS)}
+    return {"ball": ball, "moes": moes, **rolls, "steady ball": steady(BALL_ROLLS), "steady moes": steady(MOES_ROLLS)}
 
 
 def frame_of_maximum(data):
@@ -63,24 +64,28 @@ def test_labels_have_si_units_or_those_of_the_paper(ball, moes):
     assert pressure.get_ylabel() == "pressure $P$ ($p_h^*$)"
 
 
+MOMENTS = {"ball": "maximum approach", "moes": "chosen map", "ball rolls": "last map", "moes rolls": "last map"}
+
+
 @pytest.mark.parametrize(
     ("name", "run"),
-    [(name, run) for name in FIGURES_IN_TIME for run in ("ball", "moes", "ball rolls", "moes rolls")
-     if name != "front" or "rolls" not in run],
+    [*((name, run) for name in FIGURES_IN_TIME for run in MOMENTS if name != "front" or "rolls" not in run),
+     *product(FIGURES_STEADY, ("steady ball", "steady moes"))],
 )  # fmt: skip
 def test_every_panel_says_what_it_shows(runs, name, run):
     figure = getattr(plots, name)(runs[run], at=2.0 if run == "moes" else None)
+    figure.draw_without_rendering()
     for axes in panels(figure):
         assert axes.get_xlabel() and axes.get_ylabel()
-        assert axes.get_title() or axes.get_legend()
-    assert {"ball": "maximum approach at", "moes": "chosen map at"}.get(run, "last map at") in figure.get_suptitle()
+        assert axes.get_title() or (axes.get_legend() and run in MOMENTS)
+    assert MOMENTS.get(run, "") in figure.get_suptitle()
     if "rolls" in run:
         legends = " ".join(word for axes in panels(figure) for word in words(axes))
         assert "dry" not in legends and "rebound" not in legends
 
 
 def test_heading_says_the_conditions(runs):
-    heading = {name: plots.overview(data).get_suptitle() for name, data in runs.items()}
+    heading = {name: plots.overview(runs[name]).get_suptitle() for name in MOMENTS}
     assert all(said in heading["ball"] for said in ("10 mm", "0.1 m/s", "1.394 GPa", "maximum approach"))
     assert "$M$ = 1000" in heading["moes"]
     assert "$u_m$ = 0.5026 m/s" in heading["ball rolls"] and "$F$ = 38.89 N" in heading["ball rolls"]

@@ -151,7 +151,7 @@ def states(kind, functions, moments, place, monkeypatch):
     with monkeypatch.context() as patch:
         for owner, name in functions:
             patch.setattr(owner, name, watched(getattr(owner, name)))
-        compute(run, [lambda result: run.flush()])
+        compute(run, [lambda result: run.flush(), stop_after(max(number for _, number in moments))])
     return found
 
 

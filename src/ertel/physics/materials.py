@@ -15,6 +15,7 @@ from ertel.physics.temperature_laws import ZERO_CELSIUS, Ambient, Expansion, Pre
 from ertel.physics.units import Bounds, require_positive
 
 Data = TypeVar("Data", covariant=True)
+GRAVITY = 9.80665  # m/s^2, standard
 SMALL_STEP = 0.01  # K, for the derivative of the viscosity
 RHEOLOGY = " Rheology: "  # in the reference of an oil, before the source of its law of shear thinning
 
@@ -154,10 +155,10 @@ def sphere_mass(radius: float, density: float) -> float:
     return 4 * pi / 3 * density * radius**3
 
 
-def drop_speed(height: float, g: float = 9.80665) -> float:
+def drop_speed(height: float) -> float:
     """Speed v0 = sqrt(2 g h) (m/s) of a ball dropped from a height (m), without air drag."""
-    require_positive(height=height, g=g)
-    return sqrt(2 * g * height)
+    require_positive(height=height)
+    return sqrt(2 * GRAVITY * height)
 
 
 @dataclass(frozen=True)

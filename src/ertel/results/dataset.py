@@ -60,12 +60,11 @@ def assemble(
     records: Sequence[Mapping[str, float]],
     frames: Sequence[Frame],
     coordinates: Mapping[str, Any],
-    attributes: Mapping[str, object] | None = None,
 ) -> xr.Dataset:
     """The run as a Dataset: scalars over `time` (every step), maps over `frame` and the space axes.
 
     records: the scalars of every accepted step, by variable name and "T", dimensionless.  frames: the maps that were
-    kept.  coordinates: axes of the maps in order, in a*: Y and X, or r.  attributes: more of the Dataset's.
+    kept.  coordinates: axes of the maps in order, in a*: Y and X, or r.
     """
     space = {name: np.asarray(axis) for name, axis in coordinates.items()}
     shape = len(frames), *(len(axis) for axis in space.values())  # which no maps at all have, too
@@ -73,16 +72,14 @@ def assemble(
     for name, values in maps(frames).items():
         arrays[name] = (("frame", *space), values.reshape(shape)) if name in FIELDS else (("frame",), values)
     arrays |= {name: ((name,), axis) for name, axis in space.items()}
-    return _dataset(case, arrays, attributes)
+    return _dataset(case, arrays)
 
 
-def assemble_steady(
-    case: Case, grid: Grid, solutions: Sequence[SteadyGrid], attributes: Mapping[str, object] | None = None
-) -> xr.Dataset:
+def assemble_steady(case: Case, grid: Grid, solutions: Sequence[SteadyGrid]) -> xr.Dataset:
     """The steady contact as a Dataset: fields on the finest grid, scalars and residuals over `grid`.
 
     grid: that of the fields, of the last solution, or of the case as long as there is none.  solutions: coarsest first;
-    the coordinate `grid` has their numbers of nodes a side.  attributes: more of the Dataset's.
+    the coordinate `grid` has their numbers of nodes a side.
     """
     fields = FIELDS if case.thermal is None else {**FIELDS, **variables.TEMPERATURES}
     nothing = np.full((len(grid.y), len(grid.x)), np.nan)
@@ -100,16 +97,16 @@ def assemble_steady(
         "grid": (("grid",), np.array([s.grid.nodes for s in solutions], dtype=np.int64)),
         "iteration": (("iteration",), np.arange(len(histories))),
     }
-    return _dataset(case, arrays, attributes)
+    return _dataset(case, arrays)
 
 
-def _dataset(case: Case, arrays: Arrays, attributes: Mapping[str, object] | None) -> xr.Dataset:
+def _dataset(case: Case, arrays: Arrays) -> xr.Dataset:
     """The Dataset of a run from its arrays, with the attributes of its variables and its own."""
     described = {
         name: (dims, values, variable_attributes(name, case.scales)) for name, (dims, values) in arrays.items()
     }
     axes = {name: described.pop(name) for name in variables.AXES if name in described}
-    return xr.Dataset({**described, **variables_of(case)}, axes, {**provenance(case), **(attributes or {})})
+    return xr.Dataset({**described, **variables_of(case)}, axes, provenance(case))
 
 
 # -- provenance -------------------------------------------------------------------------------------------------------

@@ -255,7 +255,7 @@ def respond_in_rolling(case: CaseLike, roughnesses: Sequence[Sequence[Feature]])
         "response_krylov": [response.krylov for response in responses],
         "response_convolutions": [response.convolutions for response in responses],
     }
-    data = assemble_steady(case, film.grid, rolling.solutions, {"status": status.value})
+    data = assemble_steady(case, film.grid, rolling.solutions).assign_attrs(status=status.value)
     data = data.assign({name: ("wave", np.array(values)) for name, values in per_wave.items()})
     data = data.assign(_oscillation("dH", FILM_CHANGE, [film.whole(response.H) for response in responses]))
     data = data.assign(_oscillation("dP", PRESSURE_CHANGE, [film.whole(response.P) for response in responses]))
