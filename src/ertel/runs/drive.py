@@ -106,8 +106,7 @@ class SteadyRun:
     def to_arrays(self, result: GridStep) -> dict[str, NDArray[Any]]:
         solutions = result.solutions
         grids = [
-            (s.grid.nodes_x, s.grid.nodes_y, s.grid.spacing, s.grid.centre_x, s.grid.centre_y, *s.grid.even)
-            for s in solutions
+            (g.nodes_x, g.nodes_y, g.spacing, g.centre_x, g.centre_y, *g.even) for g in (s.grid for s in solutions)
         ]
         arrays = {name: np.array([getattr(s, name) for s in solutions]) for name in COUNTED}
         arrays["grid"] = np.array(grids, dtype=float)

@@ -43,11 +43,8 @@ from ertel.solvers.transient import Transient2D
 
 FILM_CHANGE = {"long_name": "change of the film thickness by the roughness", "symbol": "dH", "units": "1"}
 PRESSURE_CHANGE = {"long_name": "change of the pressure by the roughness", "symbol": "dP", "units": "1"}
-ERROR = {
-    "long_name": "bound of the discretisation error of the amplitude of dH at the centre",
-    "symbol": "dH_error",
-    "units": "1",
-}
+BOUND = "bound of the discretisation error of the amplitude of dH at the centre"
+ERROR = {"long_name": BOUND, "symbol": "dH_error", "units": "1"}
 Field = tuple[tuple[str, ...], np.ndarray, dict[str, str]]  # a variable: dimensions, values, attributes
 HEIGHT = {"long_name": "height of the roughness", "symbol": "R", "units": "1"}
 
