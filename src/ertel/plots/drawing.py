@@ -66,16 +66,10 @@ class Scale:
 
     @classmethod
     def of(cls, variable: xr.DataArray, largest: float = 1.0, kind: str = "") -> "Scale":
-        """The scale of a variable: in SI with the prefix that fits, or in dimensionless units.
+        """The scale of a variable: in SI with the prefix that fits `largest`, as stored, or in dimensionless units.
 
-        Parameters
-        ----------
-        variable : xarray.DataArray
-            Dimensionless with the attribute si_factor or without, or in SI already.
-        largest : float
-            The value, as stored, that the prefix fits.  Compound units and temperatures have no prefix.
-        kind : str
-            "rolling" or "impact", for the names of dimensionless units.
+        variable: with the attribute si_factor or without, or in SI already.  kind: "rolling" or "impact", for the names
+        of dimensionless units.
         """
         about = variable.attrs
         symbol, long_name = mathtext(about.get("si_name", about["symbol"])), about["long_name"]
@@ -190,18 +184,10 @@ class Picture(Figure):
 def compose(
     subject: Subject, rows: Sequence[Sequence[Panel[Subject]]], heading: Sequence[str], sheet: Sheet | None = None
 ) -> Figure:
-    """A figure of rows of panels.
+    """A figure of rows of panels, each called with its axes and the subject; all rows have the same length.
 
-    Parameters
-    ----------
-    subject : object
-        Every panel is called with its axes and with this.
-    rows : sequence of sequences of panels
-        All rows have the same length.
-    heading : sequence of str
-        A name and its properties, on as many lines as they take.
-    sheet : Sheet, optional
-        Axes or a size; by default 5 inches for each panel of a row, for the screen.
+    heading: a name and its properties, on as many lines as they take.  sheet: axes or a size; by default 5 inches for
+    each panel of a row, for the screen.
     """
     sheet = sheet or Sheet()
     if sheet.ax is not None:
