@@ -61,6 +61,14 @@ def _xla_knows(flags: str) -> bool:
     return done.returncode == 0
 
 
+@pytest.fixture(autouse=True, scope="session")
+def _programs_are_kept() -> None:
+    """Keep programs as commands do: what one worker has traced, none traces again."""
+    from ertel.runs.compile import start_at_once  # not above: what it imports reads the environment
+
+    start_at_once()
+
+
 @pytest.fixture(autouse=True, scope="module")
 def _memory_is_bounded() -> Iterator[None]:
     """Forget compiled programs where there are many; a worker would reach 6 GB."""

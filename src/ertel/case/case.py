@@ -85,10 +85,8 @@ class Case(Definition):
 
     def _repr_html_(self) -> str:
         title, data = self._described
-        rows = "".join(
-            f"<tr><th>{escape(name)}</th><td>{escape(content)}</td></tr>" for name, content in records.described(data)
-        )
-        return f"<div>Case: {escape(title)}<table>{rows}</table></div>"
+        rows = (f"<tr><th>{escape(name)}</th><td>{escape(text)}</td></tr>" for name, text in records.described(data))
+        return f"<div>Case: {escape(title)}<table>{''.join(rows)}</table></div>"
 
     @property
     def _described(self) -> tuple[str, dict[str, Any]]:
@@ -132,6 +130,8 @@ class Case(Definition):
         solver = self.solver
         if solver.inlet is None and not self.starts_apart:
             solver = replace(solver, inlet=solver.half_width)  # a centred grid is not the default of rolling
+        shapes = enumerate(self.roughness, 1)
+        roughness = [records.named(f"roughness[{n}]", records.feature_data, shape) for n, shape in shapes]
         data: dict[str, Any] = {
             "schema": SCHEMA,
             "name": self.name,
@@ -139,10 +139,7 @@ class Case(Definition):
             "lubricant": records.named("lubricant", records.oil_data, self.oil),
             "solver": records.data_of(solver),
             "motion": self.drive and records.data_of(self.drive),
-            "roughness": [
-                records.named(f"roughness[{i}]", records.feature_data, feature)
-                for i, feature in enumerate(self.roughness, 1)
-            ],
+            "roughness": roughness,
             "time": self.time and records.data_of(self.time),
             "output": self.output and records.data_of(self.output),
             "thermal": self.thermal and records.data_of(self.thermal),
@@ -178,11 +175,8 @@ class Case(Definition):
             raise ConfigError(f"roughness = {records.show(roughness)}: must be an array of tables, [[roughness]]")
         reader = replace(reader, maps=maps)
         data = {"contact": {}} | {name: section for name, section in data.items() if section is not None}
-        given: dict[str, Any] = {
-            section.field: reader.record(section.record, data[name], name)
-            for name, section in SECTIONS.items()
-            if name in data
-        }
+        sections = ((name, section) for name, section in SECTIONS.items() if name in data)
+        given: dict[str, Any] = {each.field: reader.record(each.record, data[name], name) for name, each in sections}
         given["roughness"] = tuple(reader.feature(table, f"roughness[{i}]") for i, table in enumerate(roughness, 1))
         definition = Definition(name=data.get("name", ""), **given)
         given["solver"] = _completed(definition, data.get("solver") or {})

@@ -22,6 +22,7 @@ T = TypeVar("T")
 Kind = Literal["impact", "rolling"]
 POISSON = Bounds(gt=-1, le=0.5)
 REDUCED = units.LENGTH.between(1e-6, 100.0)
+TURN = units.ANGLE.between(0.0, 180.0)
 BODY = units.LENGTH.between(1e-6, 1e5)  # one of two may be nearly flat
 FALL = units.LENGTH.between(1e-12, 1e5)
 MOES_M = Bounds(gt=0, least=1e-6, most=1e10)
@@ -56,9 +57,8 @@ PHYSICAL: Mapping[Kind, Keys] = {
 FOREIGN: Mapping[Kind, Mapping[str, str]] = {  # keys of the other kind, and what to use instead
     "impact": {
         "load": "its load follows from mass and speed; a load that is applied to the ball is motion.load",
-        **dict.fromkeys(
-            ("speed_1", "speed_2"), "a track that moves under the ball has contact.mean_speed and contact.slide_to_roll"
-        ),
+        "speed_1": "a track that moves has contact.mean_speed and contact.slide_to_roll",
+        "speed_2": "a track that moves has contact.mean_speed and contact.slide_to_roll",
     },
     "rolling": dict.fromkeys(
         ("speed", "drop_height"), "its surfaces have contact.mean_speed, or contact.speed_1 and contact.speed_2"
@@ -100,11 +100,7 @@ class Conditions:
     radius_y_1: Annotated[Given, units.RADIUS, Meaning("radius of body 1 along y, as radius_x_1", "6 mm")] = None
     radius_x_2: Annotated[Given, units.RADIUS, Meaning("radius of body 2 along x, as radius_x_1", "20 mm")] = None
     radius_y_2: Annotated[Given, units.RADIUS, Meaning("radius of body 2 along y, as radius_x_1", "-6.24 mm")] = None
-    entrainment_angle: Annotated[
-        Given,
-        units.ANGLE.between(0.0, 180.0),
-        Meaning("from the axis x of the ellipse to the direction of entrainment, -180 to 180 deg; left out: 0"),
-    ] = None
+    entrainment_angle: Annotated[Given, TURN, Meaning("from the ellipse's x to the entrainment; left out: 0")] = None
     mass: Annotated[Given, units.MASS, Meaning("of the moving ball; rolling: for its inertia, left out: none")] = None
     ball_density: Annotated[Given, units.DENSITY, Meaning("density of the moving ball, in place of its mass")] = None
     speed: Annotated[Given, units.SPEED, Meaning("impact: speed of the ball at first touch")] = None
@@ -112,16 +108,8 @@ class Conditions:
     load: Annotated[Given, units.LOAD, Meaning("rolling: the static load")] = None
     speed_1: Annotated[Given, units.VELOCITY, Meaning("rolling: of surface 1; with speed_2 for mean_speed")] = None
     speed_2: Annotated[Given, units.VELOCITY, Meaning("rolling: speed of surface 2 along x")] = None
-    mean_speed: Annotated[
-        Given,
-        units.VELOCITY,
-        Meaning("mean of the speeds of both surfaces along x; impact: of a track that moves, left out: at rest"),
-    ] = None
-    slide_to_roll: Annotated[
-        Given,
-        units.FINITE,
-        Meaning("difference of the speeds over their mean, (u1 - u2)/u_m; goes with mean_speed, left out: 0", 0.1),
-    ] = None
+    mean_speed: Annotated[Given, units.VELOCITY, Meaning("mean along x; impact: of a track, left out: at rest")] = None
+    slide_to_roll: Annotated[Given, units.FINITE, Meaning("(u1 - u2)/u_m; with mean_speed, left out: 0", 0.1)] = None
     E_prime: Annotated[Given, units.MODULUS, Meaning("2/E' = (1 - nu1^2)/E1 + (1 - nu2^2)/E2", "226 GPa")] = None
     E1: Annotated[Given, units.MODULUS, Meaning("Young's modulus of body 1; with nu1, E2, nu2 for E_prime")] = None
     nu1: Annotated[Given, POISSON, Meaning("Poisson's ratio of body 1", 0.3)] = None
@@ -199,11 +187,8 @@ class Conditions:
         R_x, R_y = self._radii
         for keys, R in ((ALONG_X, R_x), (ALONG_Y, R_y)) if any(key in self.given for key in PAIRS) else ():
             given = [key for key in keys if key in self.given]
-            yield from (
-                (self.entry(key), "must not be zero; leave it out for a plane")
-                for key in given
-                if not getattr(self, key)
-            )
+            for zero in [key for key in given if not getattr(self, key)]:
+                yield self.entry(zero), "must not be zero; leave it out for a plane"
             if not 0 < R < inf:
                 sum_is_positive = f"the curvatures 1/{keys[0]} + 1/{keys[1]} must add up to more than zero"
                 place = " and ".join(map(self.entry, given)) or f"contact.{keys[0]}: missing"

@@ -49,9 +49,7 @@ SECTIONS: Mapping[str, Section] = {
     "motion": Section("drive", Drive, "load and speed as functions of time"),
     "time": Section("time", Time, "start, end and steps of a run in time"),
     "output": Section("output", Output, "which maps are kept, besides those at maximum approach and at the end"),
-    "thermal": Section(
-        "thermal", Thermal, "rolling: temperatures of a steady contact in SI, may be empty where all is named"
-    ),
+    "thermal": Section("thermal", Thermal, "rolling: temperatures of a steady contact in SI, empty if all is named"),
 }
 
 

@@ -39,9 +39,8 @@ def check_size(heights: NDArray[np.float64]) -> None:
     if not largest:
         raise ValueError("heights: are all zero; leave the map out")
     if not units.SMALLEST <= largest <= units.LARGEST:
-        raise ValueError(
-            f"heights: reach {largest:.3g}; the largest must be between {units.SMALLEST:g} and {units.LARGEST:g}"
-        )
+        sizes = f"between {units.SMALLEST:g} and {units.LARGEST:g}"
+        raise ValueError(f"heights: reach {largest:.3g}; the largest must be {sizes}")
 
 
 def array_in(content: bytes) -> NDArray[Any]:
@@ -165,11 +164,7 @@ class Measured:
     length_y: Annotated[Given, units.WIDTH, Meaning("length along its y; left out: that in the file", "500 um")] = None
     rms: Annotated[Given, units.RMS, Meaning("root mean square of its heights; left out: as measured", "50 nm")] = None
     cutoff: Annotated[Given, units.WIDTH, Meaning("shorter waves are removed; left out: none", "20 um")] = None
-    taper: Annotated[
-        Amount | None,
-        units.WIDTH,
-        Meaning("distance from the edges of the map over which it becomes zero; left out: a tenth of the shorter side"),
-    ] = None
+    taper: Annotated[Given, units.WIDTH, Meaning("width of the falling rim; left out: a tenth of a side")] = None
     x: Annotated[Amount, units.POSITION, Meaning("its middle along x at T = 0")] = 0.0
     y: Annotated[Amount, units.POSITION, Meaning("its middle along y")] = 0.0
     angle: Annotated[float, units.ANGLE, Meaning("by which the map is turned, from x to y", "0 deg")] = 0.0

@@ -17,6 +17,7 @@ Stop = Literal["max-approach", "rebound"]
 METHODS: Mapping[Kind, tuple[Method, ...]] = {"impact": ("2d", "radial"), "rolling": ("steady", "transient")}
 ROLLING_UNTIL = 6.0  # t0: the surfaces roll through a domain of the default length for M >= 5
 FEWEST_NODES, MOST_NODES, WIDEST_HALF_WIDTH = 17, 4097, 1000.0
+NODES, HALF_WIDTH = Bounds(ge=FEWEST_NODES, le=MOST_NODES, whole=True), Bounds(gt=0, le=WIDEST_HALF_WIDTH)
 CENTRED_HALF_WIDTH = 4.5  # half width of a grid for reversing flow
 
 
@@ -31,25 +32,10 @@ class Solver:
     about a tenth of the grid's own error in H_c and H_min.  The defaults follow the size of an ellipse, see `suited`.
     """
 
-    method: Annotated[
-        Method,
-        Meaning("an impact is computed on a square grid (2d) or along the radius (radial), rolling steady or in time"),
-    ] = "2d"
-    nodes: Annotated[
-        int,
-        Bounds(ge=FEWEST_NODES, le=MOST_NODES, whole=True),
-        Meaning("nodes per side of the grid, 2^k c + 1 with a small c, or along the radius"),
-    ] = 257
-    half_width: Annotated[
-        float,
-        Bounds(gt=0, le=WIDEST_HALF_WIDTH),
-        Meaning("half width of the grid along x, in a; wider by default for M < 100 (rolling: M < 5)"),
-    ] = 2.0
-    inlet: Annotated[
-        Given,
-        Bounds(gt=0),
-        Meaning("from the contact's centre to the upstream edge, in a; reversing flow and impact: half_width", 4.5),
-    ] = None
+    method: Annotated[Method, Meaning("an impact on a grid (2d) or along the radius; rolling steady or in time")] = "2d"
+    nodes: Annotated[int, NODES, Meaning("nodes per side, 2^k c + 1 with a small c, or along the radius")] = 257
+    half_width: Annotated[float, HALF_WIDTH, Meaning("half width along x, in a; wider for M < 100 (rolling: 5)")] = 2.0
+    inlet: Annotated[Given, units.ABOVE_ZERO, Meaning("from the centre to the upstream edge, in a", 4.5)] = None
     tolerance: Annotated[
         float,
         units.SHARE,
@@ -59,11 +45,7 @@ class Solver:
         ),
     ] = 1e-3
     fold: Annotated[bool, Meaning("whether a symmetric case is computed on a half or a quarter of the plane")] = True
-    half_width_y: Annotated[
-        Given,
-        Bounds(gt=0, le=WIDEST_HALF_WIDTH),
-        Meaning("half_width along y; left out: the edge is as far from the contact as along x", 3.0),
-    ] = None
+    half_width_y: Annotated[Given, HALF_WIDTH, Meaning("along y; left out: as far off the contact as in x", 3.0)] = None
 
 
 SOLVERS: Mapping[Method, Solver] = {  # the defaults
@@ -120,9 +102,8 @@ def half_width_y(solver: Solver, geometry: Geometry) -> float | None:
     """
     along_x, along_y = geometry.extent
     default = solver.half_width + along_y - along_x
-    nodes, usual = (
-        nodes_across(solver.nodes, width / solver.half_width) for width in (solver.half_width_y or default, default)
-    )
+    widths = solver.half_width_y or default, default
+    nodes, usual = (nodes_across(solver.nodes, width / solver.half_width) for width in widths)
     if nodes == usual == solver.nodes:
         return None
     return solver.half_width * (nodes - 1) / (solver.nodes - 1)
@@ -139,14 +120,10 @@ class Time:
     """
 
     start_approach: Annotated[
-        Given,
-        Bounds(lt=0),
-        Meaning("impact: approach Delta at the start, below zero: apart; left out: above the layer of oil, too", -1.0),
+        Given, Bounds(lt=0), Meaning("impact: Delta at the start, below zero: apart; left out: above the oil", -1.0)
     ] = None
     until: Annotated[
-        Stop | Amount | None,
-        units.DURATION,
-        Meaning("the end: a time, or in an impact max-approach or rebound", "max-approach"),
+        Stop | Amount | None, units.DURATION, Meaning("a time, or in an impact max-approach or rebound", "max-approach")
     ] = None
     tolerance: Annotated[float, units.SHARE, Meaning("error allowed in a time step, relative")] = 5e-5
     step: Annotated[Amount | None, units.DURATION, Meaning("a fixed time step, in place of tolerance", 0.01)] = None
@@ -178,21 +155,13 @@ class Drive:
     """Load and entrainment as functions of time: the section [motion].  None: the default of the kind of contact."""
 
     load: Annotated[
-        Signal | None,
-        Meaning("applied load w(T), in F* (impact, left out: 0) or in the static load (rolling, left out: 1)", 1.0),
+        Signal | None, Meaning("applied load w(T), in F* (impact, left out: 0) or the static load (left out: 1)", 1.0)
     ] = None
     entrainment: Annotated[
-        Signal | None,
-        Meaning(
-            "mean speed U(T), in a/t0 (impact, left out: 0) or u_m (rolling, left out: 1)", [[0, 1], [1, 1], [5, -1]]
-        ),
+        Signal | None, Meaning("U(T), in a/t0 (impact, left out: 0) or u_m (left out: 1)", [[0, 1], [1, 1], [5, -1]])
     ] = None
     slide_to_roll: Annotated[Given, units.FINITE, Meaning("(u1 - u2)/u_m without dimensions; left out: 0", 0.1)] = None
-    inertia: Annotated[
-        Given,
-        units.NOT_NEGATIVE,
-        Meaning("inertia of the ball in a rolling contact without dimensions; left out: 0", 0.5),
-    ] = None
+    inertia: Annotated[Given, units.NOT_NEGATIVE, Meaning("of a dimensionless rolling ball; left out: 0", 0.5)] = None
 
 
 class Schedule(NamedTuple):

@@ -96,12 +96,12 @@ def names() -> tuple[str, ...]:
         own = _own()
     except ConfigError as error:
         warnings.warn(f"own oils are left out: {error}", stacklevel=1)  # of this line: once
-    return tuple(sorted((*_library("oil"), *own)))
+    return tuple(sorted((*_files("oil"), *own)))
 
 
 def material_names() -> tuple[str, ...]:
     """The names of the materials of the library."""
-    return tuple(_library("material"))
+    return tuple(_files("material"))
 
 
 def get(name: str, file: str | Path | None = None) -> NamedOil:
@@ -206,11 +206,9 @@ def data_sheet(
 
     Raises ConfigError, naming the argument, for a value that is not allowed.
     """
-    given = dict(
-        nu40=nu40, nu100=nu100, density=density, expansion=expansion, alpha=alpha, reference=reference or "data sheet"
-    )
+    given = {"nu40": nu40, "nu100": nu100, "density": density, "expansion": expansion, "alpha": alpha}
     try:
-        sheet = Reader(number_or_quantity).record(DataSheet, given, "data_sheet")
+        sheet = Reader(number_or_quantity).record(DataSheet, {**given, "reference": reference}, "data_sheet")
     except ValueError as error:
         raise ConfigError(str(error).removeprefix("data_sheet.")) from error
     return oil_at(oil_of_sheet(sheet), temperature)
@@ -254,11 +252,15 @@ def oil_at(oil: NamedOil, temperature: NumberOrText, rheology: str | Fluidity | 
 # -- reading the library -----------------------------------------------------------------------------------------------
 
 
+def _files(noun: str) -> Mapping[str, Path]:
+    """The files of the oils or of the materials of the library by name."""
+    return {file.stem: file for file in sorted((FOLDER / f"{noun}s").glob("*.toml"))}
+
+
 @cache
 def _library(noun: str) -> Mapping[str, Any]:
     """The oils or the materials of the library by name."""
-    files = sorted((FOLDER / f"{noun}s").glob("*.toml"))
-    tables = {file.stem: tomllib.loads(file.read_text(encoding="utf-8")) for file in files}
+    tables = {name: tomllib.loads(file.read_text(encoding="utf-8")) for name, file in _files(noun).items()}
     return {name: _built(RECORDS[noun], name, table, name) for name, table in tables.items()}
 
 

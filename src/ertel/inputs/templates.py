@@ -36,10 +36,7 @@ GIVEN: Mapping[Kind, Mapping[str, Mapping[str, Any]]] = {  # what a new case fil
         "[solver]": {"method": "steady", "nodes": 257},
     },
 }
-ABOUT: Mapping[Kind, str] = {
-    "impact": "A ball hits an oiled surface.",
-    "rolling": "A ball rolls, and if wanted slides, on an oiled surface.",
-}
+ABOUT: Mapping[Kind, str] = {"impact": "A ball hits an oiled surface.", "rolling": "A ball rolls on an oiled surface."}
 SHAPE = "spot"
 
 

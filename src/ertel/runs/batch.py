@@ -184,10 +184,8 @@ def solve_together(problems: Sequence[StepProblem], lanes: int) -> list[StepSolu
     filled = [*problems, *[problems[-1]] * (lanes - len(problems))]
     fields, numbers = _solve_lanes(tree.map(_joined, _axes(problems[0]), *filled, is_leaf=lambda axis: axis is None))
     numbers = np.asarray(numbers)
-    return [
-        StepSolution({name: each[lane] for name, each in fields.items()}, numbers[lane])
-        for lane in range(len(problems))
-    ]
+    lanes_used = range(len(problems))
+    return [StepSolution({name: each[lane] for name, each in fields.items()}, numbers[lane]) for lane in lanes_used]
 
 
 def _axes(problem: StepProblem) -> Any:

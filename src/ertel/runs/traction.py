@@ -222,9 +222,8 @@ def curve_in(curve: Curve, directory: Path, progress: bool = False, asked: Condi
             points.append(_measured(case, film, fresh, run.directory))
     axis = {curve.axis: (curve.values, CURVE_AXES[curve.axis].attributes)}
     values = (f"{curve.axis} = {value:.4g}" for value in curve.values)
-    warnings = study_result.grouped(
-        ((place, sentence) for place, point in zip(values, points, strict=True) for sentence in point.warnings), "point"
-    )
+    said = ((value, each) for value, point in zip(values, points, strict=True) for each in point.warnings)
+    warnings = study_result.grouped(said, "point")
     about = {"varies": curve.axis, "film": curve.film_in_words, "warnings": warnings}
     data = study_result.study_dataset("product", axis, points, {**provenance(curve.case), **about})
     return TractionCurve(data, directory, case=curve.case)
