@@ -1,7 +1,6 @@
 """The app without its pages: its folder, its processes, its form, its pictures, and what it does not import."""
 
 import asyncio
-import json
 import os
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -9,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import tomli_w
 from app_runs import CASE, make_run, stand_in, until, write_progress
 from cases import ertel_, python
 
@@ -181,7 +179,8 @@ def test_runs_and_studies_are_deleted_whole_and_never_while_they_run(tmp_path):
             processes.delete(place)
     with locked(runs[1]), pytest.raises(ValueError, match="speeds: is running"):
         processes.delete(study)
-    (study / "sweep.csv").touch(), (study / "notes.txt").touch()
+    for file in ("sweep.csv", "convergence.csv", "notes.txt"):
+        (study / file).touch()
     with pytest.raises(ValueError, match=r"speeds: holds other files \(notes.txt\)"):
         processes.delete(study)
     (study / "notes.txt").unlink()
@@ -301,13 +300,6 @@ def test_each_key_of_the_form_has_the_help_of_the_command():
         assert field.label and (field.key is None or field.key.meaning.text in told)
     assert form.hint("lubricant.layer_1") == "" and Form().hint("lubricant.layer_1") == "such as 1 um"
     assert form.hint("roughness.x") == "0.0"
-
-
-def test_the_outlook_is_that_of_ertel_check(tmp_path):
-    data, folder = chosen(contact__M="500", given="moes").data(), Folder.at(tmp_path)
-    (tmp_path / "case.toml").write_text(tomli_w.dumps(data))
-    checked = json.loads(ertel_("check", str(tmp_path / "case.toml"), "--json").stdout)
-    assert {**form.outlook_of(data, folder), "name": "case"} == checked
 
 
 # -- the command ------------------------------------------------------------------------------------------------------

@@ -255,11 +255,7 @@ REFUSED: list[Refusal] = [
     (impact(), {"drive": Drive(inertia=1.0)}, "motion.inertia = 1.0: belongs to dimensionless rolling cases; for an"),
     (ON_TRACK, {"drive": Drive(inertia=1.0)}, "motion.inertia = 1.0: belongs to dimensionless rolling cases; give"),
     (ON_TRACK, {"drive": Drive(slide_to_roll=1.0)}, "motion.slide_to_roll = 1.0: belongs to dimensionless cases; with"),
-    (
-        FAST,
-        {"drive": Drive(entrainment=constant(1.0))},
-        "motion.entrainment = 1.0: is given together with cont",
-    ),
+    (FAST, {"drive": Drive(entrainment=constant(1.0))}, "motion.entrainment = 1.0: is given together with cont"),
     # roughness
     (RESTING, {"drive": None}, "roughness[1].surface = 1: moves, so that its film is not steady"),
     (impact(), {"roughness": (*ROUGH, NANOMETRES)}, 'roughness[2].height = "1e-08 m": must be a plain number'),
@@ -318,9 +314,8 @@ def test_the_default_domain_of_an_impact_widens_at_low_loads(M: float, expected:
 def test_the_side_along_y_of_an_ellipse_reads_back(across: float | None) -> None:
     """A side that ends as long as that along x is not the default, which follows the ellipse."""
     contact = {"kind": "rolling", "M": 5.26, "L": 0.5, "radius_ratio": 2.5}
-    case = Case.from_data(
-        {"contact": contact, "solver": {"method": "transient"} | ({"half_width_y": across} if across else {})}
-    )
+    solver = {"method": "transient"} | ({"half_width_y": across} if across else {})
+    case = Case.from_data({"contact": contact, "solver": solver})
     assert Case.from_data(case.to_data()) == case
 
 

@@ -83,9 +83,7 @@ def quantities(unit: Unit) -> st.SearchStrategy[str]:
     """Quantities of a usual size in the SI unit, or in another."""
     in_si = st.floats(*USUAL.get(unit.unit, (0.1, 10.0)))
     other, size = OTHER_UNITS.get(unit.unit, (unit.unit, 1.0))
-    return st.one_of(
-        in_si.map(lambda value: f"{value!r} {unit.unit}"), in_si.map(lambda value: f"{value / size!r} {other}")
-    )
+    return st.one_of(in_si.map(lambda x: f"{x!r} {unit.unit}"), in_si.map(lambda x: f"{x / size!r} {other}"))
 
 
 def numbers(bounds: Bounds) -> st.SearchStrategy[Any]:
@@ -132,12 +130,8 @@ measured = {
     "unit": st.sampled_from(["nm", "um"]),
     "detrend": st.sampled_from(["none", "none", "plane", "curvature", "mean"]),
 }
-features = st.one_of(
-    [
-        tables(SHAPES[name], shape=st.just(name), **(measured if name == "measured" else {}))
-        for name in ("waviness", "rings", "spot", "self-affine", "measured")
-    ]
-)
+shapes = {"waviness": {}, "rings": {}, "spot": {}, "self-affine": {}, "measured": measured}
+features = st.one_of([tables(SHAPES[name], shape=st.just(name), **more) for name, more in shapes.items()])
 
 
 @st.composite
@@ -183,19 +177,14 @@ sheets = tables(
     nu100=st.floats(8, 9).map(lambda value: f"{value!r} mm^2/s"),
     density=st.just("880 kg/m^3"),
 )
-named_oils = st.fixed_dictionaries(
-    {"oil": st.one_of(st.sampled_from(oil_library.names()), sheets), "temperature": degrees}
-)
+some_oils = st.one_of(st.sampled_from(oil_library.names()), sheets)
+named_oils = st.fixed_dictionaries({"oil": some_oils, "temperature": degrees})
 plain_laws = [name for name, law in FLUIDITY_LAWS.items() if not law_fields(law)]
 rheologies = st.one_of([tables(FLUIDITY_LAWS[name], law=st.just(name)) for name in plain_laws])
-rheologies = st.one_of(
-    st.sampled_from(["newtonian", "carreau"]),
-    rheologies,
-    tables(FLUIDITY_LAWS["limited"], law=st.just("limited"), base=rheologies),
-)
-thermal = tables(
-    Thermal, viscosity=st.sampled_from([*WARM_VISCOSITIES]), inlet_factor=st.sampled_from([*INLET_FACTORS])
-)
+limited = tables(FLUIDITY_LAWS["limited"], law=st.just("limited"), base=rheologies)
+rheologies = st.one_of(st.sampled_from(["newtonian", "carreau"]), rheologies, limited)
+warm, inlets = st.sampled_from([*WARM_VISCOSITIES]), st.sampled_from([*INLET_FACTORS])
+thermal = tables(Thermal, viscosity=warm, inlet_factor=inlets)
 
 
 @st.composite

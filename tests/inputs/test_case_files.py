@@ -136,12 +136,8 @@ def test_malformed_override(item):
 def test_digest_of_a_default_domain_stays_to_the_last_bit():
     radii = {"radius_x_1": "12.8 mm", "radius_y_1": "100 mm", "radius_x_2": "21.7 mm", "entrainment_angle": "30 deg"}
     speeds = {"load": "250 N", "speed_1": "2.01 m/s", "speed_2": "2.27 m/s"}
-    case = parse_case(
-        {
-            "contact": {"kind": "rolling", "E_prime": "226 GPa"} | radii | speeds,
-            "lubricant": {"eta0": "40 mPa*s", "alpha": "20 / GPa"},
-        }
-    )
+    contact = {"kind": "rolling", "E_prime": "226 GPa"} | radii | speeds
+    case = parse_case({"contact": contact, "lubricant": {"eta0": "40 mPa*s", "alpha": "20 / GPa"}})
     assert case.digest == "730e79645d2e31ad"
 
 

@@ -16,6 +16,7 @@ MOES = {"M": 1000, "L": 10}
 OIL = {"eta0": "0.1 Pa*s", "alpha": "22 / GPa"}
 ROLLING = {"kind": "rolling", **MOES}
 SLENDER = MOES | {"radius_ratio": 0.5}
+HEAVY = NAMED | {"oil": SHEET | {"density": 1000}}
 TRACK = {"kind": "rolling", "radius": "10 mm", "load": "20 N", "E_prime": "226.37 GPa"}
 ROLLED = {**TRACK, "mean_speed": "0.5 m/s"}
 TWO_SPEEDS = {"speed_1": "1 m/s", "speed_2": "1 m/s"}
@@ -86,10 +87,7 @@ CONTACTS += [
     (BODIED | {"material_2": "wood"}, ['contact.material_2 = "wood": allowed: glass, sapphire, ']),
     (BODIED | {"material_2": 2}, ["contact.material_2 = 2: allowed: glass, sapphire, "]),
     (without("material_2", BODIED), ["contact.E2: missing"]),
-    (
-        BODIED | {"temperature": "40 degC"},
-        ["contact.temperature = ", "did you mean lubricant.temperature or"],
-    ),
+    (BODIED | {"temperature": "40 degC"}, ["contact.temperature = ", "did you mean lubricant.temperature or"]),
 ]
 
 # radii of curvature
@@ -189,10 +187,7 @@ SECTIONS: Rows = [
     ({"oil": "squalane"}, ['oil = "squalane": unknown key; did you mean lubricant.oil?']),
     ({"solver": {"until": 1}}, ["solver.until = 1: unknown key; did you mean time.until? allowed: method"]),
     ({"solver": 5}, ["solver = 5: must be a section, [solver]"]),
-    (
-        {"contact": ROLLING | {"M": 1}, "solver": {"half_width": 3.0}},
-        ["solver.half_width = 3.0: must be at least 8."],
-    ),
+    ({"contact": ROLLING | {"M": 1}, "solver": {"half_width": 3.0}}, ["solver.half_width = 3.0: must be at least 8."]),
     ({"contact": SLENDER, "solver": {"method": "radial"}}, ['solver.method = "radial": is for circular', "R_y = 0.5"]),
     ({"contact": SLENDER, "solver": {"half_width_y": 1.5}}, ["solver.half_width_y = 1.5"]),
     ({"solver": {"method": "radial", "half_width_y": 3.0}}, ["solver.half_width_y = 3"]),
@@ -204,10 +199,7 @@ SECTIONS: Rows = [
     ({"contact": ROLLED, "solver": IN_TIME, "thermal": HOT}, ["thermal: is for a steady contact, and", '"transient"']),
     ({"contact": ROLLING, "lubricant": {}, "thermal": HOT}, ["thermal: needs a contact in SI"]),
     # which field is named where several could be wrong
-    (
-        {"contact": ROLLED, "lubricant": NAMED | {"oil": SHEET | {"density": 1000}}, "thermal": {}},
-        ["lubricant.oil.density = 1000"],
-    ),
+    ({"contact": ROLLED, "lubricant": HEAVY, "thermal": {}}, ["lubricant.oil.density = 1000"]),
     ({"contact": ROLLED, "lubricant": {"temperature": 65}, "thermal": HOT}, ["lubricant.temperature = 65: m"]),
 ]
 REFUSED: list[tuple[Data, list[str]]] = [

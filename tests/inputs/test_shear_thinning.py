@@ -40,9 +40,8 @@ def test_where_an_oil_that_thins_does_not_work() -> None:
 
 
 def test_a_batch_takes_one_kind_of_law() -> None:
-    first, second, other = (
-        rolling(**LOADED, method="transient", rheology=law) for law in (ReeEyring(5e6), ReeEyring(2e6), "newtonian")
-    )
+    laws = ReeEyring(5e6), ReeEyring(2e6), "newtonian"
+    first, second, other = (rolling(**LOADED, method="transient", rheology=law) for law in laws)
     check_alike([first, second])
     with pytest.raises(ValueError, match=r"^lubricant\.rheology"):
         check_alike([first, other])

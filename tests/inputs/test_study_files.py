@@ -125,10 +125,7 @@ def test_a_file_with_overrides(tmp_path):
         ({"M": [100, -1]}, r"^contact.M = -1: must be .* \(in the case with contact.M = -1\)"),
         ({"M": {"from": 1}}, "^contact.M.to: missing; a range has from, to, number, spacing"),
         ({"M": {"from": 1, "to": 2, "num": 3}}, r"^contact.M.num = 3: unknown key; did you mean number"),
-        (
-            {"M": {"from": 1, "to": 2, "number": 1}},
-            "^contact.M.number = 1: the number of values must be a whole number from 2 to 1000$",
-        ),
+        ({"M": {"from": 1, "to": 2, "number": 1}}, "^contact.M.number = 1: .* must be a whole number from 2 to 1000$"),
         ({"M": {"from": 1, "to": 2, "number": 2.5}}, "^contact.M.number = 2.5: .*must be a whole number"),
         ({"M": {"from": 0, "to": 2, "number": 3, "spacing": "log"}}, "must both be above zero, or both below"),
         ({"M": {"from": 1, "to": 2, "number": 3, "spacing": "cubic"}}, '^contact.M.spacing = "cubic": allowed: linear'),

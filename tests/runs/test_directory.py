@@ -18,7 +18,7 @@ from ertel.runs import files
 from ertel.runs.arrays import AppendedData
 from ertel.runs.directory import Taken
 from ertel.runs.files import StoreError
-from ertel.runs.store import RunStore, changes, compute
+from ertel.runs.store import RunStore, compute
 
 # -- names ------------------------------------------------------------------------------------------------------------
 
@@ -26,23 +26,6 @@ from ertel.runs.store import RunStore, changes, compute
 def test_the_next_free_name(tmp_path):
     taken = [RunStore.create_unused(SHORT_FALL, tmp_path / "runs").directory.name for _ in range(3)]
     assert taken == ["small", "small-2", "small-3"] == sorted(names(tmp_path / "runs"))
-
-
-def test_many_runs_at_once_take_different_names(tmp_path):
-    """Of four, two were refused."""
-    together, made = threading.Barrier(4), []
-
-    def make():
-        together.wait()
-        made.append(RunStore.create_unused(SHORT_FALL, tmp_path).directory)
-
-    threads = [threading.Thread(target=make) for _ in range(4)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert sorted(path.name for path in made) == ["small", "small-2", "small-3", "small-4"] == sorted(names(tmp_path))
-    assert all(RunStore.open(path).case == SHORT_FALL for path in made)
 
 
 def test_a_name_that_is_taken_at_the_last_moment(tmp_path, monkeypatch):
@@ -73,11 +56,6 @@ def test_a_path_is_a_path(tmp_path, monkeypatch):
         assert ertel.open(path).summary == summary
         assert (tmp_path / "here" / path / "run.zarr").is_dir()
     assert names(tmp_path / "home") == set()
-
-
-def test_directories_say_what_changed():
-    before, now = {"contact": {"M": 200.0}, "name": "a"}, {"contact": {"M": 300.0}, "name": "b"}
-    assert changes(before, now) == "contact.M 200.0 → 300.0"
 
 
 # -- directories that will not do -------------------------------------------------------------------------------------

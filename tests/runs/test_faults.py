@@ -22,7 +22,6 @@ def test_nothing_is_silent_and_no_flushed_step_is_lost(tmp_path: Path, kinds: li
     done = subprocess.run([*command, "--kinds", *kinds], capture_output=True, text=True, env=environment, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     ends = [line for line in done.stdout.splitlines() if " trials, " in line]
-    assert [line.partition(" trials")[0] for line in ends] == [
-        f"{what}, seed 14: {count}" for what in ("kills", "disk", "bits")
-    ]
+    told = [f"{what}, seed 14: {count}" for what in ("kills", "disk", "bits")]
+    assert [line.partition(" trials")[0] for line in ends] == told
     assert "refused damage" in done.stdout

@@ -265,10 +265,8 @@ sigma = 2
     (tmp_path / "fit.toml").write_text(text)
     problem = load_fit_problem(tmp_path / "fit.toml", ["solver.nodes=33"])
     assert problem.case.solver.nodes == 33
-    assert [(each.values.tolist(), each.sigma, index) for each, index in problem.data] == [
-        ([1e-7], 2e-9, 0),
-        ([2e-7], 2e-9, 1),
-    ]
+    found = [(each.values.tolist(), each.sigma, index) for each, index in problem.data]
+    assert found == [([1e-7], 2e-9, 0), ([2e-7], 2e-9, 1)]
     assert problem.conditions == ({"contact.speed": "0.1 m/s"}, {"contact.speed": "0.2 m/s"})
     for wrong, sentence in (
         (("200 nm", "200 s"), "wrong dimension"),

@@ -26,9 +26,8 @@ def waviness(amplitude: float) -> list[Feature]:
 
 @cache
 def impact_with(response: Callable[..., xr.Dataset], *amplitudes: float) -> xr.Dataset:
-    case = impact(
-        200, 10, 65, solver={"half_width": 1.5, "tolerance": 1e-6}, time={"step": 0.04, "start_approach": -0.5}
-    )
+    solver, time = {"half_width": 1.5, "tolerance": 1e-6}, {"step": 0.04, "start_approach": -0.5}
+    case = impact(200, 10, 65, solver=solver, time=time)
     return response(case, [waviness(amplitude) for amplitude in amplitudes])
 
 

@@ -4,10 +4,6 @@ import errno
 import itertools
 import os
 import shutil
-import signal
-import subprocess
-import sys
-import textwrap
 import threading
 import warnings
 from contextlib import nullcontext
@@ -16,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from cases import LEFT, RADIAL, SHORT_FALL, names, physics, python, stop_after
-from stored_runs import CASES, killed, of_no_process
+from cases import LEFT, RADIAL, SHORT_FALL, names, physics, stop_after
+from stored_runs import CASES, killed
 
 import ertel
 from ertel.case.status import Status
@@ -174,44 +170,6 @@ def test_death_at_any_moment(tmp_path, monkeypatch, kinds, grids, deaths):
         assert not list(directory.rglob("*.partial")) and not list(directory.glob("*.old"))
 
 
-@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal here")
-@pytest.mark.parametrize("name", ["radial", pytest.param("impact", marks=pytest.mark.slow)])
-def test_killed_process(tmp_path, name):
-    """A real SIGKILL while the store is being written; a process that waits for it longer stays before its last step.
-
-    All processes are new: commands tested before may have left other programs in this one, equal but for round-off.
-    """
-    program = """
-        import sys
-        from pathlib import Path
-        from ertel.runs import store
-        told = []
-        def tell(item):
-            print("step", flush=True)
-            run.flush()
-            told.append(item)
-            if len(told) == 6:
-                sys.stdin.read()
-        for directory in sys.argv[1:]:
-            run = store.RunStore.open(Path(directory))
-            store.compute(run, [tell])
-    """
-    environment = {**os.environ, "PYTHONPATH": str(Path(ertel.__path__[0]).parent)}
-    start = ["-c", textwrap.dedent(program)]
-    whole, broken = (RunStore.create(tmp_path / place, CASES[name]) for place in ("whole", "broken"))
-    command = [sys.executable, *start, broken.directory]
-    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment) as process:
-        assert process.stdout is not None
-        for _ in range(3):
-            process.stdout.readline()
-        process.kill()
-    before = RunStore.open(broken.directory).summary_so_far()["steps"]
-    python(*start, str(broken.directory), str(whole.directory))
-    assert 0 < before < whole.summary()["steps"]
-    assert of_no_process(broken.summary()) == of_no_process(whole.summary())
-    xr.testing.assert_identical(physics(broken.dataset()), physics(whole.dataset()))
-
-
 # -- the end ----------------------------------------------------------------------------------------------------------
 
 
@@ -242,15 +200,6 @@ def test_a_run_that_has_ended_meanwhile_is_left_alone(tmp_path):
 
 
 ENDS = ("ends at a time", "ends at an event", "gives up")
-
-
-@pytest.mark.parametrize("name", ENDS)
-def test_a_run_that_has_ended_keeps_what_it_has(kinds, name):
-    run = RunStore.open(kinds[name].finished)
-    summary, data = run.summary(), run.dataset()
-    assert summary["status"] == (Status.STEP_TOO_SMALL if name == "gives up" else Status.CONVERGED).value
-    assert 0 < data.sizes["time"] == summary["steps"]
-    assert data.attrs["status"] == summary["status"] and kinds[name].is_whole(run)
 
 
 CUTS = [(RunStore, "summarise"), (RunStore, "finish"), (arrays, "update_attributes"), (files, "sealed")]

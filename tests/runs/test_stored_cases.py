@@ -54,27 +54,6 @@ def resumed(case: ertel.Case, directory: Path, steps: int) -> ertel.Result:
     return ertel.open(directory)
 
 
-# -- the same case ----------------------------------------------------------------------------------------------------
-
-
-def test_a_replaced_oil_is_resumed_with_that_oil(tmp_path):
-    """It went on with Roelands' law, and called 0.1727 converged."""
-    case = ertel.impact(M=200, L=10, nodes=33, time_tolerance=0.01)
-    own = replace(case, oil=ertel.Oil(viscosity="barus", density="incompressible"))
-    whole, again = simulate(own), resumed(own, tmp_path / "run", 20)
-    xr.testing.assert_identical(physics(again.dataset), physics(whole.dataset))
-    assert again.summary["H_c"] == whole.summary["H_c"] == pytest.approx(0.1763, abs=5e-5)
-    assert load_case(tmp_path / "run" / "case.toml") == own
-
-
-def test_a_run_on_the_whole_plane_is_resumed(tmp_path):
-    """fold = false was lost from the resolved case file."""
-    case = parse_case({**CASE, "solver": {"nodes": 17, "fold": False}})
-    again = resumed(case, tmp_path / "run", 3)
-    assert again.case.solver.fold is False
-    xr.testing.assert_identical(physics(again.dataset), physics(simulate(case).dataset))
-
-
 # -- laws and shapes of one's own -------------------------------------------------------------------------------------
 
 

@@ -280,11 +280,7 @@ def test_a_series_doubles_the_cells_and_halves_the_steps():
         (series_case(), {"grids": 2}, "grids = 2: must be a whole number from 3 to 6"),
         (series_case(), {"along": "domain"}, 'along = "domain": allowed: grid, time'),
         (series_case(), {"grids": 5}, "solver.nodes = 129: has no 5 grids .* solver.nodes = 257 or 273"),
-        (
-            series_case(solver={"method": "radial", "nodes": 66}),
-            {},
-            "solver.nodes = 66: has no 3 grids .* solver.nodes = 65 or 69",
-        ),
+        (series_case(solver={"method": "radial", "nodes": 66}), {}, "solver.nodes = 66: has no 3 .* 65 or 69"),
         (ertel.rolling(M=20, L=10, nodes=65), {"along": "time"}, 'along = "time": a steady contact has no time steps'),
     ],
 )
@@ -297,12 +293,8 @@ def test_a_series_is_a_study_that_goes_on(tmp_path, monkeypatch):
     """Its table, its picture and the attributes of its numbers tell the limits; a second call computes nothing."""
     case = ertel.parse_case({**RADIAL, "time": {"tolerance": 1e-3}})
     found = ertel.converge(case, tmp_path, along="time")
-    assert found.complete and {path.name for path in tmp_path.glob("[!.]*")} == {
-        "runs",
-        "convergence.zarr",
-        "convergence.csv",
-        "convergence.png",
-    }
+    own = {f"convergence.{ending}" for ending in ("zarr", "csv", "png")}
+    assert found.complete and {path.name for path in tmp_path.glob("[!.]*")} == {"runs", *own}
     limits = found.limits
     assert {"H_c", "H_min", "T", "Delta", "P_c", "F", "power_loss"} == set(limits)
     values = found.dataset["H_c"].values

@@ -11,22 +11,10 @@ from difflib import get_close_matches
 from math import inf
 from typing import Any, TypeVar, get_args
 
+from ertel.case import records
 from ertel.case.definition import SECTIONS
 from ertel.case.height_map import NO_MAPS, HeightMap
-from ertel.case.records import (
-    ConfigError,
-    alternatives,
-    check_value,
-    checked,
-    choices_of,
-    hints_of,
-    inner_laws,
-    is_number,
-    named,
-    refusing,
-    show,
-    show_key,
-)
+from ertel.case.records import ConfigError, check_value, is_number, named, refusing, show
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Density, Viscosity
 from ertel.physics.motion import Oscillation, Polyline, Signal, Track, constant
@@ -78,7 +66,7 @@ def check_keys(
     """
     for name, value in table.items():
         if name not in allowed:
-            where = f"{place}.{show_key(name)}" if place else show_key(name)
+            where = f"{place}.{records.show_key(name)}" if place else records.show_key(name)
             hint = hint_for(str(name), allowed, elsewhere(name))
             raise ConfigError(f"{where} = {show(value)}: unknown key; {hint}")
 
@@ -88,7 +76,7 @@ def hint_for(name: str, known: Sequence[str], elsewhere: Sequence[str] = ()) -> 
     if name in NOT_THERE:
         return NOT_THERE[name]
     close = elsewhere or get_close_matches(name, known, n=1)
-    return (f"did you mean {alternatives(close)}? " if close else "") + f"allowed: {', '.join(known)}"
+    return (f"did you mean {records.alternatives(close)}? " if close else "") + f"allowed: {', '.join(known)}"
 
 
 @dataclass(frozen=True)
@@ -150,13 +138,13 @@ class Reader:
 
     def values(self, record: Any, data: Data, place: str) -> dict[str, Any]:
         """The values of those fields of a record (a class) that the data give."""
-        kinds, hints = marks(record), hints_of(record)
+        kinds, hints = marks(record), records.hints_of(record)
         given = [item.name for item in fields(record) if data.get(item.name) is not None]
         return {name: self._value(data[name], hints[name], kinds.get(name), f"{place}.{name}") for name in given}
 
     def _value(self, value: Any, hint: Any, mark: Mark | None, place: str) -> Any:
         """The value of a field."""
-        options, names = get_args(hint) or (hint,), choices_of(hint)
+        options, names = get_args(hint) or (hint,), records.choices_of(hint)
         if any(type(value) is type(name) and value == name for name in names):
             return value
         with refusing(place, value):
@@ -175,7 +163,7 @@ class Reader:
             except ValueError as error:
                 raise ValueError(f"{error}{''.join(f', or {show(name)}' for name in names)}") from error
         if names:
-            raise ValueError(f"allowed: {alternatives(map(repr, names))}")
+            raise ValueError(f"allowed: {records.alternatives(map(repr, names))}")
         if HeightMap in options:
             if not isinstance(value, str):
                 raise ValueError("must be a string")
@@ -229,12 +217,12 @@ class Reader:
         """
         if by_name and isinstance(data, str):
             return data  # the oil knows which names will do
-        laws: Mapping[str, Any] = LAWS[kind] if by_name else inner_laws(LAWS[kind])
+        laws: Mapping[str, Any] = LAWS[kind] if by_name else records.inner_laws(LAWS[kind])
         if not isinstance(data, Mapping):
             name = "a name, or " if by_name else ""
             raise ValueError(f"must be {name}a table with a law and its data")
         law = laws[_known(data, "law", laws, place)]
-        return checked(self.record(law, data, place, ("law",)), place)
+        return records.checked(self.record(law, data, place, ("law",)), place)
 
     def feature(self, data: Any, place: str) -> Feature:
         """A feature, its shape by a registered name."""

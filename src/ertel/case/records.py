@@ -47,13 +47,9 @@ def data_of(record: Any) -> dict[str, Any]:
     kinds, data = marks(type(record)), {}
     for item in fields(record):
         value = getattr(record, item.name)
-        if not _is_nothing(value):
+        if value is not None and not (isinstance(value, float | str | tuple) and value in (inf, "", ())):
             data[item.name] = _plain(value, kinds.get(item.name))
     return data
-
-
-def _is_nothing(value: Any) -> bool:
-    return value is None or (isinstance(value, float | str | tuple) and value in (inf, "", ()))
 
 
 def _plain(value: Any, mark: object = None) -> Any:
@@ -316,12 +312,12 @@ def scaled(record: T, scales: Scales | None, place: str) -> T:
     Raises ValueError if the case is dimensionless (scales is None).
     """
     if isinstance(record, Polyline):
-        points: Any = tuple(
-            tuple(_over(value, mark, scales, f"{place}[{i}]") for value, mark in zip(point, record.MARKS, strict=True))
-            for i, point in enumerate(record.points, 1)
-        )
+        points: list[Any] = []
+        for number, point in enumerate(record.points, 1):
+            marked = zip(point, record.MARKS, strict=True)
+            points.append(tuple(_over(value, mark, scales, f"{place}[{number}]") for value, mark in marked))
         with refusing(place, record):
-            return type(record)(points)
+            return type(record)(tuple(points))
     kinds = marks(type(record))
     changed: dict[str, Any] = {}
     for item in fields(record):  # type: ignore[arg-type]

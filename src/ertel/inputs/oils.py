@@ -208,9 +208,7 @@ def data_sheet(
     """
     given = {"nu40": nu40, "nu100": nu100, "density": density, "expansion": expansion, "alpha": alpha}
     try:
-        sheet = Reader(number_or_quantity).record(
-            DataSheet, {**given, "reference": reference or "data sheet"}, "data_sheet"
-        )
+        sheet = Reader(number_or_quantity).record(DataSheet, {**given, "reference": reference}, "data_sheet")
     except ValueError as error:
         raise ConfigError(str(error).removeprefix("data_sheet.")) from error
     return oil_at(oil_of_sheet(sheet), temperature)

@@ -114,9 +114,7 @@ def parse_study(data: Mapping[str, Any], folder: str | Path = ".") -> Study:
             raise ConfigError(f"{axis.field} = {show(list(axis.values))}: the values must differ from each other")
     if not axes:
         parse_case(plain, folder)  # a misspelled section or range is named first
-        raise ConfigError(
-            "the study has one case only: give a list, or { from, to, number }, for the value that varies"
-        )
+        raise ConfigError("the study has one case only: give a list, or { from, to, number }, for what varies")
     cases = tuple(_case(plain, axes, values, folder) for values in _combinations(axes, mode))
     for axis in axes:
         put(plain, axis.place, axis.values[0])

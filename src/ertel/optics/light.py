@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from math import log, pi, sqrt
-from typing import NamedTuple, Protocol
+from typing import ClassVar, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -194,14 +194,8 @@ class White(Light):
     """
 
     lamp: Lamp = Daylight()
-
-    @property
-    def typical(self) -> float:
-        return EYE
-
-    @property
-    def reach(self) -> float:
-        return 50e-6  # the lines of 10 nm reach that far at the red end
+    typical: ClassVar[float] = EYE
+    reach: ClassVar[float] = 50e-6  # the lines of 10 nm reach that far at the red end
 
     @property
     def lines(self) -> Sequence[Line]:

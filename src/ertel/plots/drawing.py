@@ -30,13 +30,6 @@ Panel = Callable[[Axes, Subject], object]
 
 BLUE, ORANGE, GREEN, PURPLE, GREY = "#0072B2", "#D55E00", "#009E73", "#CC2F8E", "#777777"
 ORDERED_COLOURS = LinearSegmentedColormap.from_list("ordered", colormaps["viridis"](np.linspace(0.0, 0.88, 256)))
-UNITS = {
-    "a*": "$a^*$", "a*^2/R": "$a^{*2}/R$", "p_h*": "$p_h^*$", "F*": "$F^*$", "a*/t0": "$a^*/t_0$", "t0": "$t_0$",
-    "a": "$a$", "a^2/R": "$a^2/R$", "p_h": "$p_h$", "F": "$F$", "u_m": "$u_m$",
-    "a*/R": "$a^*/R$", "p_h* a*/R": r"$p_h^*\, a^*/R$", "p_h* a*^2/(R t0)": r"$p_h^*\, a^{*2}/(R t_0)$",
-    "a/R": "$a/R$", "p_h a/R": r"$p_h\, a/R$", "p_h u_m a/R": r"$p_h\, u_m\, a/R$",
-    "F* a*^2/(R t0)": r"$F^* a^{*2}/(R\,t_0)$", "F u_m a/R": r"$F u_m\, a/R$",
-}  # fmt: skip
 WRITTEN = {"W/m2": (1e6, "W/mm²"), "degC": (1.0, "°C")}  # units that are shown in another one, or in another way
 GREEK = "Delta|delta|^mu|^tau"
 COLUMN = 85.0 / 25.4  # inches: a column of a journal
@@ -66,16 +59,10 @@ class Scale:
 
     @classmethod
     def of(cls, variable: xr.DataArray, largest: float = 1.0, kind: str = "") -> "Scale":
-        """The scale of a variable: in SI with the prefix that fits, or in dimensionless units.
+        """The scale of a variable: in SI with the prefix that fits `largest`, as stored, or in dimensionless units.
 
-        Parameters
-        ----------
-        variable : xarray.DataArray
-            Dimensionless with the attribute si_factor or without, or in SI already.
-        largest : float
-            The value, as stored, that the prefix fits.  Compound units and temperatures have no prefix.
-        kind : str
-            "rolling" or "impact", for the names of dimensionless units.
+        variable: with the attribute si_factor or without, or in SI already.  kind: "rolling" or "impact", for the names
+        of dimensionless units.
         """
         about = variable.attrs
         symbol, long_name = mathtext(about.get("si_name", about["symbol"])), about["long_name"]
@@ -83,7 +70,7 @@ class Scale:
         if unit == "1":
             base = "" if "si_units" in about else about.get("in_units_of", "")
             base = unit_of(kind, base) if kind else base
-            return cls(factor, symbol, UNITS.get(base, base), long_name)
+            return cls(factor, symbol, unit_text(base), long_name)
         one, shown = WRITTEN.get(unit) or prefixed(unit, largest * factor)
         return cls(factor / one, symbol, shown, long_name)
 
@@ -96,6 +83,13 @@ class Scale:
     def in_brackets(self) -> str:
         """The unit in brackets, if there is one."""
         return f"({self.unit})" if self.unit else ""
+
+
+def unit_text(unit: str) -> str:
+    """A dimensionless unit: a*^2/R as $a^{*2}/R$."""
+    text = re.sub(r"(?<!{)\*", "^*", re.sub(r"\*\^(\d)", r"^{*\1}", unit))
+    text = text.replace("t0", "t_0").replace(" ", r"\, ")
+    return f"${text}$" if unit else ""
 
 
 def mathtext(symbol: str) -> str:
@@ -190,18 +184,10 @@ class Picture(Figure):
 def compose(
     subject: Subject, rows: Sequence[Sequence[Panel[Subject]]], heading: Sequence[str], sheet: Sheet | None = None
 ) -> Figure:
-    """A figure of rows of panels.
+    """A figure of rows of panels, each called with its axes and the subject; all rows have the same length.
 
-    Parameters
-    ----------
-    subject : object
-        Every panel is called with its axes and with this.
-    rows : sequence of sequences of panels
-        All rows have the same length.
-    heading : sequence of str
-        A name and its properties, on as many lines as they take.
-    sheet : Sheet, optional
-        Axes or a size; by default 5 inches for each panel of a row, for the screen.
+    heading: a name and its properties, on as many lines as they take.  sheet: axes or a size; by default 5 inches for
+    each panel of a row, for the screen.
     """
     sheet = sheet or Sheet()
     if sheet.ax is not None:

@@ -183,29 +183,23 @@ def draw_legend(axes: Axes, lines: Sequence[Line2D], is_turned: bool = False) ->
 def draw_film_profiles(axes: Axes, view: View) -> None:
     """Film along the mid-line through time, the chosen moment in black."""
     top = view.largest("H", lambda each: 2.0 * each.film_inside())
-    z = view.scale("H", top / 2)
-    rough = _draw_profiles(axes, view, view.midlines("H") * z.factor, top * z.factor)
-    draw_measured(axes, view, "H", z)
-    axes.set(ylabel=z.label)
+    rough = _draw_profiles(axes, view, "H", view.scale("H", top / 2), top)
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, FOOT if rough else 0.0), edgecolor="none", fontsize="small")
 
 
 def draw_pressure_profiles(axes: Axes, view: View) -> None:
     """Pressure along the mid-line through time, the chosen moment in black."""
-    P = view.midlines("P")
     top = view.largest("P", lambda each: float(each.midlines("P").max()))
-    z = view.scale("P", top)
-    _draw_profiles(axes, view, P * z.factor, 1.35 * top * z.factor)
-    draw_measured(axes, view, "P", z)
-    axes.set(ylabel=z.label)
+    _draw_profiles(axes, view, "P", view.scale("P", top), 1.35 * top)
     axes.legend(loc="upper center", frameon=False, fontsize="small")
 
 
-def _draw_profiles(axes: Axes, view: View, values: Values, top: float) -> bool:
+def _draw_profiles(axes: Axes, view: View, name: str, z: Scale, top: float) -> bool:
     """Draw lines of the maps that carry load, coloured by time and dashed in the rebound, and the roughness below.
 
-    Returns whether there is any roughness.
+    With what is measured.  Returns whether there is any roughness.
     """
+    values = view.midlines(name) * z.factor
     T, x, loaded = view.dataset["frame"].values, view.x * view.across.factor, _loaded(view)
     time = view.scale("time")
     shown = loaded[:: max(1, round(len(loaded) / MOST_PROFILES))]
@@ -220,9 +214,10 @@ def _draw_profiles(axes: Axes, view: View, values: Values, top: float) -> bool:
     axes.plot(x, values[view.frame], color="black", linewidth=2.0, label=view.moment)
     if shown[-1] > last:
         axes.plot([], [], color=GREY, linestyle="--", linewidth=0.8, label="rebound")
-    rough = _draw_roughness_below(axes, view, view.x, top)
+    rough = _draw_roughness_below(axes, view, view.x, top * z.factor)
+    draw_measured(axes, view, name, z)
     side = view.extent(view.x, view.midline("P")) * view.across.factor
-    axes.set(xlim=(-side, min(side, x[-1])), xlabel=view.axis_label("x"))
+    axes.set(xlim=(-side, min(side, x[-1])), xlabel=view.axis_label("x"), ylabel=z.label)
     axes.figure.colorbar(colours, ax=axes, label=time.label)
     return rough
 

@@ -101,13 +101,7 @@ def _dry_edge(view: View, T: Values) -> Values:
 
 
 def draw_front_speed(axes: Axes, view: View) -> None:
-    """Speed at which the front of an impact moves outwards up to maximum approach, and that of the dry contact.
-
-    Raises
-    ------
-    NoFigure
-        The run is not an impact, or did not reach maximum approach.
-    """
+    """Speed at which the front of an impact moves outwards up to maximum approach, and that of the dry contact."""
     if view.dataset.attrs["kind"] != "impact":
         raise NoFigure("front: a rolling contact has none; it belongs to an impact")
     try:

@@ -63,17 +63,14 @@ def figure(dataset: xr.Dataset, **options: Unpack[SheetOptions]) -> Figure:
     others; the legend stands below the panels.  Fits, traction curves and convergence series have panels of their own.
     Raises NoFigure where no run has any numbers.
     """
-    if "chi_square" in dataset.attrs:
-        return fit_figure(dataset, Sheet(**options))
-    if "varies" in dataset.attrs:
-        return _traction_figure(dataset, Sheet(**options))
-    if "assumed_order" in dataset.attrs:
-        return _convergence_figure(dataset, Sheet(**options))
+    sheet = Sheet(**options)
+    others = {"chi_square": fit_figure, "varies": _traction_figure, "assumed_order": _convergence_figure}
+    for attribute in others.keys() & dataset.attrs.keys():
+        return others[attribute](dataset, sheet)
     shown = [[name for name in names if _has_numbers(dataset, name)] for names in PANELS]
     panels: list[Panel[xr.Dataset]] = [partial(_draw, names=names) for names in shown if names]
     if not panels:
         raise NoFigure("dataset: no run has any numbers yet, there is nothing to draw")
-    sheet = Sheet(**options)
     picture = compose(dataset, [panels], [str(dataset.attrs["title"]).replace("_", " ")], sheet)
     if entries := _legend(dataset):
         _add_legend(picture, entries, WIDTH_OF_NAME, sheet)

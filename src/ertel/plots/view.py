@@ -37,13 +37,7 @@ CONDITIONS = {  # by kind, for the heading of a physical case: symbol, attribute
 
 
 def case_of(dataset: xr.Dataset) -> Case:
-    """The case that is stored with a Dataset.
-
-    Raises
-    ------
-    ValueError
-        The case could not be written down.
-    """
+    """The case that is stored with a Dataset.  Raises ValueError where it could not be written down."""
     if "case" not in dataset.attrs:
         raise ValueError(f"dataset: does not hold its case; {dataset.attrs.get('case_not_written', 'no reason given')}")
     return _read_case(dataset.attrs["case"], tuple(maps_of(dataset).items()))
@@ -82,20 +76,9 @@ class Limits(NamedTuple):
 class View:
     """A run, and the map of it that is shown.
 
-    Attributes
-    ----------
-    dataset : xarray.Dataset
-        The run.
-    frame : int or None
-        The number of the map; None of a steady contact.
-    moment : str
-        The name of the moment: maximum approach, thinnest film, last map, end of the run or chosen map.
-    beside : View or None
-        Another run: the panels of both have equal scales.
-    measured : tuple of Comparison
-        Measured profiles that are drawn beside those of the run.
-    limits : Limits or None
-        Of the maps of a movie.
+    frame: the number of the map; None of a steady contact.  moment: its name, such as maximum approach or last map.
+    measured: profiles that are drawn beside those of the run.  limits: of the maps of a movie.  beside: another run;
+    the panels of both have equal scales.
     """
 
     dataset: xr.Dataset
@@ -109,10 +92,7 @@ class View:
     def of(cls, dataset: xr.Dataset, at: At = None) -> "View":
         """The view of a run at a moment, see `results.profiles.moment_of`; the map next to it is taken.
 
-        Raises
-        ------
-        NoFigure
-            There is nothing to draw yet; the run does not have such a moment.
+        Raises NoFigure where there is nothing to draw yet, or no such moment.
         """
         if is_steady(dataset):
             if at is not None:
@@ -330,18 +310,9 @@ class View:
         return float(H[np.abs(x) < 0.8 * min(reach(x, P), self.geometry.extent[0])].max())
 
     def roughness(self, X: ArrayLike, Y: ArrayLike) -> Values:
-        """The height of the roughness over the contact's own coordinates.
+        """The height of the roughness (a*^2/R) at X, Y (a*), which broadcast, positive towards the film.
 
-        Parameters
-        ----------
-        X, Y : arrays that broadcast
-            Positions in a*.
-
-        Returns
-        -------
-        array of the broadcast shape
-            Height in a*^2/R, positive towards the film; zero where all surfaces are smooth but for round-off.  As on
-            the grid of the run, without the waves that are too short for it.
+        As on the grid of the run, without the waves that are too short for it; zero where it is but round-off.
         """
         grid = self.dataset.coords
         shortest = surfaces.CELLS_KEPT * float(grid["X"][1] - grid["X"][0]) if "X" in grid else 0.0

@@ -51,14 +51,15 @@ def in_time(case: Case, data: "xr.Dataset") -> dict[str, dict[str, float | None]
     if data.sizes["time"] < 2:
         return {}
     v = {name: np.asarray(data[name].values) for name in data.variables if data[name].dims == ("time",)}
-    sums = {name: _integral(values, v["time"]) for name, values in v.items()}
-    stored = {name: _change(v[name]) for name in ("mass", "elastic_energy", "oil_energy", "V")}
-    inertia, kinetic = case.motion.inertia, case.motion.inertia / 2 * v["V"] ** 2
+    inertia, v["kinetic"] = case.motion.inertia, case.motion.inertia / 2 * v["V"] ** 2
+    v["larger_load"] = np.maximum(v["F"], v["w"])
+    sums = {name: float(np.trapezoid(values, v["time"])) for name, values in v.items()}
+    stored = {name: float(values[-1] - values[0]) for name, values in v.items()}
     of_load = np.diff(v["Delta"]) * (v["w"][1:] + v["w"][:-1]) / 2
     mass = {"stored": stored["mass"], **{name: sums[name] for name in ("inflow", "outflow", "cavity_source")}}
     momentum = {"ball": inertia * stored["V"], "impulse_of_load": sums["w"], "impulse_of_film": sums["F"]}
     energy = {
-        "kinetic": _change(kinetic),
+        "kinetic": stored["kinetic"],
         "elastic": stored["elastic_energy"],
         "oil": stored["oil_energy"],
         "dissipated": sums["dissipation"],
@@ -67,10 +68,10 @@ def in_time(case: Case, data: "xr.Dataset") -> dict[str, dict[str, float | None]
         "work_of_surfaces": sums["power_from_surfaces"] - sums["power_to_surfaces"],
     }
     flowed = max(mass["inflow"] + mass["cavity_source"], mass["outflow"])
-    turned_over = float(kinetic[0] + np.maximum(of_load, 0.0).sum()) + sums["power_from_surfaces"]
+    turned_over = float(v["kinetic"][0] + np.maximum(of_load, 0.0).sum()) + sums["power_from_surfaces"]
     return {
         "mass": _closed(mass, flowed if flowed > NOTHING * v["mass"].max() else 0.0),
-        "momentum": _closed(momentum, _integral(np.maximum(v["F"], v["w"]), v["time"])),
+        "momentum": _closed(momentum, sums["larger_load"]),
         "energy": _closed(energy, turned_over),
     }
 
@@ -112,14 +113,6 @@ def _closed(terms: Mapping[str, float], turned_over: float) -> dict[str, float |
     return {**terms, "imbalance": abs(rest) / turned_over if turned_over > 0 else None}
 
 
-def _integral(values: Values, T: Values) -> float:
-    return float(np.trapezoid(values, T))
-
-
-def _change(values: Values) -> float:
-    return float(values[-1] - values[0])
-
-
 # -- the oil outside the domain ----------------------------------------------------------------------------------------
 
 UNCERTAIN_MOMENTUM = 5e-3  # share of the ball's momentum that may depend on where the domain ends
@@ -133,7 +126,7 @@ def uncertain_momentum(case: Case, data: "xr.Dataset") -> float:
     0.15 %, the approach by 1.6 and 0.09 %; this share was 1.8 and 0.3 %.
     """
     load, T = FAR_FIELD_ERROR * outer_load(data).values, data["frame"].values
-    impulse = load[0] * T[0] + np.sum((load[1:] + load[:-1]) / 2 * np.diff(T))  # before the first map: as there
+    impulse = load[0] * T[0] + np.trapezoid(load, T)  # before the first map: as there
     return float(impulse) / case.motion.inertia
 
 

@@ -174,7 +174,6 @@ def maps_of(dataset: xr.Dataset) -> dict[str, HeightMap]:
 # -- for other programs ------------------------------------------------------------------------------------------------
 
 RUN, HISTORY, GRIDS, MAPS = "run.nc", "history.csv", "grids.csv", "maps"  # the files; maps.pvd, maps_0000.vti, ...
-PLANE = (("Y", "X"), ("y", "x"))  # the axes of maps: dimensionless, and in SI
 
 
 def with_units(dataset: xr.Dataset) -> xr.Dataset:
@@ -222,7 +221,11 @@ def to_vtk(dataset: xr.Dataset, directory: Path) -> list[Path]:
         from pyevtk.vtk import VtkGroup
     except ImportError as error:
         raise ValueError('maps for ParaView need pyevtk: pip install "ertel[paraview]"') from error
-    Y, X = _plane(dataset)
+    if dataset.sizes.get("frame", 1) == 0:
+        raise ValueError("the run has no maps yet; export it later")
+    if "r" in dataset.dims:
+        raise ValueError("maps for ParaView: a run by the radial method has profiles only; use netcdf or csv")
+    Y, X = ("Y", "X") if "Y" in dataset.dims else ("y", "x")
     names = [str(name) for name, values in dataset.data_vars.items() if values.dims[-2:] == (Y, X)]
     x, y = (dataset[axis].values.tolist() for axis in (X, Y))  # of NumPy they would be written as np.float64(...)
     origin, spacing = (x[0], y[0], 0.0), (x[1] - x[0], y[1] - y[0], 1.0)
@@ -236,16 +239,6 @@ def to_vtk(dataset: xr.Dataset, directory: Path) -> list[Path]:
         collection.addFile(str(paths[-1]), float(one["frame"]) if "frame" in one.coords else 0.0)
     collection.save()
     return [directory / f"{MAPS}.pvd", *paths]
-
-
-def _plane(dataset: xr.Dataset) -> tuple[str, str]:
-    """The axes of the maps."""
-    if dataset.sizes.get("frame", 1) == 0:
-        raise ValueError("the run has no maps yet; export it later")
-    for axes in PLANE:
-        if set(axes) <= set(dataset.dims):
-            return axes
-    raise ValueError("maps for ParaView: a run by the radial method has profiles only; use netcdf or csv")
 
 
 EXPORTS = {"netcdf": to_netcdf, "csv": to_csv, "vtk": to_vtk}

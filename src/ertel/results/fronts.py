@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ertel.physics import film_formulas
 from ertel.physics.scales import Parameters
-from ertel.results.variables import EVENTS
+from ertel.results.profiles import events_of
 
 Values = NDArray[np.float64]
 FrontDefinition = Literal["film", "slope", "half-hertz"]
@@ -25,10 +25,10 @@ def at_max_approach(data: xr.Dataset) -> xr.Dataset:
 
     Raises ValueError where the run ended before maximum approach.
     """
-    frames = np.flatnonzero(data["event"].values == EVENTS.index("max-approach"))
-    if frames.size == 0:
+    events = events_of(data)
+    if "max-approach" not in events:
         raise ValueError("dataset: has no map at maximum approach, the run ended before it")
-    return data.isel(frame=int(frames[0]))
+    return data.isel(frame=events["max-approach"])
 
 
 class Front(NamedTuple):

@@ -19,10 +19,6 @@ COEFFICIENT = "coefficient"  # in place of a scale: computed in units a/R, and a
 KELVIN = "K"  # the unit of temperatures, the only one that is the same in SI
 CELSIUS = "degC"  # in which they are shown
 PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
-ROLLING_UNITS = {  # of a rolling contact, whose scales are those of the static contact and not of the dry impact
-    "a*": "a", "a*^2/R": "a^2/R", "p_h*": "p_h", "F*": "F", "a*/t0": "u_m", "a*/R": "a/R", "p_h* a*/R": "p_h a/R",
-    "p_h* a*^2/(R t0)": "p_h u_m a/R", "F* a*^2/(R t0)": "F u_m a/R", "F* a*^2/R": "F a^2/R",
-}  # fmt: skip
 EVENTS = ("", "max-approach", "end")  # why a frame was kept; the first: because it was time
 
 
@@ -185,8 +181,13 @@ AT_MAXIMUM = ("T", "Delta", "F", "P_c", "P_max", "H_c", "H_min", "X_min", "Y_min
 
 
 def unit_of(kind: str, unit: str) -> str:
-    """A unit of `VARIABLES` as a contact of this kind, "impact" or "rolling", names it."""
-    return ROLLING_UNITS.get(unit, unit) if kind == "rolling" else unit
+    """A unit of `VARIABLES` as a contact of this kind, "impact" or "rolling", names it.
+
+    The scales of rolling are those of the static contact and not of the dry impact, and a/t0 is u_m.
+    """
+    if kind != "rolling":
+        return unit
+    return unit.replace("*", "").replace("a^2/(R t0)", "u_m a/R").replace("a/t0", "u_m")
 
 
 def name_in_si(name: str) -> str:

@@ -105,11 +105,10 @@ class SteadyRun:
 
     def to_arrays(self, result: GridStep) -> dict[str, NDArray[Any]]:
         solutions = result.solutions
-        grids = [
-            (g.nodes_x, g.nodes_y, g.spacing, g.centre_x, g.centre_y, *g.even) for g in (s.grid for s in solutions)
-        ]
         arrays = {name: np.array([getattr(s, name) for s in solutions]) for name in COUNTED}
-        arrays["grid"] = np.array(grids, dtype=float)
+        grids = [s.grid for s in solutions]
+        places = [(g.nodes_x, g.nodes_y, g.spacing, g.centre_x, g.centre_y, *g.even) for g in grids]
+        arrays["grid"] = np.array(places, dtype=float)
         arrays["grid_status"] = np.array([s.status.value for s in solutions])
         arrays["status"] = np.asarray(result.status.value)
         for i, s in enumerate(solutions):

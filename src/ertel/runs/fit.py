@@ -174,11 +174,10 @@ class FitProblem:
             x = np.nan if each.x is None else each.x
             for values in np.broadcast(x, each.values, np.asarray(each.sigma)):
                 rows.append((number, each.quantity, conditions, *units, *map(float, values)))
-        columns = zip(COLUMNS.items(), zip(*rows, strict=True), strict=True)
-        return {
-            name: (np.array(values, dtype=object if isinstance(values[0], str) else None), text)
-            for (name, text), values in columns
-        }
+        columns = {}
+        for (name, text), values in zip(COLUMNS.items(), zip(*rows, strict=True), strict=True):
+            columns[name] = np.array(values, dtype=object if isinstance(values[0], str) else None), text
+        return columns
 
 
 def load_fit_problem(path: str | Path, overrides: Sequence[str] = ()) -> FitProblem:

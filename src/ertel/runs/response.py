@@ -47,6 +47,7 @@ BOUND = "bound of the discretisation error of the amplitude of dH at the centre"
 ERROR = {"long_name": BOUND, "symbol": "dH_error", "units": "1"}
 Field = tuple[tuple[str, ...], np.ndarray, dict[str, str]]  # a variable: dimensions, values, attributes
 HEIGHT = {"long_name": "height of the roughness", "symbol": "R", "units": "1"}
+Roughnesses = Sequence[Sequence[Feature]]  # one for each response
 
 
 @dataclass
@@ -65,21 +66,21 @@ class Companion:
 def rough_run(case: Case) -> Companion:
     """A rough impact of finite height."""
     method = Transient2D(case)
-    return Companion(
-        [method.start()],
-        lambda smooth, levels: method.advance(levels, smooth[0].T - smooth[1].T),
-        lambda rough, smooth: rough.H - smooth.H,
-    )
+
+    def advance(smooth: Sequence[State], levels: Sequence[State]) -> State:
+        return method.advance(levels, smooth[0].T - smooth[1].T)
+
+    return Companion([method.start()], advance, lambda rough, smooth: rough.H - smooth.H)
 
 
 def tangent_run(method: Transient2D, features: Sequence[Feature]) -> Companion:
     """The derivative of the smooth impact with respect to the height of the roughness, times the roughness."""
     height = partial(discretise.heights, features, method.case, method.grid)
-    return Companion(
-        [tangent_start(height(0.0))],
-        lambda smooth, levels: tangent_step(method, smooth, levels, height(smooth[0].T)),
-        lambda change, smooth: change.H,
-    )
+
+    def advance(smooth: Sequence[State], levels: Sequence[State]) -> State:
+        return tangent_step(method, smooth, levels, height(smooth[0].T))
+
+    return Companion([tangent_start(height(0.0))], advance, lambda change, smooth: change.H)
 
 
 class Lockstep:
@@ -98,7 +99,7 @@ class Lockstep:
 
 
 @double_precision()
-def respond(case: CaseLike, roughnesses: Sequence[Sequence[Feature]], observers: Sequence[Observer] = ()) -> xr.Dataset:
+def respond(case: CaseLike, roughnesses: Roughnesses, observers: Sequence[Observer] = ()) -> xr.Dataset:
     """The smooth impact up to maximum approach, and the change due to each roughness of finite height.
 
     Parameters
@@ -123,13 +124,11 @@ def respond(case: CaseLike, roughnesses: Sequence[Sequence[Feature]], observers:
     """
     smooth, roughnesses = _smooth(as_case(case), roughnesses)
     companions = [rough_run(replace(smooth, roughness=tuple(features))) for features in roughnesses]
-    return _in_lockstep(smooth, Transient2D(smooth), companions, roughnesses, observers)
+    return _in_lockstep(Transient2D(smooth), companions, roughnesses, observers)
 
 
 @double_precision()
-def respond_linearly(
-    case: CaseLike, roughnesses: Sequence[Sequence[Feature]], observers: Sequence[Observer] = ()
-) -> xr.Dataset:
+def respond_linearly(case: CaseLike, roughnesses: Roughnesses, observers: Sequence[Observer] = ()) -> xr.Dataset:
     """The tangent-linear response: the limit of `respond` as the height of the roughness goes to zero.
 
     Parameters
@@ -151,7 +150,7 @@ def respond_linearly(
     _check_flooded(smooth)
     method = Transient2D(smooth)
     companions = [tangent_run(method, features) for features in roughnesses]
-    return _in_lockstep(smooth, method, companions, roughnesses, observers)
+    return _in_lockstep(method, companions, roughnesses, observers)
 
 
 def _check_flooded(case: Case) -> None:
@@ -172,13 +171,10 @@ def _smooth(case: Case, roughnesses: Sequence[Sequence[Feature]]) -> tuple[Case,
 
 
 def _in_lockstep(
-    smooth: Case,
-    method: Transient2D,
-    companions: Sequence[Companion],
-    roughnesses: Sequence[Sequence[Feature]],
-    observers: Sequence[Observer],
+    method: Transient2D, companions: Sequence[Companion], roughnesses: Roughnesses, observers: Sequence[Observer]
 ) -> xr.Dataset:
     """The smooth run with its companions, and all fields at maximum approach, interpolated between the last levels."""
+    smooth = method.case
     run = TransientRun(smooth, method)
     recorder, lockstep = Recorder(run), Lockstep(companions)
     last = drive(run, [recorder, lockstep, *observers])
@@ -250,13 +246,10 @@ def respond_in_rolling(case: CaseLike, roughnesses: Sequence[Sequence[Feature]])
     waves = [_wave(case, some, film.grid) for some in features]
     responses = [wave_response(case, film, wave) for wave in waves]
     status = film.status if all(response.converged for response in responses) else Status.NEWTON_STALLED
-    per_wave = {
-        "frequency": [wave.frequency for wave in waves],
-        "response_krylov": [response.krylov for response in responses],
-        "response_convolutions": [response.convolutions for response in responses],
-    }
     data = assemble_steady(case, film.grid, rolling.solutions).assign_attrs(status=status.value)
-    data = data.assign({name: ("wave", np.array(values)) for name, values in per_wave.items()})
+    data["frequency"] = "wave", np.array([wave.frequency for wave in waves])
+    for name in ("krylov", "convolutions"):
+        data[f"response_{name}"] = "wave", np.array([getattr(response, name) for response in responses])
     data = data.assign(_oscillation("dH", FILM_CHANGE, [film.whole(response.H) for response in responses]))
     data = data.assign(_oscillation("dP", PRESSURE_CHANGE, [film.whole(response.P) for response in responses]))
     data = data.assign(dH_error=("wave", _errors(case, rolling, features, responses), ERROR))
@@ -265,9 +258,7 @@ def respond_in_rolling(case: CaseLike, roughnesses: Sequence[Sequence[Feature]])
     return data.assign_coords(roughness=_field((film.whole(wave.shape.real) for wave in waves), HEIGHT))
 
 
-def _errors(
-    case: Case, rolling: Rolling, features: Sequence[Sequence[Feature]], responses: Sequence[WaveResponse]
-) -> np.ndarray:
+def _errors(case: Case, rolling: Rolling, features: Roughnesses, responses: Sequence[WaveResponse]) -> np.ndarray:
     """The change of the amplitude of each response at the centre from the coarser grid.
 
     It is three times the error where that falls with the square of the spacing, and about the error on coarse grids:

@@ -34,14 +34,12 @@ from ertel.runs.workers import Task as Task
 from ertel.version import installed_version, own_sources
 
 ARRAY, DATASET = "NumPy array", "xarray Dataset"  # the keys of tables in JSON that stand for one
+OnDone = Callable[[Task, Any], object]
 _log = logging.getLogger(__name__)
 
 
 def run_tasks(
-    tasks: Sequence[Task],
-    workers: Workers,
-    directory: Path | None = None,
-    on_done: Callable[[Task, Any], object] = lambda task, result: None,
+    tasks: Sequence[Task], workers: Workers, directory: Path | None = None, on_done: OnDone = lambda task, result: None
 ) -> list[Any]:
     """Run all tasks that have no kept result.
 

@@ -10,7 +10,7 @@ from nicegui import ui
 
 from ertel.apps.browser import form
 from ertel.apps.browser.form import DECIDE, FOLDED, Form
-from ertel.apps.browser.site import Site, address_of, show_line, show_notes
+from ertel.apps.browser.site import Site, address_of, show_line, show_notes, told
 from ertel.apps.tables import needs
 from ertel.apps.terminal import reason_of
 from ertel.case.rules import plain_name
@@ -69,19 +69,14 @@ class NewCase:
             self._begin_from(case)
 
     def _begin_from(self, name: str) -> None:
-        try:
+        with told():
             path = self.site.folder.inside(name)
             text = read_text(path, path.name)
             data = parse_toml(text, path.name)
             here = form.relocated(data, path.parent, self.site.folder.root)
-        except ValueError as error:
-            ui.notify(str(error))
-            return
-        if here != data:
-            text = tomli_w.dumps(here)
-        self._text.set_value(text)
-        self._tabs.set_value("text")
-        self._name.set_value(path.parent.name if path.name == CASE else path.stem)
+            self._text.set_value(text if here == data else tomli_w.dumps(here))
+            self._tabs.set_value("text")
+            self._name.set_value(path.parent.name if path.name == CASE else path.stem)
 
     # -- the form -----------------------------------------------------------------------------------------------------
 

@@ -13,7 +13,7 @@ from ertel.apps.browser.canvas import Canvas, Slider
 from ertel.apps.browser.folder import summary_of
 from ertel.apps.browser.pictures import FIGURES, INTERFEROGRAM, PlotRequest, RunInfo, stamp_of
 from ertel.apps.browser.processes import Phase
-from ertel.apps.browser.site import Site, WatchedPage, address_of, show_line, show_notes, show_number
+from ertel.apps.browser.site import Site, WatchedPage, address_of, show_line, show_notes, show_number, told
 from ertel.apps.terminal import reason_of
 from ertel.results.numbers import key_numbers
 from ertel.runs.directory import CASE
@@ -82,12 +82,9 @@ class RunPage(WatchedPage):
 
     async def _download(self, kind: str) -> None:
         request = self._request(kind, dots=200)
-        try:
+        with told():
             picture = await self.site.worker.draw(request)
-        except ValueError as error:
-            ui.notify(str(error))
-            return
-        ui.download.content(picture.content, f"{self.path.name}-{request.figure}.{kind}")
+            ui.download.content(picture.content, f"{self.path.name}-{request.figure}.{kind}")
 
     def _download_case(self) -> None:
         try:
@@ -250,14 +247,13 @@ class _Side:
 
     async def _choose(self) -> None:
         """Take over the run that was chosen."""
-        try:
+        with told():
             run = self._page.site.folder.run(self._name.value)
             info = await self._page.site.worker.info(run)
-        except ValueError as error:
-            ui.notify(str(error))
-            return
-        if self._numbers.is_deleted:  # the page was left
-            return
+            if not self._numbers.is_deleted:  # the page was not left
+                self._show(run, info)
+
+    def _show(self, run: Path, info: RunInfo) -> None:
         self._run, self.info = run, info
         summary = summary_of(run)
         self._numbers.clear()

@@ -1,6 +1,7 @@
 """What all pages share: the app, the frame with the list of runs, the first page, and elements of pages."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from html import escape
@@ -278,12 +279,8 @@ class WatchedPage:
         self.site.processes.stop(self.path)
 
     def _order(self, order: Callable[[], None]) -> None:
-        try:
+        with told():
             order()
-        except OSError as error:
-            ui.notify(reason_of(error))
-        except ValueError as error:
-            ui.notify(str(error))
         self.renew()
 
     @ui.refreshable_method
@@ -342,6 +339,17 @@ def show_notes(warnings: Sequence[str]) -> None:
         with ui.row().classes("note"):
             ui.icon("info")
             ui.label(sentence(warning))
+
+
+@contextmanager
+def told() -> Iterator[None]:
+    """Tell the user of an error in this block."""
+    try:
+        yield
+    except OSError as error:
+        ui.notify(reason_of(error))
+    except ValueError as error:
+        ui.notify(str(error))
 
 
 def sentence(text: str) -> str:
