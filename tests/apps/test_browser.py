@@ -179,7 +179,8 @@ def test_runs_and_studies_are_deleted_whole_and_never_while_they_run(tmp_path):
             processes.delete(place)
     with locked(runs[1]), pytest.raises(ValueError, match="speeds: is running"):
         processes.delete(study)
-    (study / "sweep.csv").touch(), (study / "notes.txt").touch()
+    for file in ("sweep.csv", "convergence.csv", "notes.txt"):
+        (study / file).touch()
     with pytest.raises(ValueError, match=r"speeds: holds other files \(notes.txt\)"):
         processes.delete(study)
     (study / "notes.txt").unlink()

@@ -30,9 +30,8 @@ from ertel.apps.boundary_layers.reduction import (
     Results,
     draw_curves,
     draw_fit,
-    impact_mark,
     last_wave,
-    rolling_mark,
+    mark,
     scatter_cells,
 )
 from ertel.apps.boundary_layers.runs import HEIGHT, LAYERS, OILS, USUAL, wave_name
@@ -68,14 +67,14 @@ def impacts_on_shapes(results: Results, plan: Plan) -> Iterator[Mark]:
             yield last_wave("rings", case, "rings", wavelength, grids)
             X, name = across["X"], wave_name("transverse", HEIGHT, wavelength)
             along = [float(np.interp(X, grid["X"], grid["along"].sel(wave=name))) for grid in grids]
-            yield impact_mark("longitudinal", case, wavelength, X, along, fronts.front(grids[-1]))
+            yield mark("longitudinal", case, wavelength, along, X, fronts.front(grids[-1]))
 
 
 def other_waves(results: Results, plan: Plan) -> Drawn:
     """Fig. 7: A_d/A_i of transverse, longitudinal and ring waviness, in impact (left) and rolling (right)."""
     impacts = DataFrame(impacts_on_shapes(results, plan))
     rolled = DataFrame(
-        rolling_mark(kind, (M, L), wavelength, [float(np.ravel(value)[0]) for value in values])
+        mark(kind, (M, L), wavelength, [float(np.ravel(value)[0]) for value in values])
         for (kind, M, L, wavelength), values in results["rolling"].items()
     )
     grids, rolling = plan.beyond_grids, plan.straight_grids

@@ -1,6 +1,6 @@
 """Amplitude ratios A_d/A_i of waves: Fig. 5, waves in an impact, and Fig. 6, impact and rolling.
 
-The ratios of a figure are a table with a row for each wave, see `impact_mark`: it is drawn, written as CSV, and read on
+The ratios of a figure are a table with a row for each wave, see `mark`: it is drawn, written as CSV, and read on
 the page as texts.
 
 The checks of Fig. 6: A_d/A_i does not depend on the height of the waves, and hardly on the time steps.  In rolling it
@@ -38,7 +38,6 @@ LINE_CONTACT: Mapping[str, Curve] = {
 }
 RANGE = np.geomspace(0.3, 30, 200)  # nabla2 of the curves
 FORMED = 0.4  # a*: at smaller radii there is a bell of pressure and no front yet
-FURTHER_IN = f"waves further in, X > {FORMED:g}"
 SPEEDS = ["local", "local, half the Hertz pressure", "local, dry law"]  # nabla2 by the speeds of the front
 PARAMETERS: Mapping[str, str] = {
     "local nabla2, speed by minimum film": SPEEDS[0],
@@ -84,31 +83,23 @@ def over_film(p: Parameters, wavelength: float, speed: float = 1.0, A: float = 1
     return wavelength / A / Parameters(p.lambda_bar * speed / A**4, p.alpha_bar * A).trapped_film
 
 
-def impact_mark(
-    kind: str, case: Moes, wavelength: float, X: float, ratio: Sequence[float], front: fronts.Front
+def mark(
+    kind: str, case: Moes, wavelength: float, ratio: Sequence[float], X: float = 0.0, front: fronts.Front | None = None
 ) -> Mark:
-    """A_d/A_i of a wave at X in an impact, on both grids and extrapolated, for one kind of waves, oil or run.
+    """A_d/A_i of a wave on both grids and extrapolated, for one kind of waves, oil or run.  front: of an impact.
 
     local: nabla2 of this place, by the speed of the front.  hertz: the same with the Hertz contact of the moment when
     the front passed.  everywhere: the global nabla2.  In rolling they are one.  Without piezoviscosity nabla2 is
     infinite; wavelength over trapped film takes its place, see `over_film`.
     """
-    p, speed = Parameters.from_moes(*case), float(front.speed_at(X))
-    local = over_film(p, wavelength, speed) if speed > 0.0 else np.nan
-    momentary = over_film(p, wavelength, speed, X) if speed > 0.0 else np.nan
-    return _mark(kind, case, wavelength, X, (local, momentary, over_film(p, wavelength)), ratio)
-
-
-def rolling_mark(kind: str, case: Moes, wavelength: float, ratio: Sequence[float]) -> Mark:
-    """A_d/A_i of waves in a rolling contact."""
-    nabla2 = Parameters.from_moes(*case).nabla2(wavelength)
-    return _mark(kind, case, wavelength, 0.0, (nabla2, nabla2, nabla2), ratio)
-
-
-def _mark(kind: str, case: Moes, wavelength: float, X: float, nabla2: Sequence[float], ratio: Sequence[float]) -> Mark:
-    parameters = dict(zip(("local", "hertz", "everywhere"), nabla2, strict=True))
+    p = Parameters.from_moes(*case)
+    local = momentary = everywhere = over_film(p, wavelength)
+    if front is not None:
+        speed = float(front.speed_at(X))
+        local, momentary = (over_film(p, wavelength, speed, A) if speed > 0.0 else np.nan for A in (1.0, X))
     wave = {"M": case[0], "L": case[1], "wavelength": wavelength, "X": X}
-    return {**wave, **parameters, "kind": kind, **extrapolated(*ratio)}
+    nabla2 = {"local": local, "hertz": momentary, "everywhere": everywhere}
+    return {**wave, **nabla2, "kind": kind, **extrapolated(*ratio)}
 
 
 def response(run: xr.Dataset, shape: str, wavelength: float, height: float = HEIGHT) -> tuple[Values, Values]:
@@ -121,7 +112,7 @@ def last_wave(kind: str, case: Moes, shape: str, wavelength: float, grids: Seque
     """The mark of the last complete wave inside the contact.  grids: the impact on both."""
     front = fronts.front(grids[-1])
     coarse, fine = (waves.last_wave(*response(grid, shape, wavelength), float(front.A[-1])) for grid in grids)
-    return impact_mark(kind, case, wavelength, fine.X, (coarse.amplitude, fine.amplitude), front)
+    return mark(kind, case, wavelength, (coarse.amplitude, fine.amplitude), fine.X, front)
 
 
 def draw_curves(axes: Axes) -> None:
@@ -198,17 +189,17 @@ def _impacts(results: Results, plan: Plan) -> Iterator[Mark]:
             inside = [waves.waves(*response(grid, "isotropic", wavelength), float(front.A[-1])) for grid in grids]
             pairs = list(zip(*(on_a_grid[::-1] for on_a_grid in inside), strict=False))  # from the edge inwards
             for number, (coarse, fine) in reversed(list(enumerate(pairs))):
-                mark = impact_mark("impact", case, wavelength, fine.X, (coarse.amplitude, fine.amplitude), front)
+                wave = mark("impact", case, wavelength, (coarse.amplitude, fine.amplitude), fine.X, front)
                 speeds = by_pressure.speed_at(fine.X), hertz.front_speed(fine.X)
                 others = [float(waves.local_nabla2(p, wavelength, speed)) for speed in speeds]
-                yield {**mark, "last": int(number == 0), **dict(zip(SPEEDS[1:], others, strict=True))}
+                yield {**wave, "last": int(number == 0), **dict(zip(SPEEDS[1:], others, strict=True))}
 
 
 def _rolled(results: Results, plan: Plan) -> Iterator[Mark]:
     """The rolling contacts."""
     for case, grids in results["rolling"].items():
         for wavelength, *ratio in zip(plan.rolling[case], *grids, strict=True):
-            yield rolling_mark("rolling", case, wavelength, ratio)
+            yield mark("rolling", case, wavelength, ratio)
 
 
 def _twins(impacts: DataFrame, results: Results, plan: Plan) -> Iterator[Mark]:
@@ -310,7 +301,7 @@ def _scatter_table(last: DataFrame, inner: DataFrame, rolled: DataFrame, fitted:
     """Deviation of impact and rolling from the curves, for each parameter."""
     curves = {"isotropic (15)": amplitude_reduction.ratio_left, **LINE_CONTACT, "fitted to rolling": fitted.ratio}
     rows = []
-    for name, chosen in {"last waves": last, FURTHER_IN: inner}.items():
+    for name, chosen in {"last waves": last, f"waves further in, X > {FORMED:g}": inner}.items():
         dots = chosen[np.isfinite(chosen[SPEEDS]).all(axis=1)]
         for kind, parameter in PARAMETERS.items() if len(dots) else ():
             cells = scatter_cells(dots, parameter, curves)

@@ -31,7 +31,7 @@ STOPPED = (0, 130, 143, -signal.SIGTERM)  # exit codes of a run that ended or wa
 KILLED = -9
 FLUSH = ("--flush", "2")  # seconds between what a live picture can show
 # the files in the directory of a study, without endings
-OF_STUDIES = (RUNS, "stop", "progress", "sweep", "traction", "fit", "converge")
+OF_STUDIES = (RUNS, "stop", "progress", "sweep", "traction", "fit", "convergence")
 SAID = "ertel: "  # how a message begins
 
 COMPILING = (
