@@ -214,7 +214,7 @@ def _pressure_of_the_oil(case: Case) -> str:
     if highest is None or p <= highest or not (case.motion.slide_to_roll or case.thermal):
         return ""
     here = f"{with_prefix(highest, 'Pa')}, and this contact has {with_prefix(p, 'Pa')}"
-    return f"the viscosity law of the oil has a source up to {here}: friction is extrapolated, the film hardly"
+    return f"the viscosity law of the oil has a source up to {here}: friction is extrapolated, not the film"
 
 
 def _shear_stress(case: Case) -> str:
