@@ -1,7 +1,6 @@
 """Back from fringes to films: the film along a profile of intensity, by unwrapping its phase."""
 
 import warnings
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -33,36 +32,6 @@ class DoubtfulFilm(UserWarning):
             "likely; compare with a profile that crosses this one, or with more points"
         )
         self.points, self.odds = points, odds
-
-
-@dataclass(frozen=True)
-class Phases:
-    """The phases 4 pi n h/wavelength at which a rig reflects a given share: middle + spread and middle - spread.
-
-    |top + w|^2 of a Moebius map of w = exp(i phase) is solved for the phase: A cos(phase) + B sin(phase) = E.
-
-    cosine: of the spread; beyond -1 and 1 where the rig does not reach the reflectance.  weight: of its errors, so that
-    they are those of the reflectance, up to a factor.
-    """
-
-    middle: Array
-    spread: Array
-    cosine: Array
-    weight: Array
-
-    @classmethod
-    def of(cls, reflectance: Array, rig: Rig, wavelength: float, index: Array) -> "Phases":
-        """The phases of reflectances of any shape; one out of reach of the rig counts as the nearest that is not."""
-        top, second, ratio = rig.beams(wavelength, index)
-        far = second - top * ratio  # r = (top + far z)/(1 - ratio z)
-        coefficient = 2.0 * (np.conj(top) * far + reflectance * ratio)
-        constant = reflectance * (1.0 + np.abs(ratio) ** 2) - np.abs(top) ** 2 - np.abs(far) ** 2
-        size = np.abs(coefficient)
-        cosine = constant / size
-        slope = (1.0 + np.abs(ratio) ** 2 - 2.0 * cosine * np.real(np.conj(coefficient) * ratio) / size) / size
-        first = coefficient.flat[0]  # the middle hardly changes along a profile, and must not jump by a period
-        middle = -np.angle(first) - np.angle(coefficient / first)
-        return cls(middle, np.arccos(np.clip(cosine, -1.0, 1.0)), cosine, np.mean(slope) / slope)
 
 
 def film_of_intensity(
@@ -125,15 +94,33 @@ def film_of_intensity(
         )
     index = np.broadcast_to(rig.index(density), measured.shape)
     reflectance = measured if limits is None else _calibrated(measured, rig, wavelength, limits)
-    phases = Phases.of(reflectance, rig, wavelength, index)
-    nodes = Nodes.of(phases.cosine, phases.weight)
+    middle, cosine, weight = _phases(reflectance, rig, wavelength, index)
+    nodes = Nodes.of(cosine, weight)
     if 1.0 - abs(nodes.cosine[0]) - 1.5 * nodes.noise[0] < 1.0 - np.cos(ON_FRINGE):
         raise ValueError(
             f"intensity[0] = {measured[0]:.4g}: is on a bright or dark fringe, or no further from it than the noise, "
             "where the film may grow or fall; begin the profile beside it"
         )
     length = wavelength / (4.0 * np.pi * index)  # m per radian
-    return length * _unwrapped(phases, nodes, start / length[0])
+    return length * _unwrapped(middle, cosine, nodes, start / length[0])
+
+
+def _phases(reflectance: Array, rig: Rig, wavelength: float, index: Array) -> tuple[Array, Array, Array]:
+    """The phases 4 pi n h/wavelength at which a rig reflects a given share: middle + spread and middle - spread.
+
+    |top + w|^2 of a Moebius map of w = exp(i phase) is solved for the phase: A cos(phase) + B sin(phase) = E.  They are
+    the middle, the cosine of the spread, beyond -1 and 1 where the rig does not reach the reflectance, and the weight
+    of its errors, so that they are those of the reflectance, up to a factor.
+    """
+    top, second, ratio = rig.beams(wavelength, index)
+    far = second - top * ratio  # r = (top + far z)/(1 - ratio z)
+    coefficient = 2.0 * (np.conj(top) * far + reflectance * ratio)
+    constant = reflectance * (1.0 + np.abs(ratio) ** 2) - np.abs(top) ** 2 - np.abs(far) ** 2
+    size = np.abs(coefficient)
+    cosine = constant / size
+    slope = (1.0 + np.abs(ratio) ** 2 - 2.0 * cosine * np.real(np.conj(coefficient) * ratio) / size) / size
+    first = coefficient.flat[0]  # the middle hardly changes along a profile, and must not jump by a period
+    return -np.angle(first) - np.angle(coefficient / first), cosine, np.mean(slope) / slope
 
 
 def _calibrated(intensity: Array, rig: Rig, wavelength: float, limits: tuple[float, float]) -> Array:
@@ -147,12 +134,12 @@ def _calibrated(intensity: Array, rig: Rig, wavelength: float, limits: tuple[flo
     return low + (intensity - dark) / (bright - dark) * (high - low)
 
 
-def _unwrapped(phases: Phases, nodes: Nodes, start: float) -> Array:
+def _unwrapped(middle: Array, cosine: Array, nodes: Nodes, start: float) -> Array:
     """The phase along the profile.  start: the phase at the first point, about.  Warns as `film_of_intensity`."""
-    orders = 2 * np.round(0.5 * (start - phases.middle[0]) / np.pi).astype(int) + np.arange(-2, 3)
-    first = phase_on(orders, phases.spread[0])
-    nearest = int(orders[np.argmin(np.abs(phases.middle[0] + first - start))])
-    branch, odds = likeliest(nodes, phases.cosine, nearest)
+    spread = np.arccos(np.clip(cosine, -1.0, 1.0))
+    orders = 2 * np.round(0.5 * (start - middle[0]) / np.pi).astype(int) + np.arange(-2, 3)
+    nearest = int(orders[np.argmin(np.abs(middle[0] + phase_on(orders, spread[0]) - start))])
+    branch, odds = likeliest(nodes, cosine, nearest)
     if (doubtful := odds < CERTAIN).any():
         warnings.warn(DoubtfulFilm(doubtful, float(odds.min())), stacklevel=3)
-    return phases.middle + phase_on(branch, phases.spread)
+    return middle + phase_on(branch, spread)

@@ -25,7 +25,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from math import ceil, log
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -160,12 +160,7 @@ def lorentz_lorenz(density: ArrayLike, n0: float = OIL_INDEX) -> Array:
     return np.sqrt((1.0 + 2.0 * share) / (1.0 - share))
 
 
-class Beams(NamedTuple):
-    """Amplitudes of the beams that come back: top, then second ratio^j after j + 1 passages through the film."""
-
-    top: Complex
-    second: Complex
-    ratio: Complex
+Beams = tuple[Complex, Complex, Complex]  # amplitudes: top, second, and their ratio from then on, see above
 
 
 @dataclass(frozen=True)
@@ -272,7 +267,7 @@ class Rig:
         if below is None:
             steel = self.surface.index(wavelength)
             below = (n - steel) / (n + steel)
-        return Beams(b / d, below * (a * d - b * c) / d**2, -below * c / d)
+        return b / d, below * (a * d - b * c) / d**2, -below * c / d
 
     def fringes(self, wavelength: ArrayLike, index: ArrayLike) -> Fringes:
         """The fringes of light of a wavelength (m) in oil of an index; they broadcast."""
@@ -313,4 +308,5 @@ class TwoBeams(Rig):
 
     def beams(self, wavelength: ArrayLike, index: ArrayLike, below: Complex | None = None) -> Beams:
         """The beam of the coatings and the first one through the film."""
-        return super().beams(wavelength, index, below)._replace(ratio=0.0)
+        top, second, _ = super().beams(wavelength, index, below)
+        return top, second, 0.0

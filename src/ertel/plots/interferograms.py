@@ -8,7 +8,8 @@ there, with the oil as dense as it is there, and with as much oil where the gap 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import partial
 from typing import Literal, Unpack
 
 import numpy as np
@@ -19,7 +20,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from ertel.optics import Chart, Interferometer, Light, Monochromatic, Rig, White
-from ertel.plots.drawing import ORANGE, NoFigure, Scale, Sheet, SheetOptions, Values, compose
+from ertel.plots.drawing import ORANGE, NoFigure, Panel, Scale, Sheet, SheetOptions, Values, compose
 from ertel.plots.fields import ARROWS, draw_edge_of_oil, draw_legend
 from ertel.plots.measurements import Overlay, draw_light, draw_measured, measured_view
 from ertel.plots.movies import PER_SECOND, animated, in_motion
@@ -64,18 +65,10 @@ def seen_on(view: View, pixels: tuple[Values, Values], film_scale: float) -> xr.
     return xr.Dataset({name: field(*pixels, each) for name, each in values.items()})
 
 
-@dataclass(frozen=True)
-class Scene:
-    """A moment of a run, film and oil on the pixels, and the colours of films."""
-
-    view: View
-    seen: xr.Dataset
-    chart: Chart
-
-    def limits(self) -> tuple[float, float, float, float]:
-        """The edges of the picture, as shown."""
-        x, y = (self.seen[name].values * self.view.across.factor for name in ("X", "Y"))
-        return x[0], x[-1], y[0], y[-1]
+def _edges(view: View, seen: xr.Dataset) -> tuple[float, float, float, float]:
+    """The edges of the pixels, as shown."""
+    x, y = (seen[name].values * view.across.factor for name in ("X", "Y"))
+    return x[0], x[-1], y[0], y[-1]
 
 
 def _on_pixels(view: View, name: str, x: Values, y: Values, smooth: bool) -> Values:
@@ -96,16 +89,15 @@ def _on_pixels(view: View, name: str, x: Values, y: Values, smooth: bool) -> Val
 # -- panels -----------------------------------------------------------------------------------------------------------
 
 
-def draw_interferogram(axes: Axes, scene: Scene) -> None:
-    """The interferogram, with a line where the gap stops being full."""
-    view = scene.view
-    film, density, void = (scene.seen[name] for name in ("film", "density", "void"))
-    _show(axes, scene.chart.picture(film.values, density.values, void.values), scene.limits())
+def draw_interferogram(axes: Axes, view: View, seen: xr.Dataset, chart: Chart) -> None:
+    """The interferogram of film and oil on the pixels, with a line where the gap stops being full."""
+    film, density, void = (seen[name] for name in ("film", "density", "void"))
+    _show(axes, chart.picture(film.values, density.values, void.values), _edges(view, seen))
     axes.set(xlabel=view.axis_label("x"), ylabel=view.axis_label("y"), aspect="equal")
-    light = scene.chart.light
-    seen = f"at {light.wavelength * 1e9:.4g} nm" if isinstance(light, Monochromatic) else "in white light"
-    axes.set_title(f"Interferogram {seen}" + (f", flow {ARROWS[int(view.flow < 0)]}" if view.flow else ""))
-    for axis, pixels in ((axes.xaxis, scene.seen.sizes["X"]), (axes.yaxis, scene.seen.sizes["Y"])):
+    light = chart.light
+    words = f"at {light.wavelength * 1e9:.4g} nm" if isinstance(light, Monochromatic) else "in white light"
+    axes.set_title(f"Interferogram {words}" + (f", flow {ARROWS[int(view.flow < 0)]}" if view.flow else ""))
+    for axis, pixels in ((axes.xaxis, seen.sizes["X"]), (axes.yaxis, seen.sizes["Y"])):
         axis.set_major_locator(MaxNLocator(max(1, round(TICKS * pixels / PIXELS)), min_n_ticks=1))
     draw_legend(axes, draw_edge_of_oil(axes, view, film, void))
 
@@ -115,17 +107,16 @@ def _show(axes: Axes, picture: Values, limits: tuple[float, float, float, float]
     axes.imshow(picture, extent=limits, origin="lower", cmap="gray", vmin=0.0, vmax=1.0)
 
 
-def draw_chart(axes: Axes, scene: Scene) -> None:
-    """The film along the mid-line, on the colours that films would have there.  scene: of one row of pixels."""
-    view, chart, x = scene.view, scene.chart, scene.seen["X"].values
-    (film,), (void,) = scene.seen["film"].values, scene.seen["void"].values
+def draw_chart(axes: Axes, view: View, seen: xr.Dataset, chart: Chart) -> None:
+    """The film along the mid-line, on the colours that films would have there.  seen: one row of pixels."""
+    x, (film,), (void,) = (seen[name].values for name in ("X", "film", "void"))
     inside = np.abs(x) < x[-1] / ROUND
     top = max(1.2 * float(film[inside].max()), ORDERS * chart.light.typical / (2.0 * chart.rig.oil_index))
     nm = Scale(1e9, view.scale("H").symbol if view.in_si else "$h$", "nm", "film thickness")
-    left, right, *_ = scene.limits()
+    left, right, *_ = _edges(view, seen)
     films = np.linspace(0.0, top, PIXELS)[:, None]
     voids = np.where(void > 0.0, np.maximum(films - (film - void), 0.0), 0.0)
-    colours = chart.shown(films, scene.seen["density"].values, void=voids)
+    colours = chart.shown(films, seen["density"].values, void=voids)
     _show(axes, colours, (left, right, 0.0, top * nm.factor))
     for colour, width in (("white", 3.0), ("black", 1.2)):
         axes.plot(x * view.across.factor, film * nm.factor, color=colour, linewidth=width)
@@ -191,11 +182,14 @@ def interferogram_of(
     middle = np.linspace(pixels[0][0], pixels[0][-1], PIXELS), np.zeros(1)
     seen = seen_on(view, pixels, scaled)
     chart = Chart(interferometer.rig, interferometer.light, float(seen["film"].max()), float(seen["density"].max()))
-    scene, row = (Scene(view, each, chart) for each in (seen, seen_on(view, middle, scaled)))
-    panels = [draw_interferogram, lambda axes, _: draw_chart(axes, row)]
+    row = seen_on(view, middle, scaled)
+    panels: list[Panel[View]] = [
+        partial(draw_interferogram, seen=seen, chart=chart),
+        partial(draw_chart, seen=row, chart=chart),
+    ]
     if any(each.measurement.quantity == INTENSITY for each in view.measured):
-        panels.append(lambda axes, _: draw_light(axes, view))
-    return compose(scene, [panels], [*view.title, *view.outcome], sheet)
+        panels.append(draw_light)
+    return compose(view, [panels], [*view.title, *view.outcome], sheet)
 
 
 def _light(given: Light | str | None) -> Light:
@@ -250,7 +244,7 @@ def animation(
 
     def draw(axes: Axes, frame: int) -> str:
         view = views[frame]
-        draw_interferogram(axes, Scene(view, seen_on(view, pixels, scaled), chart))
+        draw_interferogram(axes, view, seen_on(view, pixels, scaled), chart)
         return view.clock
 
     return animated(draw, list(views), views[0].title, rate)

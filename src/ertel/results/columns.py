@@ -24,12 +24,12 @@ GAPS = {"", "nan", "na", "n/a", "-", "---"}
 class Columns:
     """The columns of a file.
 
-    file: its name.  header: the names in its first line.  texts, units: of the columns that are known, by quantity;
-    "" is a unit that is not known.  lines: of the rows in the file, counted from 1.
+    file: its name.  listed: the names in its first line, for messages.  texts, units: of the columns that are known, by
+    quantity; "" is a unit that is not known.  lines: of the rows in the file, counted from 1.
     """
 
     file: str
-    header: Sequence[str]
+    listed: str
     texts: Mapping[str, Sequence[str]]
     units: Mapping[str, str]
     lines: Sequence[int]
@@ -65,12 +65,7 @@ class Columns:
                 advice = f'say which one is {twice[0]}, such as columns={{"{twice[0]}": "{header[-1]}"}}'
                 raise ValueError(f"{path.name}: {_listed(header)}; {advice}")
         texts = {name: column for (name, _), column in zip(named, zip(*rows, strict=True), strict=False) if name}
-        return cls(path.name, header, texts, {**dict(named), **units}, lines)
-
-    @property
-    def listed(self) -> str:
-        """The names in the header, for messages."""
-        return _listed(self.header)
+        return cls(path.name, _listed(header), texts, {**dict(named), **units}, lines)
 
     def values(self, name: str, si_unit: str, unit: str = "") -> NDArray[np.float64]:
         """A column in SI, (rows,); NaN where it has a gap.

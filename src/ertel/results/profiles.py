@@ -7,9 +7,9 @@ time and on the case.
 
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass
 from math import nan
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -28,8 +28,7 @@ ALONG = {"x": ("X", "Y"), "y": ("Y", "X")}  # the axis of a line, and the other 
 ROUNDING = 1e-9  # t0
 
 
-@dataclass(frozen=True)
-class Instant:
+class Instant(NamedTuple):
     """A moment of a run in time.  T: in t0.  frame: the number of the map next to it.  name: in words."""
 
     T: float

@@ -19,7 +19,6 @@ import numpy as np
 import xarray as xr
 
 from ertel.case.case import Case
-from ertel.physics.units import FINITE, LOAD, VELOCITY, Mark
 from ertel.results.convergence import ORDER, SEEN, Limit, limits_of
 from ertel.results.dataset import largest_of, with_units
 from ertel.results.numbers import SHOWN, Scalar, aligned, html_columns, html_image
@@ -269,17 +268,10 @@ class ConvergenceResult(StudyResult):
 # -- traction curves --------------------------------------------------------------------------------------------------
 
 
-class CurveAxis(NamedTuple):
-    """The quantity that varies along a curve: what its values must be, and the attributes of its coordinate."""
-
-    mark: Mark
-    attributes: dict[str, str]
-
-
-CURVE_AXES: Mapping[str, CurveAxis] = {
-    "slide_to_roll": CurveAxis(FINITE, {"long_name": "slide-to-roll ratio", "symbol": "S", "units": "1"}),
-    "mean_speed": CurveAxis(VELOCITY, {"long_name": "mean speed", "symbol": "u_m", "units": "m/s"}),
-    "load": CurveAxis(LOAD, {"long_name": "load", "symbol": "F", "units": "N"}),
+CURVE_AXES = {  # fields of [contact] that vary along a curve, with the attributes of its coordinate
+    "slide_to_roll": {"long_name": "slide-to-roll ratio", "symbol": "S", "units": "1"},
+    "mean_speed": {"long_name": "mean speed", "symbol": "u_m", "units": "m/s"},
+    "load": {"long_name": "load", "symbol": "F", "units": "N"},
 }
 CURVE_WORK = ("newton_iterations", "krylov_iterations", "convolutions")
 CURVE_SHOWN = {  # in a table, with a shorter heading where there is one

@@ -19,6 +19,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from ertel.case.case import Case
+from ertel.case.conditions import Conditions
 from ertel.case.definition import newtonian_stress
 from ertel.case.records import ConfigError, show
 from ertel.case.sections import Drive
@@ -27,6 +28,7 @@ from ertel.equations.account import coefficients
 from ertel.inputs.case_files import CaseLike, as_case
 from ertel.inputs.quantities import Given, parse_values
 from ertel.numerics.programs import double_precision
+from ertel.physics.units import marks
 from ertel.results import diagnostics, study_result
 from ertel.results.dataset import provenance
 from ertel.results.study_result import CURVE_AXES, StudyRun, TractionCurve, point_scalars
@@ -152,7 +154,7 @@ def curve_of(case: Case, given: Mapping[str, Given | None], film: str | None = N
     if axis != "slide_to_roll" and not case.scales:
         raise ConfigError(f"{axis} = {show(values)}: a dimensionless case has none; give the contact in SI")
     _check_factors(case, axis)
-    in_si = parse_values(axis, values, CURVE_AXES[axis].mark)
+    in_si = parse_values(axis, values, marks(Conditions)[axis])
     try:
         cases = tuple(_at(case, axis, value) for value in in_si)
     except ValueError as error:
@@ -220,7 +222,7 @@ def curve_in(curve: Curve, directory: Path, progress: bool = False, asked: Condi
             points.append(run._replace(numbers=point_scalars(case, {})))
         else:
             points.append(_measured(case, film, fresh, run.directory))
-    axis = {curve.axis: (curve.values, CURVE_AXES[curve.axis].attributes)}
+    axis = {curve.axis: (curve.values, CURVE_AXES[curve.axis])}
     values = (f"{curve.axis} = {value:.4g}" for value in curve.values)
     said = ((value, each) for value, point in zip(values, points, strict=True) for each in point.warnings)
     warnings = study_result.grouped(said, "point")
