@@ -11,13 +11,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ertel.physics.fluidity import Array, Fluidity
 from ertel.physics.scales import Parameters
 from ertel.physics.thermal import Solid, response
 
 Real = NDArray[np.float64]
 
-# -- the flow of an oil of Eyring's kind, and small pressure gradients in any oil -------------------------------------
+# -- the flow of an oil of Eyring's kind ------------------------------------------------------------------------------
 
 
 def eyring_stress(B: ArrayLike, Sigma: ArrayLike) -> Real:
@@ -41,18 +40,6 @@ def eyring_flow_factor(B: ArrayLike, Sigma: ArrayLike) -> Real:
     series = 1.0 + gradient**2 / 10.0 + gradient**4 / 280.0 + gradient**6 / 15120.0  # the difference would be lost
     rest = np.where(gradient > 0.1, closed, series)
     return np.asarray(rest * np.sqrt(1.0 + (sliding / _sinh_ratio(gradient)) ** 2))
-
-
-def small_gradient_mobility(law: Fluidity, stress: Array, pressure: Array, step: float = 1e-5) -> tuple[Array, Array]:
-    """Flow factors along and across the sliding where h |grad p| is far below the mid-plane stress.
-
-    Along: d(phi tau)/dtau; across: phi.  For Eyring's law cosh(x) and sinh(x)/x with x = tau_m/tau0 (Ehret P, Dowson D,
-    Taylor CM. Proc R Soc Lond A 1998;454:763-787).  In pure rolling both are 1: thinning by the gradient is missing.
-    stress: |tau_m| > 0 in Pa, of any shape.  step: relative, of the difference that gives the slope.
-    """
-    less, more = (law.fluidity(stress * (1.0 + sign * step), pressure) for sign in (-1.0, 1.0))
-    across = law.fluidity(stress, pressure)
-    return across + (more - less) / (2.0 * step), across
 
 
 def _sinh_ratio(x: Real) -> Real:

@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
-from closed_forms import small_gradient_mobility
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
@@ -20,6 +19,7 @@ from ertel.physics.surfaces import Feature, Waviness
 
 REACH = 1.0  # wavelengths on both sides of the centre
 STEP = 1e-3  # relative, of the pressure, for the bulk modulus
+NEAR = 1e-5  # relative, of the stress, for its slope
 
 
 class SlidingWaviness(NamedTuple):
@@ -109,8 +109,9 @@ def centre(case: Case, data: xr.Dataset) -> Centre:
     eta = (case.oil.eta0 or 0.0) * float(case.oil.viscosity_law.viscosity(p))
     law, newtonian = case.oil.fluidity_law, 2.0 * eta * abs(speed) / h
     stress = brentq(lambda tau: float(law.fluidity(tau, p)) * tau - newtonian, 0.0, newtonian, rtol=1e-12)
-    faster, _ = small_gradient_mobility(law, stress, p)
-    return Centre(h, p, eta / float(faster), eta, _bulk_modulus(case.oil, p), -speed)
+    less, same, more = (float(law.fluidity(stress * (1.0 + change), p)) for change in (-NEAR, 0.0, NEAR))
+    slope = same + (more - less) / (2.0 * NEAR)  # d(fluidity * stress)/d(stress): small gradients along the sliding
+    return Centre(h, p, eta / slope, eta, _bulk_modulus(case.oil, p), -speed)
 
 
 def _bulk_modulus(oil: Oil, p: float) -> float:

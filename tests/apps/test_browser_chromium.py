@@ -185,22 +185,17 @@ HEAVY = ("jaxlib", "matplotlib", "pandas", "scipy", "numcodecs")  # numcodecs: o
 ASKED = ("Network.requestWillBeSent", "Network.webSocketCreated")
 
 
-def memory(process):
-    """The memory of a process, in MB; what it shares with others is divided among them."""
-    lines = Path(f"/proc/{process}/smaps_rollup").read_text().splitlines()
-    return next(int(line.split()[1]) for line in lines if line.startswith("Pss:")) / 1024
-
-
-def peak(process):
-    """The largest memory that a process has had, MB."""
-    lines = Path(f"/proc/{process}/status").read_text().splitlines()
-    return next(int(line.split()[1]) for line in lines if line.startswith("VmHWM")) / 1024
+def megabytes(process, file, entry):
+    """An entry of a file in /proc.  Pss: the memory of a process, what it shares divided; VmHWM: the largest it had."""
+    lines = Path(f"/proc/{process}/{file}").read_text().splitlines()
+    return next(int(line.split()[1]) for line in lines if line.startswith(f"{entry}:")) / 1024
 
 
 def of_the_app(process):
     """The memory of the web process and of the largest that it started, which draws, in MB."""
     children = Path(f"/proc/{process}/task/{process}/children").read_text().split()
-    return round(memory(process)), round(max(map(memory, children)))
+    own, *others = (megabytes(each, "smaps_rollup", "Pss") for each in (process, *children))
+    return round(own), round(max(others))
 
 
 def test_a_session(server, driver, folder):
@@ -307,7 +302,7 @@ def test_a_session(server, driver, folder):
     assert [name for name in HEAVY if f"/{name}/" in loaded] == []
     later = of_the_app(process.pid)
     print(f"memory of the web process and of the one that draws: {sizes} MB, with interferograms {later} MB")
-    assert peak(process.pid) < LARGEST and max(sum(sizes), sum(later)) < TOGETHER
+    assert megabytes(process.pid, "status", "VmHWM") < LARGEST and max(sum(sizes), sum(later)) < TOGETHER
 
 
 def test_closing_the_app_leaves_the_run_going(server, driver, folder):

@@ -3,9 +3,12 @@
 import io
 import itertools
 import json
+import os
 import pickle
 import random
 import shutil
+import subprocess
+import sys
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -325,3 +328,23 @@ def test_the_format_does_not_depend_on_the_environment(runs, tmp_path):
         assert runs.resumed(tmp_path / "run")
     found = xr.open_zarr(tmp_path / "run" / "run.zarr").load()
     xr.testing.assert_identical(physics(found), physics(runs.whole.dataset))
+
+
+# -- kills, full disks and damage: a short form of validation/faults -------------------------------------------------
+
+ALL = ["radial", "2d", "rolling", "steady", "ellipse", "thinning", "thinning in time", "thermal", "measured", "study"]
+FAULTS = Path(__file__).parents[2] / "validation" / "faults" / "faults.py"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("kinds", "count"), [(["radial", "study"], 8), (ALL, 4 * len(ALL))], ids=["radial", "all"])
+def test_nothing_is_silent_and_no_flushed_step_is_lost(tmp_path: Path, kinds: list[str], count: int):
+    """In a process of its own, because it forks: so many kills and more, full disks, damaged runs."""
+    environment = {**os.environ, "PYTHONPATH": str(Path(ertel.__path__[0]).parent), "TMPDIR": str(tmp_path)}
+    command = [sys.executable, str(FAULTS), "kills", "disk", "bits", "--count", str(count), "--seed", "14"]
+    done = subprocess.run([*command, "--kinds", *kinds], capture_output=True, text=True, env=environment, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    ends = [line for line in done.stdout.splitlines() if " trials, " in line]
+    told = [f"{what}, seed 14: {count}" for what in ("kills", "disk", "bits")]
+    assert [line.partition(" trials")[0] for line in ends] == told
+    assert "refused damage" in done.stdout

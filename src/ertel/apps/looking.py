@@ -128,7 +128,7 @@ def compare(
 
 def _measurement(file: Path, given: Measured, light: str = "mono", along: str = "x") -> "Measurement":
     """The measurement in a file.  light: of an intensity."""
-    from ertel.inputs.rigs import interferometer
+    from ertel.inputs.fits import interferometer
     from ertel.results.measurements import READ, Measurement
 
     units: dict[str, Any] = dict(each.partition("=")[::2] for each in given.column or [])
@@ -246,7 +246,7 @@ def plot(
     if format_ == "mp4":
         _find_ffmpeg()
     from ertel import plots
-    from ertel.inputs.rigs import interferometer
+    from ertel.inputs.fits import interferometer
     from ertel.runs.store import RunStore
 
     data = RunStore.open(directory).dataset()

@@ -60,9 +60,7 @@ FOREIGN: Mapping[Kind, Mapping[str, str]] = {  # keys of the other kind, and wha
         "speed_1": "a track that moves has contact.mean_speed and contact.slide_to_roll",
         "speed_2": "a track that moves has contact.mean_speed and contact.slide_to_roll",
     },
-    "rolling": dict.fromkeys(
-        ("speed", "drop_height"), "its surfaces have contact.mean_speed, or contact.speed_1 and contact.speed_2"
-    ),
+    "rolling": dict.fromkeys(("speed", "drop_height"), "its surfaces have contact.mean_speed, or speed_1 and speed_2"),
 }
 
 

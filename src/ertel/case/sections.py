@@ -37,12 +37,7 @@ class Solver:
     half_width: Annotated[float, HALF_WIDTH, Meaning("half width along x, in a; wider for M < 100 (rolling: 5)")] = 2.0
     inlet: Annotated[Given, units.ABOVE_ZERO, Meaning("from the centre to the upstream edge, in a", 4.5)] = None
     tolerance: Annotated[
-        float,
-        units.SHARE,
-        Meaning(
-            "in time: a film thickness over the expected one; steady: the residual, where 0.03 leaves a tenth of the "
-            "grid's own error for less than half the work"
-        ),
+        float, units.SHARE, Meaning("in time: a film thickness over the expected one; steady: the residual of the flow")
     ] = 1e-3
     fold: Annotated[bool, Meaning("whether a symmetric case is computed on a half or a quarter of the plane")] = True
     half_width_y: Annotated[Given, HALF_WIDTH, Meaning("along y; left out: as far off the contact as in x", 3.0)] = None
@@ -210,8 +205,7 @@ class Thermal:
     temperature_1: Annotated[Given, units.TEMPERATURE, Meaning("deep in body 1; left out: the oil's", "60 degC")] = None
     temperature_2: Annotated[Given, units.TEMPERATURE, Meaning("deep in body 2; left out: the oil's", "60 degC")] = None
     viscosity: Annotated[
-        thermal.ViscosityName,
-        Meaning("how it falls with the temperature: more under pressure, or equally at all pressures"),
+        thermal.ViscosityName, Meaning("how it falls with the temperature: more under pressure, or equally at any")
     ] = "houpert"
     inlet_factor: Annotated[thermal.InletName, Meaning("formula of the film with inlet shear heating")] = "gupta"
 

@@ -41,9 +41,7 @@ class DataSheet:
     nu100: Annotated[float, units.KINEMATIC_VISCOSITY, Meaning("kinematic viscosity at 100 degC", "8.7 mm^2/s")]
     density: Annotated[float, units.DENSITY, Meaning("density at 15 degC", "880 kg/m^3")]
     expansion: Annotated[float | None, units.EXPANSION, Meaning("thermal expansion coefficient")] = None
-    alpha: Annotated[float | None, units.COMPLIANCE, Meaning("pressure-viscosity coefficient, at all temperatures")] = (
-        None
-    )
+    alpha: Annotated[float | None, units.COMPLIANCE, Meaning("pressure-viscosity coefficient at any T")] = None
     reference: Annotated[str, Meaning("source of the data", "data sheet of the oil")] = ""
 
 

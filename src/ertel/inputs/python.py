@@ -23,7 +23,7 @@ from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Oil as Oil
 from ertel.physics.registry import FLUIDITY_LAWS
 from ertel.physics.surfaces import Feature, Shape
-from ertel.physics.units import HEIGHT, TEMPERATURE, TIME, Meaning, Quantity, marks, meanings, parameter_lines
+from ertel.physics.units import HEIGHT, TEMPERATURE, TIME, Mark, Meaning, Quantity, marks, meanings, parameter_lines
 
 
 class _Keywords(TypedDict, total=False):
@@ -95,23 +95,15 @@ class RollingKeywords(_Keywords, total=False):
 
 
 SPECIAL: Mapping[str, Meaning] = {  # keywords that are no fields of a record
-    "oil": Meaning(
-        "an Oil, or the name of one (`ertel.oils`), which brings its law of shear thinning where it has one; needed by "
-        "a physical contact, otherwise a typical mineral oil"
-    ),
+    "oil": Meaning("an Oil, or the name of one (`ertel.oils`); needed by a physical contact, else a mineral oil"),
     "rheology": Meaning(
-        "how the oil thins under shear, instead of the oil's own: a table as in case files, "
-        "{'law': 'ree-eyring', 'tau0': '5 MPa'}, the record of a law, or 'newtonian'; 'carreau' takes its data from a "
-        "named oil that has them"
+        "how the oil thins, instead of its own law: {'law': 'ree-eyring', 'tau0': '5 MPa'}, a record, or 'newtonian'"
     ),
     "motion": Meaning("load, entrainment (signals), slide_to_roll, inertia, as [motion] of a case file"),
-    "roughness": Meaning(
-        "shapes, features (a shape on surface 1 or 2), or tables as [[roughness]] of a case file; heights are added"
-    ),
+    "roughness": Meaning("shapes, features (a shape on surface 1 or 2) or tables as [[roughness]]; heights are added"),
     "time_tolerance": meanings(Time)["tolerance"],
     "thermal": Meaning(
-        "data for the temperatures of a steady contact, as [thermal] of a case file (`ertel.case.sections.Thermal`); "
-        "{} takes all of them from the oil and the materials that are named"
+        "for temperatures of a steady contact, as [thermal]; {} takes all from the named oil and materials"
     ),
     "name": Meaning("for titles and directories"),
 }
@@ -132,35 +124,26 @@ def _explain(function: Callable[..., Case], keywords: Any, often: Sequence[str])
     often: the keywords that most cases need, which come first in their group and have a section of their own.
     """
     hints = get_type_hints(keywords)
-    groups = _grouped(sorted(hints, key=lambda name: often.index(name) if name in often else len(often)))
-    order = [name for names in groups.values() for name in names]
+    left = sorted(hints, key=lambda name: often.index(name) if name in often else len(often))
+    groups: dict[str, list[str]] = {}
+    texts: dict[str, tuple[str, ...]] = {}
+    for group, (records, others) in GROUPS.items():  # the first group that knows a keyword has it
+        known: dict[str, tuple[Meaning, Mark | None]] = {name: (SPECIAL[name], None) for name in others}
+        for record in records:
+            known |= {
+                name: (SPECIAL.get(name, each), marks(record).get(name)) for name, each in meanings(record).items()
+            }
+        groups[group] = [name for name in left if name in known]
+        texts |= {name: parameter_lines(name, *known[name]) for name in groups[group]}
+        left = [name for name in left if name not in known]
     lines = [f"* {group}: {', '.join(names)}" for group, names in groups.items()]
     lines = [part for line in lines for part in wrap(line, 110, subsequent_indent="  ")]
-    seldom = [name for name in order if name not in often]
-    for title, names in {"Parameters": [*filter(often.__contains__, order)], "Other Parameters": seldom}.items():
-        lines += ["", title, "-" * len(title), *(line for name in names for line in _explanation(name))]
+    usual, seldom = [name for name in texts if name in often], [name for name in texts if name not in often]
+    for title, names in {"Parameters": usual, "Other Parameters": seldom}.items():
+        lines += ["", title, "-" * len(title), *(line for name in names for line in texts[name])]
     function.__doc__ = (function.__doc__ or "").replace("{parameters}", "\n    ".join(lines))
-    given = [Parameter(name, Parameter.KEYWORD_ONLY, default=None, annotation=hints[name]) for name in order]
+    given = [Parameter(name, Parameter.KEYWORD_ONLY, default=None, annotation=hints[name]) for name in texts]
     function.__signature__ = Signature(given, return_annotation=Case)  # type: ignore[attr-defined]
-
-
-def _grouped(names: Sequence[str]) -> dict[str, list[str]]:
-    """The keywords by group, in their order; the first group that knows a keyword has it."""
-    groups: dict[str, list[str]] = {}
-    for group, (records, others) in GROUPS.items():
-        known = {*others, *(name for record in records for name in field_names(record))}
-        groups[group] = [name for name in names if name in known]
-        names = [name for name in names if name not in known]
-    return groups
-
-
-def _explanation(name: str) -> tuple[str, ...]:
-    """A keyword as a docstring has it."""
-    if name in SPECIAL:
-        return parameter_lines(name, SPECIAL[name], None)
-    records = (record for group, _ in GROUPS.values() for record in group)
-    record = next(record for record in records if name in field_names(record))
-    return parameter_lines(name, meanings(record)[name], marks(record).get(name))
 
 
 def impact(**given: Unpack[ImpactKeywords]) -> Case:

@@ -158,10 +158,8 @@ def memory_shortage(case: Case) -> str:
         while memory_needed(smaller) > available > 0:
             smaller = smaller.on_half_grid()
     has = f", the machine has {available / 1e9:.2g} GB" if available else ""
-    return (
-        f"solver.nodes = {case.solver.nodes} needs about {memory_needed(case) / 1e9:.2g} GB of memory{has}; "
-        f"solver.nodes = {smaller.solver.nodes} needs {memory_needed(smaller) / 1e9:.2g} GB"
-    )
+    needs = f"solver.nodes = {case.solver.nodes} needs about {memory_needed(case) / 1e9:.2g} GB of memory{has}"
+    return f"{needs}; solver.nodes = {smaller.solver.nodes} needs {memory_needed(smaller) / 1e9:.2g} GB"
 
 
 def is_out_of_memory(error: BaseException) -> bool:
@@ -216,7 +214,7 @@ def _pressure_of_the_oil(case: Case) -> str:
     if highest is None or p <= highest or not (case.motion.slide_to_roll or case.thermal):
         return ""
     here = f"{with_prefix(highest, 'Pa')}, and this contact has {with_prefix(p, 'Pa')}"
-    return f"the viscosity law of the oil has a source up to {here}: friction is extrapolated, the film hardly"
+    return f"the viscosity law of the oil has a source up to {here}: friction is extrapolated, not the film"
 
 
 def _shear_stress(case: Case) -> str:
@@ -224,11 +222,9 @@ def _shear_stress(case: Case) -> str:
     stress = definition.newtonian_stress(case) if case.oil.is_newtonian else 0.0
     if stress <= definition.LARGEST_NEWTONIAN_STRESS:
         return ""
-    return (
-        f"the oil is Newtonian, and sliding would give it a mean shear stress of about {with_prefix(stress, 'Pa')}; "
-        "oils begin to thin at some MPa: friction and power loss are not meaningful, the film hardly depends on it; "
-        'give lubricant.rheology, for example { law = "ree-eyring", tau0 = "5 MPa" }'
-    )
+    mean = f"sliding would give it a mean shear stress of about {with_prefix(stress, 'Pa')}, and oils thin at some MPa"
+    advice = 'give lubricant.rheology, for example { law = "ree-eyring", tau0 = "5 MPa" }'
+    return f"the oil is Newtonian, and {mean}: friction and power loss are not meaningful; {advice}"
 
 
 def _layer(case: Case) -> str:

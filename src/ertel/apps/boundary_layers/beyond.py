@@ -18,25 +18,12 @@ from pandas import DataFrame
 from scipy.optimize import least_squares
 
 from ertel import amplitude_reduction, formulas, fronts, plots
+from ertel.apps.boundary_layers import reduction
 from ertel.apps.boundary_layers.pages import Drawn, new_figure, texts
 from ertel.apps.boundary_layers.plans import Plan
-from ertel.apps.boundary_layers.reduction import (
-    MARKERS,
-    PLACE,
-    RANGE,
-    WAVE,
-    Curve,
-    Mark,
-    Results,
-    draw_curves,
-    draw_fit,
-    last_wave,
-    mark,
-    scatter_cells,
-)
 from ertel.apps.boundary_layers.runs import HEIGHT, LAYERS, OILS, USUAL, wave_name
 
-CURVES: Mapping[str, Curve] = {
+CURVES: Mapping[str, reduction.Curve] = {
     "(15), isotropic": amplitude_reduction.ratio_left,
     "line contact": amplitude_reduction.in_line_contact,
     "(15), longitudinal": partial(amplitude_reduction.ratio_left, ratio=inf),
@@ -47,7 +34,7 @@ OF_OILS = dict(zip(OILS, (("o", "black"), ("s", plots.BLUE), ("D", plots.GREEN),
 
 def _draw_marks(axes: Axes, marks: DataFrame, styles: Mapping[str, tuple[str, str]]) -> None:
     """Marks with error bars.  styles: kind -> marker, colour."""
-    draw_curves(axes)
+    reduction.draw_curves(axes)
     for kind, (marker, colour) in styles.items():
         drawn = marks[marks["kind"] == kind]
         if len(drawn):
@@ -58,30 +45,30 @@ def _draw_marks(axes: Axes, marks: DataFrame, styles: Mapping[str, tuple[str, st
 # -- Fig. 7 -----------------------------------------------------------------------------------------------------------
 
 
-def impacts_on_shapes(results: Results, plan: Plan) -> Iterator[Mark]:
+def impacts_on_shapes(results: reduction.Results, plan: Plan) -> Iterator[reduction.Mark]:
     """The ratios in impacts; those of longitudinal waves are of transverse waves where the front runs along them."""
     for case, grids in results["impacts"].items():
         for wavelength in plan.shaped[case]:
-            across = last_wave("transverse", case, "transverse", wavelength, grids)
+            across = reduction.last_wave("transverse", case, "transverse", wavelength, grids)
             yield across
-            yield last_wave("rings", case, "rings", wavelength, grids)
+            yield reduction.last_wave("rings", case, "rings", wavelength, grids)
             X, name = across["X"], wave_name("transverse", HEIGHT, wavelength)
             along = [float(np.interp(X, grid["X"], grid["along"].sel(wave=name))) for grid in grids]
-            yield mark("longitudinal", case, wavelength, along, X, fronts.front(grids[-1]))
+            yield reduction.mark("longitudinal", case, wavelength, along, X, fronts.front(grids[-1]))
 
 
-def other_waves(results: Results, plan: Plan) -> Drawn:
+def other_waves(results: reduction.Results, plan: Plan) -> Drawn:
     """Fig. 7: A_d/A_i of transverse, longitudinal and ring waviness, in impact (left) and rolling (right)."""
     impacts = DataFrame(impacts_on_shapes(results, plan))
     rolled = DataFrame(
-        mark(kind, (M, L), wavelength, [float(np.ravel(value)[0]) for value in values])
+        reduction.mark(kind, (M, L), wavelength, [float(np.ravel(value)[0]) for value in values])
         for (kind, M, L, wavelength), values in results["rolling"].items()
     )
     grids, rolling = plan.beyond_grids, plan.straight_grids
     figure, panels = new_figure(1, 2)
     for axes, marks, title in zip(panels, (impacts, rolled), ("impact", "rolling"), strict=True):
         _draw_marks(axes, marks, OF_SHAPES)
-        draw_fit(axes, CURVES["(15), longitudinal"](RANGE), ":", "(15) of $e\\nabla_2$, longitudinal")
+        reduction.draw_fit(axes, CURVES["(15), longitudinal"], ":", "(15) of $e\\nabla_2$, longitudinal")
         axes.set(xlabel="local $\\nabla_2$" if title == "impact" else "$\\nabla_2$", title=title)
     panels[0].legend(loc="lower left", frameon=False, fontsize="x-small")
     caption = (
@@ -96,8 +83,8 @@ def other_waves(results: Results, plan: Plan) -> Drawn:
         "bars as in Fig. 6."
     )
     tables = {
-        "Impact": texts(impacts, {"waves": "{kind}", **PLACE}),
-        "Rolling": texts(rolled, {"waves": "{kind}", **PLACE}),
+        "Impact": texts(impacts, {"waves": "{kind}", **reduction.PLACE}),
+        "Rolling": texts(rolled, {"waves": "{kind}", **reduction.PLACE}),
         "A_d/A_i minus the curve: mean, root mean square": DataFrame(_scatter_rows(impacts, rolled)),
     }
     return Drawn(figure, caption, {"impact": impacts, "rolling": rolled}, tables)
@@ -106,10 +93,10 @@ def other_waves(results: Results, plan: Plan) -> Drawn:
 def _scatter_rows(impacts: DataFrame, rolled: DataFrame) -> Iterator[dict[str, str]]:
     for kind in OF_SHAPES:
         hit, rolling = (marks[marks["kind"] == kind] for marks in (impacts, rolled))
-        yield {"parameter": f"impact, {kind}, local nabla2", **scatter_cells(hit, "local", CURVES)}
-        yield {"parameter": f"impact, {kind}, momentary Hertz contact", **scatter_cells(hit, "hertz", CURVES)}
+        yield {"parameter": f"impact, {kind}, local nabla2", **reduction.scatter_cells(hit, "local", CURVES)}
+        yield {"parameter": f"impact, {kind}, momentary Hertz contact", **reduction.scatter_cells(hit, "hertz", CURVES)}
         if len(rolling):
-            yield {"parameter": f"rolling, {kind}", **scatter_cells(rolling, "local", CURVES)}
+            yield {"parameter": f"rolling, {kind}", **reduction.scatter_cells(rolling, "local", CURVES)}
 
 
 # -- Fig. 8 -----------------------------------------------------------------------------------------------------------
@@ -118,7 +105,7 @@ def _scatter_rows(impacts: DataFrame, rolled: DataFrame) -> Iterator[dict[str, s
 def other_oils(results: Mapping[Any, Any], plan: Plan) -> Drawn:
     """Fig. 8: A_d/A_i of isotropic waviness in impacts with other oils; right: compared with the usual oil."""
     marks = DataFrame(
-        last_wave(oil, case, "isotropic", wavelength, grids)
+        reduction.last_wave(oil, case, "isotropic", wavelength, grids)
         for (oil, case, wavelengths), grids in results.items()
         for wavelength in wavelengths
     )
@@ -136,12 +123,15 @@ def other_oils(results: Mapping[Any, Any], plan: Plan) -> Drawn:
     )
     cells = {
         "oil": "{kind}",
-        **WAVE,
+        **reduction.WAVE,
         f"A_d/A_i, {USUAL}": "{limit_usual:.3f}",
         "A_d/A_i, this oil": "{limit:.3f}",
         "difference": "{difference:+.3f}",
     }
-    tables = {"Other oils": texts(marks, {"oil": "{kind}", **PLACE}), f"Compared with {USUAL}": texts(pairs, cells)}
+    tables = {
+        "Other oils": texts(marks, {"oil": "{kind}", **reduction.PLACE}),
+        f"Compared with {USUAL}": texts(pairs, cells),
+    }
     return Drawn(_draw_oils(marks, pairs), caption, {"oils": marks}, tables)
 
 
@@ -214,7 +204,7 @@ def _draw_starved(shares: DataFrame, exponents: Mapping[str, float]) -> Figure:
     left.loglog(line, np.minimum(line, 1.0), ":", color="black", linewidth=0.7)
     contacts = shares.groupby(["contact", "M", "L"], sort=False)
     shades = iter(plots.ORDERED_COLOURS(np.linspace(0.9, 0.1, len(contacts))))
-    for ((kind, M, L), drawn), marker in zip(contacts, MARKERS * len(contacts), strict=False):
+    for ((kind, M, L), drawn), marker in zip(contacts, reduction.MARKERS * len(contacts), strict=False):
         colour = next(shades) if kind == "impact" else plots.ORANGE
         look: dict[str, Any] = {"marker": marker, "color": colour, "linestyle": "none", "markersize": 5}
         look |= {"markerfacecolor": "white"} if kind == "rolling" else {}

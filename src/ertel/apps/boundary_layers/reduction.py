@@ -124,9 +124,9 @@ def draw_curves(axes: Axes) -> None:
     axes.set_xticks([0.5, 1, 2, 5, 10, 20], ["0.5", "1", "2", "5", "10", "20"])
 
 
-def draw_fit(axes: Axes, ratio: Values, style: str, label: str) -> None:
-    """Draw another curve over `RANGE`."""
-    axes.plot(RANGE, ratio, color=plots.ORANGE, linewidth=1.0, linestyle=style, label=label)
+def draw_fit(axes: Axes, curve: Curve, style: str, label: str) -> None:
+    """Draw another curve."""
+    axes.plot(RANGE, curve(RANGE), color=plots.ORANGE, linewidth=1.0, linestyle=style, label=label)
 
 
 def scatter(off: ArrayLike) -> str:
@@ -266,7 +266,7 @@ def _draw(last: DataFrame, inner: DataFrame, rolled: DataFrame, twins: DataFrame
     }
     for axes, parameter in ((left, "local"), (middle, "everywhere"), (right, "hertz")):
         draw_curves(axes)
-        draw_fit(axes, fitted.ratio(RANGE), "-.", "fitted to the squares")
+        draw_fit(axes, fitted.ratio, "-.", "fitted to the squares")
         axes.errorbar(rolled["local"], rolled["limit"], rolled["error"], **squares)
         _draw_dots(axes, last, parameter)
     handles = right.plot(
