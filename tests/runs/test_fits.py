@@ -45,13 +45,11 @@ class Power(Measurement):
 
 
 def measured(powers: tuple[float, float], off: float = 0.0, speed: float = 1.0, sigma: float = 0.01) -> Power:
-    """What the truth gives, off by so many relative standard deviations."""
     value = float(np.prod(TRUTH**powers)) * speed**0.5
     return Power("number", "h_c", np.array([value * (1 + off * sigma)]), sigma=sigma * value, powers=powers)
 
 
 def model(cases: Sequence[Case]) -> Any:
-    """The runner of the model."""
     return cases
 
 
