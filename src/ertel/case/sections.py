@@ -217,10 +217,8 @@ class Thermal:
     @property
     def bodies(self) -> tuple[thermal.Solid, thermal.Solid]:
         """The thermal data of both bodies."""
-        return (
-            thermal.Solid(self.density_1, self.heat_capacity_1, self.conductivity_1),
-            thermal.Solid(self.density_2, self.heat_capacity_2, self.conductivity_2),
-        )
+        first = thermal.Solid(self.density_1, self.heat_capacity_1, self.conductivity_1)
+        return first, thermal.Solid(self.density_2, self.heat_capacity_2, self.conductivity_2)
 
     @property
     def warmer(self) -> tuple[float, float]:
