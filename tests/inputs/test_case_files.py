@@ -216,11 +216,6 @@ def test_a_case_without_a_name_is_called_as_its_file_is(tmp_path, name, expected
     assert read(tmp_path, SMALL, name).name == expected
 
 
-def test_a_name_cannot_lead_out_of_the_directory_of_runs(tmp_path):
-    with pytest.raises(ConfigError, match=r'^name = "\.\./\.\./evil": must be a plain file name: '):
-        read(tmp_path, b'name = "../../evil"\n' + SMALL)
-
-
 # -- hostile values ---------------------------------------------------------------------------------------------------
 
 

@@ -43,6 +43,9 @@ def test_an_amount_is_a_number_or_a_quantity():
     for value in (0, -1.0, inf, True, [1]):
         with pytest.raises(ValueError, match="must be a finite number above zero, in units a, or a quantity such as"):
             READER.amount(value, WIDTH)
+    for value in (10**400, 1e31, 1e-31):
+        with pytest.raises(ValueError, match=r"^must be between 1e-06 and 1e\+06, in units a$"):
+            READER.amount(value, WIDTH)
 
 
 @pytest.mark.parametrize(
@@ -67,22 +70,17 @@ def test_what_is_no_length_or_would_hang_is_refused(text):
         parse_quantity(text, LENGTH)
 
 
-@pytest.mark.parametrize("text", ["10 kg", "10 degC"])
-def test_other_dimensions_are_refused(text):
-    with pytest.raises(ValueError, match="dimension"):
-        parse_quantity(text, LENGTH)
-
-
-@pytest.mark.parametrize("text", ["1e300 m", "1e-300 m", "1e31 m", "1e22 Gm"])
-def test_sizes_are_bounded(text):
-    with pytest.raises(ValueError, match=r"^must be between 1e-30 and 1e\+30 m$"):
-        parse_quantity(text, LENGTH)
-
-
-@pytest.mark.parametrize("value", [10**400, 1e31, 1e-31])
-def test_sizes_of_amounts_are_bounded(value):
-    with pytest.raises(ValueError, match=r"^must be between 1e-06 and 1e\+06, in units a$"):
-        READER.amount(value, WIDTH)
+@pytest.mark.parametrize(
+    ("texts", "said"),
+    [
+        (("10 kg", "10 degC"), "dimension"),
+        (("1e300 m", "1e-300 m", "1e31 m", "1e22 Gm"), r"^must be between 1e-30 and 1e\+30 m$"),
+    ],
+)
+def test_other_dimensions_and_absurd_sizes_are_refused(texts, said):
+    for text in texts:
+        with pytest.raises(ValueError, match=said):
+            parse_quantity(text, LENGTH)
 
 
 @pytest.mark.parametrize(
@@ -113,13 +111,11 @@ def test_any_text_as_a_length_is_a_length_or_refused(text):
     [
         ("0:0.5:3", FINITE, [0, 0.25, 0.5]),
         ("-0.5:0.5:3", FINITE, [-0.5, 0, 0.5]),
-        ("0.5:0:3", FINITE, [0.5, 0.25, 0]),
         ("1e-3 : 1e-1 : 3 : log", FINITE, [1e-3, 1e-2, 1e-1]),
         ("0, 0.01, 0.05", FINITE, [0, 0.01, 0.05]),
         ("0.1", FINITE, [0.1]),
         (0.1, FINITE, [0.1]),
         (np.linspace(0, 1, 3), FINITE, [0, 0.5, 1]),
-        ("0.1 m/s:10 m/s:3:log", VELOCITY, [0.1, 1, 10]),
         ("100 mm/s:10 m/s:3:log", VELOCITY, [0.1, 1, 10]),
         ("0.1:10:3:log", VELOCITY, [0.1, 1, 10]),
         ("100:300 mm/s:3", VELOCITY, [0.1, 0.2, 0.3]),
@@ -141,9 +137,7 @@ def test_a_range_through_zero_contains_zero() -> None:
     ("given", "mark", "said"),
     [
         ("0:0.5", FINITE, "must be FIRST:LAST:NUMBER, or FIRST:LAST:NUMBER:log"),
-        ("0:0.5:3:lin", FINITE, "must be FIRST:LAST:NUMBER, or FIRST:LAST:NUMBER:log"),
         ("0:0.5:x", FINITE, "a whole number from 2 to 1000"),
-        ("0:0.5:1", FINITE, "a whole number from 2 to 1000"),
         ("0:0.5:1e9", FINITE, "a whole number from 2 to 1000"),
         ("0:1:3:log", FINITE, "must both be above zero, or both below"),
         ("0:0:3", FINITE, "must rise or fall"),

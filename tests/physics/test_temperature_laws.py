@@ -156,16 +156,8 @@ NOT_MINERAL, VOGEL = laws.Walther(200e-6, 8e-6), laws.Vogel(303.15, 333.15, 373.
         (laws.Walther(15e-6, 3e-6).kinematic, (423.15,), r"^temperature = 423.15 K: too hot for ASTM D341, 1.454 mm"),
         (laws.Vogel, (303.15, 333.15, 373.15, 0.1, 0.2, 0.05), "temperatures must rise and viscosities fall"),
         (laws.Vogel, (303.15, 333.15, 373.15, 0.1, 0.09, 0.001), "does not pass through these viscosities"),
-        (
-            laws.SoKlaus().at,
-            (AT_60._replace(law=NOT_MINERAL),),
-            r"^nu40 = 200 mm.* is 5.11; .* 2.8 to 4.5, mineral",
-        ),
-        (
-            laws.SoKlaus().at,
-            (AT_60._replace(law=VOGEL),),
-            "^pressure: So and Klaus' correlation needs the slope",
-        ),
+        (laws.SoKlaus().at, (AT_60._replace(law=NOT_MINERAL),), r"^nu40 = 200 mm.* is 5.11; .* 2.8 to 4.5, mineral"),
+        (laws.SoKlaus().at, (AT_60._replace(law=VOGEL),), "^pressure: So and Klaus' correlation needs the slope"),
         (
             laws.ModulusOfTemperature(-2.28e7, 2.26e5, -0.07, 3e-4).at,
             (AT_60._replace(T=90.0),),

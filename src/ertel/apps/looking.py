@@ -12,6 +12,7 @@ from ertel.apps.arguments import (
     Json,
     Measured,
     Moment,
+    Report,
     RunDirectory,
     figures,
     grouped,
@@ -128,7 +129,7 @@ def compare(
 
 def _measurement(file: Path, given: Measured, light: str = "mono", along: str = "x") -> "Measurement":
     """The measurement in a file.  light: of an intensity."""
-    from ertel.inputs.rigs import interferometer
+    from ertel.inputs.fits import interferometer
     from ertel.results.measurements import READ, Measurement
 
     units: dict[str, Any] = dict(each.partition("=")[::2] for each in given.column or [])
@@ -198,7 +199,7 @@ def show(
         leave(BAD_INPUT, f"--sigma {sigma}: must be one length or two, of the two surfaces")
     run = RunStore.open(directory)
     summary = run.summary() or run.summary_so_far()
-    running.report(run, summary, as_json, sigma=sigma.split(",") if sigma is not None else ())
+    running.report(run, summary, Report(as_json), sigma.split(",") if sigma is not None else ())
 
 
 @grouped
@@ -246,7 +247,7 @@ def plot(
     if format_ == "mp4":
         _find_ffmpeg()
     from ertel import plots
-    from ertel.inputs.rigs import interferometer
+    from ertel.inputs.fits import interferometer
     from ertel.runs.store import RunStore
 
     data = RunStore.open(directory).dataset()

@@ -19,6 +19,15 @@
 An unknown is any positive number of a case, with its bounds, and a prior where something is known already: a value and
 its standard deviation.  It is a number of the case as it is stored, in which the oil and the materials are replaced by
 their numbers, on the grid of that case.
+
+Fringes are measured with a rig, as users write it there and on the command line:
+
+    light = "mono"                              # or "two-beam", "white"
+    wavelength = "532 nm"
+    coatings = "chromium 8 nm, silica 200 nm"   # on the glass, from the glass to the oil
+    index = 1.48                                # of the oil at ambient pressure
+
+What is left out is as in `optics.Rig`.  Other glass, surfaces and lamps are for Python: `optics.Interferometer`.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -28,11 +37,14 @@ from pathlib import Path
 from typing import Any
 
 from ertel.case.case import Case
-from ertel.case.reading import check_keys
+from ertel.case.reading import check_keys, hint_for
 from ertel.case.records import ConfigError, refusing, show
 from ertel.inputs.case_files import in_the_case, load_case, path_of, put, read_toml, written
 from ertel.inputs.layout import READER
-from ertel.inputs.quantities import marked_value, plain_data, split
+from ertel.inputs.quantities import marked_value, parse_quantity, plain_data, split
+from ertel.optics import CHROMIUM, SILICA, Interferometer, Layer, Light, Medium, Monochromatic, Rig, TwoBeams, White
+from ertel.optics.light import GREEN
+from ertel.optics.rig import COATINGS, OIL_INDEX
 from ertel.physics.units import FINITE, Unit
 
 KEYS = {"case": (str, '"ball.toml"'), "unknowns": (dict, "[unknowns]"), "measurements": (list, "[[measurements]]")}
@@ -153,3 +165,59 @@ def with_settings(case: Case, settings: Settings) -> Case:
         for field, value in settings.items():
             put(data, field.split("."), plain_data(value))
         return Case.from_data(data, case.maps, READER)
+
+
+# -- optical rigs ------------------------------------------------------------------------------------------------------
+
+RIG = ("light", "wavelength", "coatings", "index")  # the keys of a rig
+LIGHTS: Mapping[str, type[Rig]] = {"mono": Rig, "two-beam": TwoBeams, "white": Rig}
+MEDIA: Mapping[str, Medium] = {"chromium": CHROMIUM, "silica": SILICA}
+LENGTH = Unit("m", "532 nm")
+
+
+def interferometer(
+    light: str = "mono", wavelength: str | None = None, coatings: str | None = None, index: float | None = None
+) -> Interferometer:
+    """The rig and the light that a user describes.
+
+    Parameters
+    ----------
+    light : "mono", "two-beam" or "white"
+        Of one wavelength, the same without the light that crosses the film more than once, or daylight.
+    wavelength : str, optional
+        With a unit; default 532 nm.
+    coatings : str, optional
+        Media with their thicknesses, from the glass to the oil, or "none"; default "chromium 8 nm".
+    index : float, optional
+        Of the oil at ambient pressure.
+
+    Returns
+    -------
+    Interferometer
+
+    Raises
+    ------
+    ValueError
+        A value is not allowed; the message names it.
+    """
+    if light not in LIGHTS:
+        raise ValueError(f"light = {light!r}: {hint_for(light, tuple(LIGHTS))}")
+    if light == "white" and wavelength:
+        raise ValueError(f"wavelength = {wavelength!r}: white light has none; leave it out")
+    lamp: Light = White() if light == "white" else Monochromatic(_length("wavelength", wavelength or f"{GREEN} m"))
+    parts = [] if coatings == "none" else [each.split(maxsplit=1) for each in (coatings or "").split(",")]
+    layers = tuple(_layer(*part) for part in parts) if coatings else COATINGS
+    return Interferometer(LIGHTS[light](coatings=layers, oil_index=index or OIL_INDEX), lamp)
+
+
+def _layer(medium: str = "", thickness: str = "") -> Layer:
+    if medium not in MEDIA:
+        raise ValueError(f"coatings = {medium!r}: {hint_for(medium, tuple(MEDIA))}, each with its thickness")
+    return Layer(MEDIA[medium], _length("coatings", thickness))
+
+
+def _length(name: str, given: str) -> float:
+    try:
+        return parse_quantity(given, LENGTH)
+    except ValueError as error:
+        raise ValueError(f"{name} = {given!r}: {error}") from error

@@ -198,16 +198,12 @@ class Fringes:
             return self.mean + 2.0 * np.real(self.first * z / (1.0 - self.ratio * z))
         difference = 2.0 * np.asarray(path) + self.coatings
         wave, total = self.first * z, np.zeros(np.broadcast_shapes(np.shape(z), np.shape(self.mean)))
-        for harmonic in range(1, self.harmonics + 1):
+        largest = float(np.max(np.abs(self.ratio)))
+        harmonics = 1 + (ceil(log(NEGLIGIBLE) / log(largest)) if largest > NEGLIGIBLE else 0)
+        for harmonic in range(1, harmonics + 1):
             total += np.real(wave) * visibility(harmonic * difference)
             wave = wave * self.ratio * z
         return self.mean + 2.0 * total
-
-    @property
-    def harmonics(self) -> int:
-        """The number of harmonics that are not negligible."""
-        largest = float(np.max(np.abs(self.ratio)))
-        return 1 + (ceil(log(NEGLIGIBLE) / log(largest)) if largest > NEGLIGIBLE else 0)
 
 
 @dataclass(frozen=True)

@@ -22,17 +22,12 @@ from ertel.results.variables import Variable
 ROOM = 0.15  # of the measured range, shown beside it
 MOST_CURVES = 5  # side by side; further ones are left out
 MANY = 3  # numbers whose names stand upright
+Curve = tuple[Values, Values]  # x and y
 POINTS: dict[str, Any] = {"fmt": "o", "color": BLUE, "markersize": 3.0, "linewidth": 0.7}
 
 
-def _draw_values(
-    axes: Axes,
-    points: tuple[Values, Values],
-    sigma: Values | None,
-    curve: tuple[Values, Values],
-    names: tuple[str, str],
-) -> None:
-    """Points with error bars and the curve that is computed, each with x and y, and their names."""
+def _draw_values(axes: Axes, points: Curve, sigma: Values | None, curve: Curve, names: tuple[str, str]) -> None:
+    """Points with error bars and the curve that is computed, and their names."""
     axes.errorbar(*points, yerr=sigma, label=names[0], **POINTS)
     axes.plot(*curve, color=ORANGE, label=names[1], zorder=3)
     axes.legend(frameon=False, fontsize="small")

@@ -175,15 +175,11 @@ def _value_text(value: xr.DataArray) -> str:
 
 # -- traction curves --------------------------------------------------------------------------------------------------
 
-CURVE_PANELS: Mapping[str, Mapping[str, str]] = {  # title: variables with their colours
-    "Traction": {"mu_sliding": BLUE, "mu_rolling": ORANGE},
+CURVE_PANELS: Mapping[str, Mapping[str, str]] = {  # title: variables with their colours; some with [thermal] only
+    "Traction": {"mu_sliding": BLUE, "mu_isothermal": GREY, "mu_rolling": ORANGE},
     "Film": {"H_c": BLUE, "H_min": ORANGE},
     "Power loss": {"power_loss": GREEN},
     "Maximum shear stress": {"tau_max": PURPLE},
-}
-WARM_PANELS: Mapping[str, Mapping[str, str]] = {  # with a section [thermal]
-    **CURVE_PANELS,
-    "Traction": {"mu_sliding": BLUE, "mu_isothermal": GREY, "mu_rolling": ORANGE},
     "Temperature": {"T_film_max": PURPLE, "T_1_max": BLUE, "T_2_max": ORANGE},
     "Inlet factor": {"phi_T": GREEN},
 }
@@ -193,8 +189,11 @@ def _traction_figure(dataset: xr.Dataset, sheet: Sheet) -> Figure:
     """Traction coefficient, film thickness, power loss and shear stress along a traction curve."""
     if not np.isfinite(dataset["mu_rolling"]).any():
         raise NoFigure("dataset: has no points yet, there is nothing to draw")
-    shown = WARM_PANELS if "phi_T" in dataset else CURVE_PANELS
-    panels: list[Panel[xr.Dataset]] = [partial(_draw_curve, title=title, names=names) for title, names in shown.items()]
+    panels: list[Panel[xr.Dataset]] = []
+    for title, names in CURVE_PANELS.items():
+        stored = {name if name in dataset else name_in_si(name): colour for name, colour in names.items()}
+        if shown := {name: colour for name, colour in stored.items() if name in dataset}:
+            panels.append(partial(_draw_curve, title=title, names=shown))
     half = len(panels) // 2
     return compose(dataset, [panels[:half], panels[half:]], _heading(dataset), sheet)
 
@@ -202,7 +201,7 @@ def _traction_figure(dataset: xr.Dataset, sheet: Sheet) -> Figure:
 def _draw_curve(axes: Axes, dataset: xr.Dataset, title: str, names: Mapping[str, str]) -> None:
     """Some variables of one unit over what varies."""
     x, label = _x(axes, dataset[dataset.attrs["varies"]])
-    variables = [_in_celsius(dataset[name if name in dataset else name_in_si(name)]) for name in names]
+    variables = [_in_celsius(dataset[name]) for name in names]
     largest = max(largest_of(values) for values in variables)
     for colour, values in zip(names.values(), variables, strict=True):
         z = _scale(values, largest, dataset.attrs["kind"])

@@ -56,10 +56,7 @@ def maps(frames: Sequence[Frame]) -> dict[str, np.ndarray]:
 
 
 def assemble(
-    case: Case,
-    records: Sequence[Mapping[str, float]],
-    frames: Sequence[Frame],
-    coordinates: Mapping[str, Any],
+    case: Case, records: Sequence[Mapping[str, float]], frames: Sequence[Frame], coordinates: Mapping[str, Any]
 ) -> xr.Dataset:
     """The run as a Dataset: scalars over `time` (every step), maps over `frame` and the space axes.
 

@@ -26,9 +26,8 @@ from ertel.case.case import Case
 from ertel.case.reading import check_keys
 from ertel.case.records import ConfigError, show
 from ertel.case.status import Status
-from ertel.inputs import rigs
 from ertel.inputs.case_files import CaseLike, as_case, written
-from ertel.inputs.fits import Settings, Unknown, load_fit, parse_unknowns, with_settings
+from ertel.inputs.fits import RIG, Settings, Unknown, interferometer, load_fit, parse_unknowns, with_settings
 from ertel.results.alignment import QUANTITIES
 from ertel.results.fit_result import FitPoint, FitResult, Values, amount, fit_dataset
 from ertel.results.measurements import NUMBER, READ, Measurement
@@ -191,12 +190,12 @@ def _measurement(place: str, table: Mapping[str, Any], folder: Path) -> Measurem
     """The measurement that a table of a file in a folder describes.  Raises ConfigError, naming the place."""
     content = {name: value for name, value in table.items() if name not in ("set", "file")}
     file = str(table.get("file", ""))
-    check_keys(content, (*READ, *rigs.KEYS, *QUANTITIES) if file else NUMBER, place)
+    check_keys(content, (*READ, *RIG, *QUANTITIES) if file else NUMBER, place)
     try:
         if not file:
             return Measurement.number(**content)
-        rig = {name: content.pop(name) for name in rigs.KEYS if name in content and name != "index"}
-        return Measurement.read(folder / file, **content, optics=rigs.interferometer(**rig, index=content.get("index")))
+        rig = {name: content.pop(name) for name in RIG if name in content and name != "index"}
+        return Measurement.read(folder / file, **content, optics=interferometer(**rig, index=content.get("index")))
     except TypeError as error:
         raise ConfigError(f"{place} = {show(table)}: must have a file, or quantity, value and sigma") from error
     except ValueError as error:

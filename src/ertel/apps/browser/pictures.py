@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ertel.inputs.rigs import interferometer
+from ertel.inputs.fits import interferometer
 from ertel.results.numbers import Number, number, scales_in
 from ertel.results.variables import figures_of, is_steady, unit_of, with_prefix
 from ertel.runs.directory import DATA
