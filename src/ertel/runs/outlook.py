@@ -218,15 +218,10 @@ def _pressure_of_the_oil(case: Case) -> str:
     p, highest = definition.largest_pressure(case), getattr(case.oil.viscosity_law, "highest", None)
     if highest is None or p <= highest or not (case.motion.slide_to_roll or case.thermal):
         return ""
-<<<<<<< HEAD
     return (
         f"the viscosity law of the oil has a source up to {with_prefix(highest, 'Pa')}, and this contact has "
         f"{with_prefix(p, 'Pa')}: friction is extrapolated; the film, which the inlet makes, hardly depends on it"
     )
-=======
-    here = f"{with_prefix(highest, 'Pa')}, and this contact has {with_prefix(p, 'Pa')}"
-    return f"the viscosity law of the oil has a source up to {here}: friction is extrapolated, not the film"
->>>>>>> main
 
 
 def _shear_stress(case: Case) -> str:
