@@ -157,11 +157,7 @@ def curve_of(case: Case, given: Mapping[str, Given | None], film: str | None = N
         raise ConfigError(f"{axis} = {show(values)}: a dimensionless case has none; give the contact in SI")
     _check_factors(case, axis)
     in_si = parse_values(axis, values, marks(Conditions)[axis])
-    try:
-        cases = tuple(_at(case, axis, value) for value in in_si)
-    except ValueError as error:
-        raise ConfigError(str(error)) from error
-    return Curve(case, axis, in_si, cases, _film(case, axis, film))
+    return Curve(case, axis, in_si, tuple(_at(case, axis, value) for value in in_si), _film(case, axis, film))
 
 
 def _film(case: Case, axis: str, film: str | None) -> FilmChoice:
