@@ -274,7 +274,7 @@ def _outside(case: Definition) -> Complaints:
     needed = 1.6 * p.lambda_bar * abs(case.motion.entrainment(0.0)) / (HERTZ_LOAD * case.motion.load(0.0))
     if needed > WIDEST_HALF_WIDTH:
         beyond = f"the oil that carries the load reaches beyond the largest domain, half_width = {WIDEST_HALF_WIDTH:g}"
-        yield "contact", f"M = {p.M:.3g} is too low: {beyond}"
+        yield "contact", f"M = {p.M:.3g} is too low: {beyond}; see the film formulas for rigid bodies"
     if needed > case.solver.half_width:
         wide = "leave it out for a domain that is wide enough"
         yield "solver.half_width", f"must be at least {needed:.3g} at M = {p.M:.3g}; {wide}"
