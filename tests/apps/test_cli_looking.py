@@ -284,7 +284,7 @@ def test_mp4_needs_its_extra(seen, monkeypatch):
         ("ball", "--format gif --interferogram mono --columns 1", "only for pictures; a movie has none"),
         ("ball", "--wavelength 532nm", "--wavelength 532nm: only for --interferogram mono or two-beam"),
         ("ball", "--wavelength 532nm --interferogram white", "only for --interferogram mono or two-beam"),
-        ("ball", "--wavelength green --interferogram mono", "wavelength = 'green': must be a quantity above zero"),
+        ("ball", "--wavelength green --interferogram mono", 'wavelength = "green": must be a quantity above zero'),
         ("ball", "--wavelength 5mm --interferogram mono", "wavelength = 0.005 m: must be from 2e-7 to 1e-5 m"),
         ("moes", "--interferogram mono", "the run is dimensionless, and light needs a film in nm; run a case in SI"),
         ("rolls", "--interferogram mono --format webp", "a steady contact does not move"),

@@ -259,7 +259,7 @@ sigma = 2
     assert light.optics == Interferometer(Rig(coatings=coatings, oil_index=1.45), Monochromatic(633e-9))
     assert light.align == ("gain", "background") and light.values.tolist() == [10, 20, 15, 10]
     for wrong, sentence in (
-        (("633 nm", "633 s"), r"measurements\[2\]: wavelength = '633 s': has the wrong dimension"),
+        (("633 nm", "633 s"), r'measurements\[2\]: wavelength = "633 s": has the wrong dimension'),
         (("silica", "gold"), r"measurements\[2\]: coatings = 'gold': allowed: chromium, silica"),
         (("chromium 10", "cromium 10"), r"coatings = 'cromium': did you mean chromium"),
         (("1.45", "145"), r"measurements\[2\]: oil_index = 145: must be above 1 and below 3"),

@@ -12,6 +12,7 @@ from ertel.apps.arguments import (
     Json,
     Measured,
     Moment,
+    Report,
     RunDirectory,
     figures,
     grouped,
@@ -198,7 +199,7 @@ def show(
         leave(BAD_INPUT, f"--sigma {sigma}: must be one length or two, of the two surfaces")
     run = RunStore.open(directory)
     summary = run.summary() or run.summary_so_far()
-    running.report(run, summary, as_json, sigma=sigma.split(",") if sigma is not None else ())
+    running.report(run, summary, Report(as_json), sigma.split(",") if sigma is not None else ())
 
 
 @grouped

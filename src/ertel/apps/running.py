@@ -8,7 +8,7 @@ from typing import Any
 import xarray as xr
 
 from ertel.apps import tables
-from ertel.apps.arguments import RunOptions
+from ertel.apps.arguments import Report, RunOptions
 from ertel.apps.process import Stop, interruptible
 from ertel.apps.terminal import BAD_INPUT, FAILED, bad_input, in_shell, leave, print_json, say, shown, writing_to
 from ertel.case.case import Case
@@ -41,7 +41,7 @@ def resume(directory: Path, options: RunOptions) -> None:
     run = RunStore.open(directory)
     summary = run.outcome()
     if summary and (not options.error or summary.get("error_estimate")):
-        report(run, summary, options.as_json, options.quiet)
+        report(run, summary, options)
         return
     prepare_jax()
     with within_memory(run.case):
@@ -117,7 +117,7 @@ def _finish(run: RunStore, others: Mapping[str, Run], options: RunOptions) -> No
             summary = _computed(run, others, options.quiet, stop)
         if summary is None:
             stop.leave()
-        report(run, summary, options.as_json, options.quiet)
+        report(run, summary, options)
     status = Status(summary["status"])
     if status is Status.INTERRUPTED:
         stop.leave()
@@ -153,13 +153,11 @@ def _computed(run: RunStore, others: Mapping[str, Run], quiet: bool, stop: Stop)
 # -- reporting --------------------------------------------------------------------------------------------------------
 
 
-def report(
-    run: RunStore, summary: Mapping[str, Any], as_json: bool = False, quiet: bool = False, sigma: Sequence[str] = ()
-) -> None:
+def report(run: RunStore, summary: Mapping[str, Any], options: Report, sigma: Sequence[str] = ()) -> None:
     """Print a summary in the form that the user asked for.  sigma: rms roughness of the surfaces, for the verdict."""
-    if as_json:
+    if options.as_json:
         print_json(summary)
-    elif not quiet:
+    elif not options.quiet:
         out, status = tables.console(), Status(summary["status"])
         data = run.dataset() if run.case.roughness else xr.Dataset()  # a summary is shown without data, too
         with bad_input():

@@ -22,7 +22,6 @@ Array = Any  # NumPy arrays that broadcast
 
 FEWEST, MOST = 4, 4096  # points along a side: a cubic spline needs the first, the second is 134 MB
 SPLINES = 8  # kept in memory: some maps on the grids of a hierarchy
-Given = Amount | None  # of a field that may be left out
 TAPER = 0.1  # of the shorter side, where no taper is given
 
 
@@ -39,8 +38,9 @@ def check_size(heights: NDArray[np.float64]) -> None:
     if not largest:
         raise ValueError("heights: are all zero; leave the map out")
     if not units.SMALLEST <= largest <= units.LARGEST:
-        sizes = f"between {units.SMALLEST:g} and {units.LARGEST:g}"
-        raise ValueError(f"heights: reach {largest:.3g}; the largest must be {sizes}")
+        raise ValueError(
+            f"heights: reach {largest:.3g}; the largest must be between {units.SMALLEST:g} and {units.LARGEST:g}"
+        )
 
 
 def array_in(content: bytes) -> NDArray[Any]:
@@ -160,11 +160,23 @@ class Measured:
     """
 
     file: Annotated[HeightMap, Meaning("file with the heights, relative to the case file", "disc.al3d")]
-    length_x: Annotated[Given, units.WIDTH, Meaning("length along its x; left out: that in the file", "500 um")] = None
-    length_y: Annotated[Given, units.WIDTH, Meaning("length along its y; left out: that in the file", "500 um")] = None
-    rms: Annotated[Given, units.RMS, Meaning("root mean square of its heights; left out: as measured", "50 nm")] = None
-    cutoff: Annotated[Given, units.WIDTH, Meaning("shorter waves are removed; left out: none", "20 um")] = None
-    taper: Annotated[Given, units.WIDTH, Meaning("width of the falling rim; left out: a tenth of a side")] = None
+    length_x: Annotated[
+        Amount | None, units.WIDTH, Meaning("length of the map along its x; left out: as the file says", "500 um")
+    ] = None
+    length_y: Annotated[
+        Amount | None, units.WIDTH, Meaning("length of the map along its y; left out: as the file says", "500 um")
+    ] = None
+    rms: Annotated[
+        Amount | None, units.RMS, Meaning("root mean square of its heights; left out: as measured", "50 nm")
+    ] = None
+    cutoff: Annotated[
+        Amount | None, units.WIDTH, Meaning("waves shorter than this are removed; left out: none", "20 um")
+    ] = None
+    taper: Annotated[
+        Amount | None,
+        units.WIDTH,
+        Meaning("distance from the edges of the map over which it becomes zero; left out: a tenth of the shorter side"),
+    ] = None
     x: Annotated[Amount, units.POSITION, Meaning("its middle along x at T = 0")] = 0.0
     y: Annotated[Amount, units.POSITION, Meaning("its middle along y")] = 0.0
     angle: Annotated[float, units.ANGLE, Meaning("by which the map is turned, from x to y", "0 deg")] = 0.0

@@ -5,11 +5,20 @@ from dataclasses import dataclass, replace
 from math import ceil
 from typing import Annotated, Literal, NamedTuple
 
-from ertel.case.conditions import Given, Kind
+from ertel.case.conditions import Kind
 from ertel.numerics.grid import allowed_nodes, nodes_across
-from ertel.physics import hertz, thermal, units
+from ertel.physics import hertz, units
 from ertel.physics.geometry import CIRCLE, Geometry
 from ertel.physics.motion import Signal
+from ertel.physics.thermal import (
+    INLET_FACTORS,
+    WARM_VISCOSITIES,
+    InletName,
+    Solid,
+    ViscosityName,
+    WarmViscosity,
+    thermal_loading,
+)
 from ertel.physics.units import Amount, Bounds, Meaning, Quantity, explained
 
 Method = Literal["2d", "radial", "steady", "transient"]
@@ -17,7 +26,6 @@ Stop = Literal["max-approach", "rebound"]
 METHODS: Mapping[Kind, tuple[Method, ...]] = {"impact": ("2d", "radial"), "rolling": ("steady", "transient")}
 ROLLING_UNTIL = 6.0  # t0: the surfaces roll through a domain of the default length for M >= 5
 FEWEST_NODES, MOST_NODES, WIDEST_HALF_WIDTH = 17, 4097, 1000.0
-NODES, HALF_WIDTH = Bounds(ge=FEWEST_NODES, le=MOST_NODES, whole=True), Bounds(gt=0, le=WIDEST_HALF_WIDTH)
 CENTRED_HALF_WIDTH = 4.5  # half width of a grid for reversing flow
 
 
@@ -32,15 +40,39 @@ class Solver:
     about a tenth of the grid's own error in H_c and H_min.  The defaults follow the size of an ellipse, see `suited`.
     """
 
-    method: Annotated[Method, Meaning("an impact on a grid (2d) or along the radius; rolling steady or in time")] = "2d"
-    nodes: Annotated[int, NODES, Meaning("nodes per side, 2^k c + 1 with a small c, or along the radius")] = 257
-    half_width: Annotated[float, HALF_WIDTH, Meaning("half width along x, in a; wider for M < 100 (rolling: 5)")] = 2.0
-    inlet: Annotated[Given, units.ABOVE_ZERO, Meaning("from the centre to the upstream edge, in a", 4.5)] = None
+    method: Annotated[
+        Method,
+        Meaning("an impact is computed on a square grid (2d) or along the radius (radial), rolling steady or in time"),
+    ] = "2d"
+    nodes: Annotated[
+        int,
+        Bounds(ge=FEWEST_NODES, le=MOST_NODES, whole=True),
+        Meaning("nodes per side of the grid, 2^k c + 1 with a small c, or along the radius"),
+    ] = 257
+    half_width: Annotated[
+        float,
+        Bounds(gt=0, le=WIDEST_HALF_WIDTH),
+        Meaning("half width of the grid along x, in a; wider by default for M < 100 (rolling: M < 5)"),
+    ] = 2.0
+    inlet: Annotated[
+        float | None,
+        Bounds(gt=0),
+        Meaning("from the contact's centre to the upstream edge, in a; reversing flow and impact: half_width", 4.5),
+    ] = None
     tolerance: Annotated[
-        float, units.SHARE, Meaning("in time: a film thickness over the expected one; steady: the residual of the flow")
+        float,
+        units.SHARE,
+        Meaning(
+            "in time: a film thickness over the expected one; steady: the residual, where 0.03 leaves a tenth of the "
+            "grid's own error for less than half the work"
+        ),
     ] = 1e-3
     fold: Annotated[bool, Meaning("whether a symmetric case is computed on a half or a quarter of the plane")] = True
-    half_width_y: Annotated[Given, HALF_WIDTH, Meaning("along y; left out: as far off the contact as in x", 3.0)] = None
+    half_width_y: Annotated[
+        float | None,
+        Bounds(gt=0, le=WIDEST_HALF_WIDTH),
+        Meaning("half_width along y; left out: the edge is as far from the contact as along x", 3.0),
+    ] = None
 
 
 SOLVERS: Mapping[Method, Solver] = {  # the defaults
@@ -97,8 +129,9 @@ def half_width_y(solver: Solver, geometry: Geometry) -> float | None:
     """
     along_x, along_y = geometry.extent
     default = solver.half_width + along_y - along_x
-    widths = solver.half_width_y or default, default
-    nodes, usual = (nodes_across(solver.nodes, width / solver.half_width) for width in widths)
+    nodes, usual = (
+        nodes_across(solver.nodes, width / solver.half_width) for width in (solver.half_width_y or default, default)
+    )
     if nodes == usual == solver.nodes:
         return None
     return solver.half_width * (nodes - 1) / (solver.nodes - 1)
@@ -115,10 +148,14 @@ class Time:
     """
 
     start_approach: Annotated[
-        Given, Bounds(lt=0), Meaning("impact: Delta at the start, below zero: apart; left out: above the oil", -1.0)
+        float | None,
+        Bounds(lt=0),
+        Meaning("impact: approach Delta at the start, below zero: apart; left out: above the layer of oil, too", -1.0),
     ] = None
     until: Annotated[
-        Stop | Amount | None, units.DURATION, Meaning("a time, or in an impact max-approach or rebound", "max-approach")
+        Stop | Amount | None,
+        units.DURATION,
+        Meaning("the end: a time, or in an impact max-approach or rebound", "max-approach"),
     ] = None
     tolerance: Annotated[float, units.SHARE, Meaning("error allowed in a time step, relative")] = 5e-5
     step: Annotated[Amount | None, units.DURATION, Meaning("a fixed time step, in place of tolerance", 0.01)] = None
@@ -150,13 +187,23 @@ class Drive:
     """Load and entrainment as functions of time: the section [motion].  None: the default of the kind of contact."""
 
     load: Annotated[
-        Signal | None, Meaning("applied load w(T), in F* (impact, left out: 0) or the static load (left out: 1)", 1.0)
+        Signal | None,
+        Meaning("applied load w(T), in F* (impact, left out: 0) or in the static load (rolling, left out: 1)", 1.0),
     ] = None
     entrainment: Annotated[
-        Signal | None, Meaning("U(T), in a/t0 (impact, left out: 0) or u_m (left out: 1)", [[0, 1], [1, 1], [5, -1]])
+        Signal | None,
+        Meaning(
+            "mean speed U(T), in a/t0 (impact, left out: 0) or u_m (rolling, left out: 1)", [[0, 1], [1, 1], [5, -1]]
+        ),
     ] = None
-    slide_to_roll: Annotated[Given, units.FINITE, Meaning("(u1 - u2)/u_m without dimensions; left out: 0", 0.1)] = None
-    inertia: Annotated[Given, units.NOT_NEGATIVE, Meaning("of a dimensionless rolling ball; left out: 0", 0.5)] = None
+    slide_to_roll: Annotated[
+        float | None, units.FINITE, Meaning("(u1 - u2)/u_m of a contact without dimensions; left out: 0", 0.1)
+    ] = None
+    inertia: Annotated[
+        float | None,
+        units.NOT_NEGATIVE,
+        Meaning("inertia of the ball in a rolling contact without dimensions; left out: 0", 0.5),
+    ] = None
 
 
 class Schedule(NamedTuple):
@@ -193,21 +240,43 @@ class Thermal:
     reduces the film.
     """
 
-    temperature: Annotated[float, units.TEMPERATURE, Meaning("of the oil in the inlet; left out: that in [lubricant]")]
-    conductivity: Annotated[float, units.CONDUCTIVITY, Meaning("of the oil; left out: that of the named oil")]
-    beta: Annotated[float, units.EXPANSION, Meaning("-d ln(eta)/dT; left out: that of the named oil", "0.035 / K")]
-    density_1: Annotated[float, units.DENSITY, Meaning("of body 1; left out, as the next two: that of material_1")]
+    temperature: Annotated[
+        float,
+        units.TEMPERATURE,
+        Meaning("of the oil in the inlet, for which eta0 and alpha hold; left out: that in [lubricant]"),
+    ]
+    conductivity: Annotated[
+        float, units.CONDUCTIVITY, Meaning("thermal conductivity of the oil; left out: that of the named oil")
+    ]
+    beta: Annotated[
+        float,
+        units.EXPANSION,
+        Meaning("-d ln(eta)/dT of the oil at ambient pressure; left out: that of the named oil", "0.035 / K"),
+    ]
+    density_1: Annotated[
+        float, units.DENSITY, Meaning("density of body 1; left out, as the next two: that of material_1")
+    ]
     heat_capacity_1: Annotated[float, units.HEAT_CAPACITY, Meaning("heat capacity of body 1", "460 J/(kg*K)")]
     conductivity_1: Annotated[float, units.CONDUCTIVITY, Meaning("thermal conductivity of body 1", "46 W/(m*K)")]
-    density_2: Annotated[float, units.DENSITY, Meaning("of body 2; left out, as the next two: that of material_2")]
+    density_2: Annotated[
+        float, units.DENSITY, Meaning("density of body 2; left out, as the next two: that of material_2")
+    ]
     heat_capacity_2: Annotated[float, units.HEAT_CAPACITY, Meaning("heat capacity of body 2", "460 J/(kg*K)")]
     conductivity_2: Annotated[float, units.CONDUCTIVITY, Meaning("thermal conductivity of body 2", "46 W/(m*K)")]
-    temperature_1: Annotated[Given, units.TEMPERATURE, Meaning("deep in body 1; left out: the oil's", "60 degC")] = None
-    temperature_2: Annotated[Given, units.TEMPERATURE, Meaning("deep in body 2; left out: the oil's", "60 degC")] = None
+    temperature_1: Annotated[
+        float | None,
+        units.TEMPERATURE,
+        Meaning("of body 1 far below its surface; left out: that of the oil", "60 degC"),
+    ] = None
+    temperature_2: Annotated[
+        float | None,
+        units.TEMPERATURE,
+        Meaning("of body 2 far below its surface; left out: that of the oil", "60 degC"),
+    ] = None
     viscosity: Annotated[
-        thermal.ViscosityName, Meaning("how it falls with the temperature: more under pressure, or equally at any")
+        ViscosityName, Meaning("how it falls with the temperature: more under pressure, or equally at all pressures")
     ] = "houpert"
-    inlet_factor: Annotated[thermal.InletName, Meaning("formula of the film with inlet shear heating")] = "gupta"
+    inlet_factor: Annotated[InletName, Meaning("formula of the film with inlet shear heating")] = "gupta"
 
     def __post_init__(self) -> None:
         for name in ("temperature_1", "temperature_2"):
@@ -215,11 +284,11 @@ class Thermal:
                 object.__setattr__(self, name, self.temperature)
 
     @property
-    def bodies(self) -> tuple[thermal.Solid, thermal.Solid]:
+    def bodies(self) -> tuple[Solid, Solid]:
         """The thermal data of both bodies."""
         return (
-            thermal.Solid(self.density_1, self.heat_capacity_1, self.conductivity_1),
-            thermal.Solid(self.density_2, self.heat_capacity_2, self.conductivity_2),
+            Solid(self.density_1, self.heat_capacity_1, self.conductivity_1),
+            Solid(self.density_2, self.heat_capacity_2, self.conductivity_2),
         )
 
     @property
@@ -228,14 +297,14 @@ class Thermal:
         assert self.temperature_1 is not None and self.temperature_2 is not None  # `__post_init__`
         return self.temperature_1 - self.temperature, self.temperature_2 - self.temperature
 
-    def viscosity_of(self, eta0: float) -> thermal.WarmViscosity:
+    def viscosity_of(self, eta0: float) -> WarmViscosity:
         """The law of the warm oil's viscosity.  Raises ValueError for an eta0 (Pa s) for which it has no meaning."""
-        return thermal.WARM_VISCOSITIES[self.viscosity].of(eta0, self.beta, self.temperature)
+        return WARM_VISCOSITIES[self.viscosity].of(eta0, self.beta, self.temperature)
 
     def inlet(self, eta0: float, p_h_over_E: float, mean_speed: float, slide_to_roll: float) -> "Inlet":
         """Inlet shear heating; eta0 in Pa s, mean_speed in m/s."""
-        L_t = thermal.thermal_loading(eta0, self.beta, mean_speed, self.conductivity)
-        factor = thermal.INLET_FACTORS[self.inlet_factor].formula(L_t, abs(slide_to_roll), p_h_over_E)
+        L_t = thermal_loading(eta0, self.beta, mean_speed, self.conductivity)
+        factor = INLET_FACTORS[self.inlet_factor].formula(L_t, abs(slide_to_roll), p_h_over_E)
         return Inlet(L_t, factor)
 
 

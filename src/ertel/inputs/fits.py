@@ -217,7 +217,5 @@ def _layer(medium: str = "", thickness: str = "") -> Layer:
 
 
 def _length(name: str, given: str) -> float:
-    try:
+    with refusing(name, given):
         return parse_quantity(given, LENGTH)
-    except ValueError as error:
-        raise ValueError(f"{name} = {given!r}: {error}") from error

@@ -200,8 +200,10 @@ def _surface_topography(needed_for: str) -> Any:
     try:
         import SurfaceTopography
     except ImportError as error:
-        install = "install it with pip install 'ertel[surfaces]'"
-        raise ConfigError(f"{needed_for}: needs the package SurfaceTopography; {install}") from error
+        raise ValueError(
+            f"{needed_for}: needs the package SurfaceTopography, which reads measured surfaces, takes off their form "
+            "and fills their gaps; install it with pip install 'ertel[surfaces]'"
+        ) from error
     return SurfaceTopography
 
 

@@ -29,7 +29,9 @@ from ertel.physics.units import Mark, Meaning, Unit, marks, meanings
 class Materials:
     """The materials of both bodies, in [contact]."""
 
-    material_1: Annotated[str | None, Meaning("of body 1, in an impact the ball; see ertel oils", "steel")] = None
+    material_1: Annotated[
+        str | None, Meaning("material of body 1, in an impact the ball; ertel oils lists the names", "steel")
+    ] = None
     material_2: Annotated[str | None, Meaning("material of body 2", "glass")] = None
 
 
@@ -41,7 +43,9 @@ class DataSheet:
     nu100: Annotated[float, units.KINEMATIC_VISCOSITY, Meaning("kinematic viscosity at 100 degC", "8.7 mm^2/s")]
     density: Annotated[float, units.DENSITY, Meaning("density at 15 degC", "880 kg/m^3")]
     expansion: Annotated[float | None, units.EXPANSION, Meaning("thermal expansion coefficient")] = None
-    alpha: Annotated[float | None, units.COMPLIANCE, Meaning("pressure-viscosity coefficient at any T")] = None
+    alpha: Annotated[float | None, units.COMPLIANCE, Meaning("pressure-viscosity coefficient, at all temperatures")] = (
+        None
+    )
     reference: Annotated[str, Meaning("source of the data", "data sheet of the oil")] = ""
 
 
@@ -49,7 +53,10 @@ class DataSheet:
 class NamedLubricant:
     """An oil by its name or its data sheet, in [lubricant]; keys that are given as well win over its data."""
 
-    oil: Annotated[str | DataSheet | None, Meaning("name of an oil (ertel oils) or its data sheet", "squalane")] = None
+    oil: Annotated[
+        str | DataSheet | None,
+        Meaning("name of an oil, ertel oils lists them, or a table with its data sheet", "squalane"),
+    ] = None
     temperature: Annotated[float | None, units.TEMPERATURE, Meaning("temperature of the inlet; goes with oil")] = None
     oils: Annotated[str | None, Meaning("file of own oils, beside the case file; goes with oil", "my_oils.toml")] = None
 
@@ -58,7 +65,9 @@ class NamedLubricant:
 class MeasuredFile:
     """Keys for reading the file of a measured map, in [[roughness]]."""
 
-    channel: Annotated[str | None, Meaning("channel of the file; left out: the first with heights", "Height")] = None
+    channel: Annotated[
+        str | None, Meaning("which of the channels of the file; left out: its first one with heights", "Height")
+    ] = None
     unit: Annotated[str | None, Meaning("unit of lengths and heights of a file that does not say it", "um")] = None
     detrend: Annotated[
         Literal["plane", "curvature", "mean", "none"] | None,

@@ -78,8 +78,10 @@ def _lubricant(written: Mapping[str, Any], data: Mapping[str, Any]) -> dict[str,
     if "oils" in written and "oil" not in written:
         raise ConfigError(f"oils = {show(written['oils'])}: needs lubricant.oil, the name of an oil in it")
     if "oil" not in written:
-        needs = f"needs lubricant.oil, one of {', '.join(oils.names())}"
-        raise ConfigError(f"temperature = {show(written['temperature'])}: {needs}; or give eta0 and alpha instead")
+        raise ConfigError(
+            f"temperature = {show(written['temperature'])}: needs lubricant.oil, one of {', '.join(oils.names())}; or "
+            "give eta0 and alpha at the temperature of the inlet instead"
+        )
     oil = oil_of(written)
     if "temperature" not in written:
         raise ConfigError(f'temperature: missing; oil = {show(written["oil"])} needs it, for example "40 degC"')
@@ -201,8 +203,10 @@ def _inlet_temperature(given: Mapping[str, Any], lubricant: Mapping[str, Any]) -
         for name, section in (("thermal", given), ("lubricant", lubricant))
     )
     if of_oil is not None and T != of_oil:
-        other = f"differs from lubricant.temperature = {show(lubricant['temperature'])}; leave it out"
-        raise ValueError(f"thermal.temperature = {show(given['temperature'])}: {other}")
+        raise ValueError(
+            f"thermal.temperature = {show(given['temperature'])}: differs from lubricant.temperature = "
+            f"{show(lubricant['temperature'])}, for which eta0 and alpha hold; leave thermal.temperature out"
+        )
     return T
 
 
@@ -243,6 +247,8 @@ def require_rheology(case: Case, lubricant: object) -> None:
     given = isinstance(lubricant, Mapping) and "rheology" in lubricant
     stress = newtonian_stress(case) if case.thermal and case.oil.is_newtonian and not given else 0.0
     if stress > LARGEST_NEWTONIAN_STRESS:
-        mean = f"a Newtonian oil would have a mean shear stress of about {stress / 1e6:.2g} MPa"
-        example = 'give for example { law = "ree-eyring", tau0 = "5 MPa" }, or "newtonian"'
-        raise ConfigError(f"lubricant.rheology: missing; [thermal] needs it, because {mean}; {example}")
+        raise ConfigError(
+            "lubricant.rheology: missing; [thermal] needs it, because a Newtonian oil would have a mean shear stress "
+            f"of about {stress / 1e6:.2g} MPa here and oils begin to thin at some MPa; give for example "
+            '{ law = "ree-eyring", tau0 = "5 MPa" }, or "newtonian" to have that heat computed'
+        )

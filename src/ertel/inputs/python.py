@@ -95,15 +95,23 @@ class RollingKeywords(_Keywords, total=False):
 
 
 SPECIAL: Mapping[str, Meaning] = {  # keywords that are no fields of a record
-    "oil": Meaning("an Oil, or the name of one (`ertel.oils`); needed by a physical contact, else a mineral oil"),
+    "oil": Meaning(
+        "an Oil, or the name of one (`ertel.oils`), which brings its law of shear thinning where it has one; needed by "
+        "a physical contact, otherwise a typical mineral oil"
+    ),
     "rheology": Meaning(
-        "how the oil thins, instead of its own law: {'law': 'ree-eyring', 'tau0': '5 MPa'}, a record, or 'newtonian'"
+        "how the oil thins under shear, instead of the oil's own: a table as in case files, "
+        "{'law': 'ree-eyring', 'tau0': '5 MPa'}, the record of a law, or 'newtonian'; 'carreau' takes its data from a "
+        "named oil that has them"
     ),
     "motion": Meaning("load, entrainment (signals), slide_to_roll, inertia, as [motion] of a case file"),
-    "roughness": Meaning("shapes, features (a shape on surface 1 or 2) or tables as [[roughness]]; heights are added"),
+    "roughness": Meaning(
+        "shapes, features (a shape on surface 1 or 2), or tables as [[roughness]] of a case file; heights are added"
+    ),
     "time_tolerance": meanings(Time)["tolerance"],
     "thermal": Meaning(
-        "for temperatures of a steady contact, as [thermal]; {} takes all from the named oil and materials"
+        "data for the temperatures of a steady contact, as [thermal] of a case file (`ertel.case.sections.Thermal`); "
+        "{} takes all of them from the oil and the materials that are named"
     ),
     "name": Meaning("for titles and directories"),
 }

@@ -114,7 +114,10 @@ def parse_study(data: Mapping[str, Any], folder: str | Path = ".") -> Study:
             raise ConfigError(f"{axis.field} = {show(list(axis.values))}: the values must differ from each other")
     if not axes:
         parse_case(plain, folder)  # a misspelled section or range is named first
-        raise ConfigError("the study has one case only: give a list, or { from, to, number }, for what varies")
+        raise ConfigError(
+            "the study has one case only: give a list, or { from = ..., to = ..., number = ... }, for the value that "
+            "varies"
+        )
     cases = tuple(_case(plain, axes, values, folder) for values in _combinations(axes, mode))
     for axis in axes:
         put(plain, axis.place, axis.values[0])
@@ -239,8 +242,10 @@ def convergence_series(case: Case, grids: int = FEWEST_GRIDS, along: str = "grid
     if along == "grid" and (cells % coarsening or cells // coarsening + 1 < FEWEST_NODES):
         coarsest = max(cells // coarsening, FEWEST_NODES - 1)
         allowed = " or ".join(str(coarsening * each + 1) for each in (coarsest, coarsest + 1))
-        none = f"has no {grids} grids of {FEWEST_NODES} nodes or more, each the half of the next"
-        raise ConfigError(f"solver.nodes = {cells + 1}: {none}; use solver.nodes = {allowed}")
+        raise ConfigError(
+            f"solver.nodes = {cells + 1}: has no {grids} grids of {FEWEST_NODES} nodes or more, each the half of the "
+            f"next; use solver.nodes = {allowed}, or another number of grids"
+        )
     cases = [case] * grids
     for number in reversed(range(grids - 1)) if along == "grid" else ():
         cases[number] = cases[number + 1].on_half_grid()

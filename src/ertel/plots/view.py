@@ -20,8 +20,8 @@ from ertel.plots.drawing import NoFigure, Scale, Values
 from ertel.results.alignment import NOT_FULL, Comparison
 from ertel.results.dataset import maps_of
 from ertel.results.numbers import plus_minus
-from ertel.results.profiles import At, mirrored, moment_of
-from ertel.results.variables import FILMS, FRICTION, is_steady, with_prefix
+from ertel.results.profiles import At, is_without_moments, mirrored, moment_of
+from ertel.results.variables import FILMS, FRICTION, with_prefix
 
 MARGIN, WIDEST = 1.3, 2.0  # of what is shown round the contact, at most so many half widths from its centre
 LOADED = 0.02  # of the maximum pressure or load: with less the film carries nothing
@@ -94,20 +94,14 @@ class View:
 
         Raises NoFigure where there is nothing to draw yet, or no such moment.
         """
-        if is_steady(dataset):
-            if at is not None:
-                raise NoFigure(f"at = {at!r}: a steady contact has no moments to choose from; leave it out")
-            if not dataset.sizes["grid"]:
-                raise NoFigure("dataset: has no solution yet, there is nothing to draw")
-            return cls(dataset)
-        if not dataset.sizes["frame"]:
-            raise NoFigure("dataset: has no maps yet, there is nothing to draw")
-        if at is None and (thinnest := _thinnest(dataset)):
-            return cls(dataset, thinnest, "thinnest film")
         try:
+            if is_without_moments(dataset, at):
+                return cls(dataset)
             moment = moment_of(dataset, at)
         except ValueError as error:
             raise NoFigure(str(error)) from error
+        if at is None and (thinnest := _thinnest(dataset)):
+            return cls(dataset, thinnest, "thinnest film")
         return cls(dataset, moment.frame, moment.name)
 
     # -- properties of the run ----------------------------------------------------------------------------------------

@@ -42,6 +42,17 @@ def events_of(dataset: xr.Dataset) -> Mapping[str, int]:
     return {EVENTS[code]: int(np.flatnonzero(codes == code)[0]) for code in sorted({int(c) for c in codes}) if code}
 
 
+def is_without_moments(dataset: xr.Dataset, at: At) -> bool:
+    """Whether a run is a steady contact.  Raises ValueError for a moment of it, and where it has no solution yet."""
+    if not is_steady(dataset):
+        return False
+    if at is not None:
+        raise ValueError(f"at = {at!r}: a steady contact has no moments to choose from; leave it out")
+    if not dataset.sizes["grid"]:
+        raise ValueError("dataset: has no solution yet")
+    return True
+
+
 def moment_of(dataset: xr.Dataset, at: At = None) -> Instant:
     """The moment of a run in time that is asked for.
 
@@ -99,12 +110,8 @@ def profile(dataset: xr.Dataset, at: At = None, along: str = "x") -> xr.Dataset:
         raise ValueError(f'along = {along!r}: must be "x" or "y"')
     axis, other = ALONG[along]
     fields, moment = dataset[["H", "P", "oil"]], "steady contact"
-    if not is_steady(dataset):
+    if not is_without_moments(dataset, at):
         fields, moment = _at(fields, moment_of(dataset, at))
-    elif at is not None:
-        raise ValueError(f"at = {at!r}: a steady contact has no moments to choose from; leave it out")
-    elif not dataset.sizes["grid"]:
-        raise ValueError("dataset: has no solution yet")
     line = _through_centre(fields.load(), axis) if "r" in fields.coords else fields.load().interp({other: 0.0})
     line = line.drop_vars([other, "frame"], errors="ignore").assign_attrs(dataset.attrs, moment=moment)
     return to_si(line) if "si_factor" in line["H"].attrs else line

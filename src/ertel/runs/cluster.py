@@ -121,7 +121,9 @@ def existing(
         except FatalCommClosedError as error:
             raise NoScheduler(f"{where}: the scheduler has another authority for its certificates") from error
         except (OSError, ValueError) as error:
-            raise NoScheduler(f"{where}: no scheduler answers there within {ANSWER} s") from error
+            raise NoScheduler(
+                f"{where}: no scheduler answers there within {ANSWER} s; make sure that it runs"
+            ) from error
         yield cluster
 
 
@@ -132,8 +134,9 @@ def _keys(tls: str | Path) -> Security:
     try:
         security.get_connection_args("client")
     except OSError as error:  # also of OpenSSL
-        content = "a certificate, its key and the certificate of the authority"
-        raise NoScheduler(f"tls = {tls}: must be a PEM file with {content}") from error
+        raise NoScheduler(
+            f"tls = {tls}: must be a PEM file with a certificate, its key and the certificate of the authority"
+        ) from error
     return security
 
 

@@ -245,17 +245,14 @@ def read_progress(directory: Path) -> dict[str, Any] | None:
 
 def _is_valid(progress: Mapping[str, Any]) -> bool:
     """Whether the values that readers count on have their types and ranges.  Raises many errors where they have not."""
-    counts = [progress[name] for name in ("step", "process")]
-    numbers = [*counts, *(progress[name] for name in ("T", "done", "seconds", "seconds_left"))]
-    return (
-        all(isinstance(progress[name], str) for name in ("status", "written"))
-        and all(type(count) is int for count in counts)
-        and all(isfinite(number) for number in numbers if number is not None)
-        and progress["step"] >= 0
-        and 0.0 <= progress["done"] <= 1.0
-        and progress["seconds"] >= 0.0
-        and 0 < progress["process"] < LARGEST_PROCESS
-    )
+    kinds = {"status": str, "written": str, "step": int, "process": int}
+    if not all(type(progress[name]) is kind for name, kind in kinds.items()):
+        return False
+    numbers = [progress[name] for name in ("step", "process", "T", "done", "seconds", "seconds_left")]
+    if not all(isfinite(number) for number in numbers if number is not None):
+        return False
+    is_process = 0 < progress["process"] < LARGEST_PROCESS
+    return is_process and progress["step"] >= 0 and 0.0 <= progress["done"] <= 1.0 and progress["seconds"] >= 0.0
 
 
 # -- the runs in a folder ---------------------------------------------------------------------------------------------

@@ -158,8 +158,10 @@ def memory_shortage(case: Case) -> str:
         while memory_needed(smaller) > available > 0:
             smaller = smaller.on_half_grid()
     has = f", the machine has {available / 1e9:.2g} GB" if available else ""
-    needs = f"solver.nodes = {case.solver.nodes} needs about {memory_needed(case) / 1e9:.2g} GB of memory{has}"
-    return f"{needs}; solver.nodes = {smaller.solver.nodes} needs {memory_needed(smaller) / 1e9:.2g} GB"
+    return (
+        f"solver.nodes = {case.solver.nodes} needs about {memory_needed(case) / 1e9:.2g} GB of memory{has}; "
+        f"solver.nodes = {smaller.solver.nodes} needs {memory_needed(smaller) / 1e9:.2g} GB"
+    )
 
 
 def is_out_of_memory(error: BaseException) -> bool:
@@ -203,9 +205,12 @@ def _yielding(case: Case) -> Iterator[str]:
             continue
         limit = material.strength.data.first_yield
         if p > limit:
-            hard = f"{name} of the hardness {with_prefix(material.strength.data.hardness, 'Pa')}"
-            yields = f"yields from about {with_prefix(limit, 'Pa')} (1.6 times the yield stress)"
-            yield f"the maximum Hertz pressure is {with_prefix(p, 'Pa')}, and {hard} {yields}: bodies here are elastic"
+            yield (
+                f"the maximum Hertz pressure is {with_prefix(p, 'Pa')}, and {name} of the hardness "
+                f"{with_prefix(material.strength.data.hardness, 'Pa')} yields from about {with_prefix(limit, 'Pa')} "
+                "(1.6 times the yield stress): the bodies here are elastic, and pressures and films are not those of "
+                "bodies that yield"
+            )
 
 
 def _pressure_of_the_oil(case: Case) -> str:
@@ -213,8 +218,10 @@ def _pressure_of_the_oil(case: Case) -> str:
     p, highest = definition.largest_pressure(case), getattr(case.oil.viscosity_law, "highest", None)
     if highest is None or p <= highest or not (case.motion.slide_to_roll or case.thermal):
         return ""
-    here = f"{with_prefix(highest, 'Pa')}, and this contact has {with_prefix(p, 'Pa')}"
-    return f"the viscosity law of the oil has a source up to {here}: friction is extrapolated, not the film"
+    return (
+        f"the viscosity law of the oil has a source up to {with_prefix(highest, 'Pa')}, and this contact has "
+        f"{with_prefix(p, 'Pa')}: friction is extrapolated; the film, which the inlet makes, hardly depends on it"
+    )
 
 
 def _shear_stress(case: Case) -> str:
@@ -222,9 +229,11 @@ def _shear_stress(case: Case) -> str:
     stress = definition.newtonian_stress(case) if case.oil.is_newtonian else 0.0
     if stress <= definition.LARGEST_NEWTONIAN_STRESS:
         return ""
-    mean = f"sliding would give it a mean shear stress of about {with_prefix(stress, 'Pa')}, and oils thin at some MPa"
-    advice = 'give lubricant.rheology, for example { law = "ree-eyring", tau0 = "5 MPa" }'
-    return f"the oil is Newtonian, and {mean}: friction and power loss are not meaningful; {advice}"
+    return (
+        f"the oil is Newtonian, and sliding would give it a mean shear stress of about {with_prefix(stress, 'Pa')}; "
+        "oils begin to thin at some MPa: friction and power loss are not meaningful, the film hardly depends on it; "
+        'give lubricant.rheology, for example { law = "ree-eyring", tau0 = "5 MPa" }'
+    )
 
 
 def _layer(case: Case) -> str:
@@ -234,18 +243,24 @@ def _layer(case: Case) -> str:
     layer, start = case.track.extremes[1], case.schedule.start_approach
     edge = min(case.solver.half_width, case.solver.half_width_y or inf)
     if layer > -start:
-        thicker = f"lubricant.layer = {layer:.4g} a*^2/R is thicker than the initial gap {-start:.4g}"
-        return f"the ball starts in the oil: {thicker}; use time.start_approach <= {-layer:.4g}, or leave it out"
+        return (
+            f"the ball starts in the oil: lubricant.layer = {layer:.4g} a*^2/R is thicker than the initial gap "
+            f"{-start:.4g}; use time.start_approach <= {-layer:.4g}, or leave it out"
+        )
     wet = wet_radius(layer)
     if case.geometry is not CIRCLE or wet <= edge:
         return ""
-    reach = f"may get to {wet:.3g} a*, and the edge of the grid, where it is lost, is at {edge:g}"
-    return f"the oil that the ball displaces {reach}; use solver.half_width >= {ceil(4 * wet) / 4:g}"
+    return (
+        "the oil that the ball displaces may reach the edge of the grid, where it is lost (it may get to "
+        f"{wet:.3g} a*, the edge is at {edge:g}); use solver.half_width >= {ceil(4 * wet) / 4:g}"
+    )
 
 
 def _thin_film(which: str, thickness: float) -> str:
     """A sentence where a film is thinner than molecules."""
     if not 0.0 < thickness < SMALLEST_FILM:
         return ""
-    thinner = f"the {which} film of {with_prefix(thickness, 'm')} is thinner than {with_prefix(SMALLEST_FILM, 'm')}"
-    return f"{thinner}, about the size of the oil's molecules: no liquid film, and rough solids may touch"
+    return (
+        f"the {which} film of {with_prefix(thickness, 'm')} is thinner than {with_prefix(SMALLEST_FILM, 'm')}, about "
+        "the size of the oil's molecules: it is not a liquid film there, and solids with their roughness may touch"
+    )

@@ -145,8 +145,10 @@ def curve_of(case: Case, given: Mapping[str, Given | None], film: str | None = N
     given: by the name of the axis, exactly one of them.  Raises ConfigError, naming the argument.
     """
     if not case.is_steady:
-        steady = 'must be "steady", a traction curve is of a steady contact'
-        raise ConfigError(f'solver.method = "{case.solver.method}": {steady}')
+        raise ConfigError(
+            f'solver.method = "{case.solver.method}": a traction curve is of a steady contact; use contact.kind = '
+            '"rolling" and solver.method = "steady"'
+        )
     axes = {name: values for name, values in given.items() if values is not None}
     if len(axes) != 1:
         raise ConfigError(f"give exactly one of {', '.join(CURVE_AXES)}; got {' and '.join(axes) or 'none'}")
@@ -155,11 +157,7 @@ def curve_of(case: Case, given: Mapping[str, Given | None], film: str | None = N
         raise ConfigError(f"{axis} = {show(values)}: a dimensionless case has none; give the contact in SI")
     _check_factors(case, axis)
     in_si = parse_values(axis, values, marks(Conditions)[axis])
-    try:
-        cases = tuple(_at(case, axis, value) for value in in_si)
-    except ValueError as error:
-        raise ConfigError(str(error)) from error
-    return Curve(case, axis, in_si, cases, _film(case, axis, film))
+    return Curve(case, axis, in_si, tuple(_at(case, axis, value) for value in in_si), _film(case, axis, film))
 
 
 def _film(case: Case, axis: str, film: str | None) -> FilmChoice:

@@ -119,5 +119,7 @@ def check_fork() -> None:
     if _computing is None:
         _computing = os.getpid()
     if _computing != os.getpid():
-        instead = 'start processes with multiprocessing.get_context("spawn"), or run the cases with ertel.sweep'
-        raise Forked(f"this process was forked from one in which JAX runs, and would hang; {instead}")
+        raise Forked(
+            "this process was forked from one in which JAX runs, and would hang; start processes with "
+            'multiprocessing.get_context("spawn"), or run the cases with ertel.sweep'
+        )
