@@ -168,6 +168,7 @@ ROUGH = (Feature(Spot(0.3, 0.1)),)
 STEADY, IN_TIME = rolling(), rolling("transient")
 PHYSICAL = Case(Conditions(**BALL), OIL)
 FAST = Case(Conditions(**BALL, mean_speed=1.0), OIL)
+ENTRAINED = 'motion.entrainment = 1.0: is given together with contact.mean_speed = "1.0 m/s"; allowed: one of them'
 ON_TRACK = Case(Conditions(**TRACK), OIL, SOLVERS["steady"])
 NO_L = Case(Conditions(M=200.0), Oil(viscosity="isoviscous", density="incompressible"))
 FINE = impact(solver=Solver(nodes=4097))
@@ -200,6 +201,7 @@ REFUSED: list[Refusal] = [
     (impact(), {"solver": Solver(nodes=39)}, "solver.nodes = 39: "),
     (impact(), {"solver": Solver(nodes=8193)}, "solver.nodes = 8193: must be less than or equal to 4097"),
     (impact(), {"solver": Solver(half_width=1.0)}, "solver.half_width = 1.0: must be greater than 1"),
+    (impact(), {"solver": Solver(half_width=1e9)}, "solver.half_width = 1000000000.0: must be less than or equal to"),
     (impact(), {"solver": Solver(half_width=nan)}, "solver.half_width = NaN: must be a finite number"),
     # is lengthened for multigrid, and could not be read again
     (STEADY, {"solver": replace(STEADY.solver, half_width=560.4, half_width_y=999.0)}, "solver.half_width_y = 1120.8"),
@@ -229,6 +231,7 @@ REFUSED: list[Refusal] = [
     (IN_TIME, {"time": Time(until=10.0, step=1e-9)}, "time.step = 1e-09: needs 1e+10 steps; must be at least 1e-06 t0"),
     (impact(), {"output": Output(1e-9)}, "output.interval = 1e-09: gives 2.47e+09 maps with 7.84e+06 GB; at most"),
     (FINE, {"output": Output(0.005)}, "output.interval = 0.005: gives 494 maps with 398 GB"),
+    (PHYSICAL, {"output": Output(Quantity(1e-10, "s"))}, 'output.interval = "1e-10 s": gives 9.39e+05 maps'),
     # name and source
     *[(impact(), {"name": name}, f"name = {shown}: must be a plain file name: ") for name, shown in NO_NAMES.items()],
     (impact(), {"name": 5}, "name = 5: must be a string"),
@@ -249,10 +252,11 @@ REFUSED: list[Refusal] = [
     (IN_TIME, {"drive": Drive(Oscillation(1.0, inf, 1.0))}, "motion.load.amplitude = Infinity: must be a finite numb"),
     (IN_TIME, {"drive": Drive(constant(nan))}, "motion.load = NaN: must be a finite number"),
     (IN_TIME, {"drive": drive_to(2.0, at=inf)}, "motion.load = [[0.0, 1.0], [Infinity, 2.0]]: must be a finite"),
+    (PHYSICAL, {"drive": drive_to(2.0, at=Quantity(1.0, "m"))}, 'motion.load = [[0.0, 1.0], ["1.0 m", 2.0]]: must '),
     (impact(), {"drive": Drive(inertia=1.0)}, "motion.inertia = 1.0: belongs to dimensionless rolling cases; for an"),
     (ON_TRACK, {"drive": Drive(inertia=1.0)}, "motion.inertia = 1.0: belongs to dimensionless rolling cases; give"),
     (ON_TRACK, {"drive": Drive(slide_to_roll=1.0)}, "motion.slide_to_roll = 1.0: belongs to dimensionless cases; with"),
-    (FAST, {"drive": Drive(entrainment=constant(1.0))}, "motion.entrainment = 1.0: is given together with cont"),
+    (FAST, {"drive": Drive(entrainment=constant(1.0))}, ENTRAINED),
     # roughness
     (RESTING, {"drive": None}, "roughness[1].surface = 1: moves, so that its film is not steady"),
     (impact(), {"roughness": (*ROUGH, NANOMETRES)}, 'roughness[2].height = "1e-08 m": must be a plain number'),

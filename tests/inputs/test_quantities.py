@@ -110,7 +110,7 @@ def test_any_text_as_a_length_is_a_length_or_refused(text):
     ("given", "mark", "values"),
     [
         ("0:0.5:3", FINITE, [0, 0.25, 0.5]),
-        ("-0.5:0.5:3", FINITE, [-0.5, 0, 0.5]),
+        ("0.5:-0.5:3", FINITE, [0.5, 0, -0.5]),
         ("1e-3 : 1e-1 : 3 : log", FINITE, [1e-3, 1e-2, 1e-1]),
         ("0, 0.01, 0.05", FINITE, [0, 0.01, 0.05]),
         ("0.1", FINITE, [0.1]),
@@ -137,6 +137,7 @@ def test_a_range_through_zero_contains_zero() -> None:
     ("given", "mark", "said"),
     [
         ("0:0.5", FINITE, "must be FIRST:LAST:NUMBER, or FIRST:LAST:NUMBER:log"),
+        ("0:0.5:3:lin", FINITE, "must be FIRST:LAST:NUMBER, or FIRST:LAST:NUMBER:log"),
         ("0:0.5:x", FINITE, "a whole number from 2 to 1000"),
         ("0:0.5:1e9", FINITE, "a whole number from 2 to 1000"),
         ("0:1:3:log", FINITE, "must both be above zero, or both below"),

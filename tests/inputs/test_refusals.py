@@ -15,6 +15,7 @@ Rows = list[tuple[Any, list[str]]]  # what is wrong; how its message begins, and
 MOES = {"M": 1000, "L": 10}
 OIL = {"eta0": "0.1 Pa*s", "alpha": "22 / GPa"}
 ROLLING = {"kind": "rolling", **MOES}
+THICK = ROLLING | {"M": 1}
 SLENDER = MOES | {"radius_ratio": 0.5}
 HEAVY = NAMED | {"oil": SHEET | {"density": 1000}}
 TRACK = {"kind": "rolling", "radius": "10 mm", "load": "20 N", "E_prime": "226.37 GPa"}
@@ -61,6 +62,7 @@ CONTACTS: Rows = [
     ({}, ["contact.M: missing", "lambda_bar and alpha_bar", "radius"]),
     ({"M": 1000}, ["contact.L: missing", "contact.M = 1000", "M and L"]),
     (MOES | {"lambda_bar": 1}, ["contact.M = 1000.0 and contact.lambda_bar = 1.0 are given together; allowed: "]),
+    (MOES | BALL, ['contact.M = 1000.0 and contact.radius = "10 mm" are given together; allowed: ']),
     (MOES | {"slide_to_roll": 1}, ["contact.slide_to_roll = 1", "motion.slide_to_roll"]),
     (MOES | {"material_1": "steel"}, ['contact.material_1 = "steel": a dimensionless contact has no materials']),
     *[(without(key, BALL), [f"contact.{key}: missing; allowed: {key}; or "]) for key in BALL],
@@ -80,7 +82,7 @@ CONTACTS: Rows = [
     (TRACK | TWO_SPEEDS | {"speed_2": "-1 m/s"}, ["contact.speed_1", 'contact.speed_2 = "-1 m/s"', "not be zero"]),
     (TRACK | TWO_SPEEDS | {"slide_to_roll": 1}, ["contact.slide_to_roll = 1", "mean_speed only"]),
     (ROLLED | {"mean_speed": "0 m/s"}, ['contact.mean_speed = "0 m/s"', "must not be zero"]),
-    ({"kind": "rolling", "M": 0.01, "L": 10}, ["contact: M = 0.01 is too low: ", "half_width = 1000"]),
+    ({"kind": "rolling", "M": 0.01, "L": 10}, ["contact: M = 0.01 is too low: ", "half_width = 1000", "formulas"]),
 ]
 BODIED = without("E_prime", ROLLED) | BODIES
 CONTACTS += [
@@ -156,6 +158,7 @@ THERMAL: list[tuple[Data, Data, Data, list[str]]] = [
 OSCILLATION = {"mean": 1, "amplitude": 1, "period": 1}
 LOADS: Rows = [
     ([], ["motion.load = []", "[T, value]", "amplitude"]),
+    ([1, 2], ["motion.load[1] = 1", "[T, value]"]),
     ([[0, 1], [1]], ["motion.load[2]", "[T, value]"]),
     ([[0, "a"]], ['motion.load[1][2] = "a"', "number"]),
     (True, ["motion.load = true", "[T, value]"]),
@@ -178,6 +181,7 @@ SHAPES: Rows = [
     ({"shape": "measured", "file": 0}, ["roughness[1].file = 0: must be a string"]),
     ({"shape": "measured", "file": "map.npy", "length_xx": 1}, ["roughness[1].length_xx = 1", "did you mean length_x"]),
 ]
+BACK = {"slide_to_roll": -2}
 SECTIONS: Rows = [
     ({"contat": {}}, ["contat = {  }: unknown key; did you mean contact? allowed: ", "solver"]),
     ({"schema": True}, ["schema = true: allowed: 1"]),
@@ -187,7 +191,8 @@ SECTIONS: Rows = [
     ({"oil": "squalane"}, ['oil = "squalane": unknown key; did you mean lubricant.oil?']),
     ({"solver": {"until": 1}}, ["solver.until = 1: unknown key; did you mean time.until? allowed: method"]),
     ({"solver": 5}, ["solver = 5: must be a section, [solver]"]),
-    ({"contact": ROLLING | {"M": 1}, "solver": {"half_width": 3.0}}, ["solver.half_width = 3.0: must be at least 8."]),
+    ({"solver": {"nodes": 100}}, ["solver.nodes = 100: ", "97", "105"]),
+    ({"contact": THICK, "solver": {"half_width": 3.0}}, ["solver.half_width = 3.0: must be at least 8.39", "leave"]),
     ({"contact": SLENDER, "solver": {"method": "radial"}}, ['solver.method = "radial": is for circular', "R_y = 0.5"]),
     ({"contact": SLENDER, "solver": {"half_width_y": 1.5}}, ["solver.half_width_y = 1.5"]),
     ({"solver": {"method": "radial", "half_width_y": 3.0}}, ["solver.half_width_y = 3"]),
@@ -196,6 +201,7 @@ SECTIONS: Rows = [
     ({"motion": {"speed": 1}}, ["motion.speed = 1: unknown key", "entrainment"]),
     *[({"roughness": value}, ["roughness = ", "must be an array of tables, [[roughness]]"]) for value in (False, SPOT)],
     ({"roughness": [SPOT, SPOT | {"shape": "dent"}]}, ['roughness[2].shape = "dent"', "waviness, rings, spot"]),
+    ({"contact": ROLLING, "roughness": [SPOT | {"surface": 2}], "motion": BACK}, ["roughness[1].surface = 2: moves"]),
     ({"contact": ROLLED, "solver": IN_TIME, "thermal": HOT}, ["thermal: is for a steady contact, and", '"transient"']),
     ({"contact": ROLLING, "lubricant": {}, "thermal": HOT}, ["thermal: needs a contact in SI"]),
     # which field is named where several could be wrong

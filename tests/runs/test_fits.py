@@ -16,6 +16,7 @@ import ertel
 from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.inputs.case_files import ConfigError, parse_case
+from ertel.inputs.fits import with_settings
 from ertel.optics import CHROMIUM, SILICA, Interferometer, Layer, Monochromatic, Rig
 from ertel.results.alignment import light_along
 from ertel.results.fit_result import FitResult
@@ -152,6 +153,12 @@ def test_unknowns_that_are_refused(unknowns: Any, sentence: str) -> None:
 def test_measurements_that_are_refused(data: Any, sentence: str) -> None:
     with pytest.raises(ConfigError, match=sentence):
         fit_problem(CASE, data, UNKNOWNS)
+
+
+def test_a_path_through_an_array_is_refused() -> None:
+    rough = ertel.impact(M=20, L=5, roughness=[ertel.Spot(0.3, 0.1)])
+    with pytest.raises(ConfigError, match=r"^roughness.radius: roughness is not a table .in the case with roughness"):
+        with_settings(rough, {"roughness.radius": 0.2})
 
 
 def test_fringes_give_the_film_and_the_oil(dry: xr.Dataset) -> None:

@@ -46,7 +46,7 @@ def test_pressures_for_which_an_oil_has_a_source() -> None:
 
 
 def test_the_shear_stress_of_a_newtonian_oil() -> None:
-    assert "sliding would give it a mean shear stress of about 37" in said(**VG68, slide_to_roll=0.1)
+    assert "Newtonian, and sliding would give it a mean shear stress of about 37" in said(**VG68, slide_to_roll=0.1)
     eyring = {"law": "ree-eyring", "tau0": "5 MPa"}
     for quiet in ({}, {"slide_to_roll": 1e-6}, {"slide_to_roll": 0.1, "rheology": eyring}):
         assert "Newtonian" not in said(**VG68, **quiet)

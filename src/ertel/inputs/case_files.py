@@ -188,9 +188,9 @@ def apply_overrides(data: Mapping[str, Any], overrides: Iterable[str]) -> dict[s
 def put(data: dict[str, Any], place: Sequence[str | int], value: Any) -> None:
     """Put a value at a place into plain data themselves; tables on the way are made."""
     table: Any = data
-    for part in place[:-1]:
+    for number, part in enumerate(place[:-1], 1):
         table = table[part] if isinstance(part, int) else table.setdefault(part, {})
-        if not isinstance(table, dict | list):
+        if not isinstance(table, dict if isinstance(place[number], str) else list):
             raise ConfigError(f"{field_name(place)}: {part} is not a table")
     table[place[-1]] = value
 
