@@ -20,9 +20,9 @@ from ertel.physics import hertz
 from ertel.physics.film_formulas import FormulaFilm
 from ertel.physics.units import Quantity
 from ertel.results import parameters, variables
-from ertel.results.numbers import key_numbers, lines, more_lines, number, scalars
+from ertel.results.numbers import as_now, key_numbers, lines, more_lines, number, scalars
 from ertel.results.summary import comparisons, extremes, impact_summary, rolling_summary, with_error
-from ertel.results.variables import to_si, with_coefficients
+from ertel.results.variables import one_number, to_si, with_coefficients
 from ertel.runs.drive import simulate
 from ertel.solvers import radial
 
@@ -135,6 +135,21 @@ def test_one_number_everywhere(run: ertel.Result) -> None:
     force = float(run.dataset["tau_x"].sum()) * cell * run.case.scales.a_over_R
     assert mu == pytest.approx(force * 3 / (2 * np.pi), rel=0.02)
     assert with_coefficients({"mu_sliding": 2.0, "H_c": 0.1}, None) == {"mu_sliding": 2.0, "H_c": 0.1}
+
+
+def test_summaries_and_data_of_earlier_versions(run: ertel.Result) -> None:
+    """They had units a/R, beside the number itself in SI."""
+    unit, now = run.case.scales.a_over_R, run.summary
+    assert as_now({**now, "mu_sliding": now["mu_sliding"] / unit})["mu_sliding"] == now["mu_sliding"]
+    assert as_now(now) == now
+    reached = {"kind": "impact", "max_approach": {"H_c": 1.0, "mu_sliding": 9.0}}
+    reached["si"] = {"max_approach": {"mu_sliding": 0.1}}
+    assert as_now(reached)["max_approach"] == {"H_c": 1.0, "mu_sliding": 0.1}
+    attributes = {"in_units_of": "a*/R", "si_factor": unit, "si_name": "mu_sliding", "si_units": "1"}
+    old = xr.Dataset({"mu_sliding": ("grid", run.dataset["mu_sliding"].values / unit, attributes)})
+    np.testing.assert_allclose(one_number(old)["mu_sliding"], run.dataset["mu_sliding"], rtol=1e-14)
+    assert one_number(old)["mu_sliding"].attrs == {"si_factor": 1.0, "si_name": "mu_sliding", "si_units": "1"}
+    assert one_number(run.dataset) is run.dataset
 
 
 def test_the_films_of_an_impact_stand_where_those_of_rolling_do() -> None:

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from ertel.plots.drawing import BLUE, FLAT, GREY, ORANGE, ORDERED_COLOURS, PURPLE, Scale, Values
+from ertel.plots.drawing import BLUE, FLAT, GREY, ORANGE, ORDERED_COLOURS, PURPLE, NoFigure, Scale, Values
 from ertel.plots.measurements import draw_measured
 from ertel.plots.view import LOADED, View
 from ertel.results.alignment import NOT_FULL
@@ -66,6 +66,8 @@ def draw_pressure_map(axes: Axes, view: View) -> None:
 
 def draw_oil_map(axes: Axes, view: View) -> None:
     """The part of the gap that is filled with oil; the rest is void."""
+    if "oil" not in view.dataset:
+        raise NoFigure("oil: an earlier version wrote this run and did not store the oil in the gap; run it again")
     z = Scale(1.0, r"$h_\mathrm{oil}/h$", "", "oil in the gap")
     _draw_map(axes, view, view.map("oil") / view.map("H"), z, levels(1.0), "Blues")
 

@@ -203,8 +203,10 @@ class View:
         """The films of a steady contact with their errors; of a run in time the moment, its load and its speed."""
         if self.frame is None:
             return [self._film_with_error(name) for name in FILMS]
-        parts = [f"{self.moment} at {self.clock}", f"load {self.with_unit('F', self._value('F'))}"]
-        if np.any(self.dataset["U"].values):
+        parts = [f"{self.moment} at {self.clock}"]
+        if "F" in self.dataset:
+            parts.append(f"load {self.with_unit('F', self._value('F'))}")
+        if "U" in self.dataset and np.any(self.dataset["U"].values):
             parts.append(f"speed {self.with_unit('U', self.flow)}")
         return parts
 
@@ -248,7 +250,7 @@ class View:
     def flow(self) -> float:
         """The entrainment; of a steady contact +1 where the oil goes to the right."""
         if self.frame is not None:
-            return self._value("U")
+            return self._value("U") if "U" in self.dataset else 0.0
         X = self.dataset["X"].values  # pressure reaches far upstream, and ends soon behind the contact
         return -float(np.sign(np.mean(X[(self.dataset["P"].values > 0).any(axis=0)])))
 
@@ -256,7 +258,7 @@ class View:
         """A variable over the grid; "void" is the part of the gap without oil, zero where that is less than 1 %."""
         if name == "void":
             H = self.values("H")
-            void = H - self.values("oil")
+            void = H - self.values("oil") if "oil" in self.dataset else np.zeros_like(H)
             return np.where(void > NOT_FULL * H, void, 0.0)
         return np.asarray(self._now[name].values)
 

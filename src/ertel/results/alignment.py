@@ -36,7 +36,7 @@ def light_along(line: xr.Dataset, case: Any, optics: Any) -> xr.DataArray:
     """
     axis = str(line["h"].dims[0])
     there, h, p = (np.asarray(line[name].values) for name in (axis, "h", "p"))
-    void = np.maximum(h - line["h_oil"].values, 0.0)
+    void = np.maximum(h - line["h_oil"].values, 0.0) if "h_oil" in line else np.zeros_like(h)
     x = np.linspace(there[0], there[-1], PLACES)
     density = np.asarray(case.lubricant.density(np.interp(x, there, p) / case.scales.p_h), dtype=np.float64)
     from scipy.interpolate import CubicSpline  # here and below: pictures do without 30 MB

@@ -148,6 +148,18 @@ def key_numbers(summary: Outcome) -> list[Number]:
     return [table[name] for name in names if name not in FRICTION or table[name].value]
 
 
+def as_now(summary: Outcome) -> dict[str, Any]:
+    """The summary of a stored run; earlier versions had the coefficients of friction in units a/R and under `si`."""
+    reached, si = summary.get("max_approach"), summary.get("si", {})
+    if reached:
+        return {**summary, "max_approach": _with_coefficients(reached, si.get("max_approach") or {})}
+    return _with_coefficients(summary, si)
+
+
+def _with_coefficients(values: Outcome, si: Mapping[str, float]) -> dict[str, Any]:
+    return {**values, **{name: si[name] for name in FRICTION if name in values and name in si}}
+
+
 def plus_minus(value: float, error: float) -> str:
     """A value with its error, 146 ± 10: as many digits as the error deserves; alone where the error is not known."""
     if not (isfinite(error) and error > 0):

@@ -25,6 +25,7 @@ At = float | str | Quantity | None
 MAXIMUM, LAST, END, CHOSEN = "maximum approach", "last map", "end of the run", "chosen map"
 NAMES = {"max-approach": MAXIMUM, "end": END}
 ALONG = {"x": ("X", "Y"), "y": ("Y", "X")}  # the axis of a line, and the other one
+ON_A_LINE = ("H", "P", "oil")
 ROUNDING = 1e-9  # t0
 
 
@@ -109,7 +110,7 @@ def profile(dataset: xr.Dataset, at: At = None, along: str = "x") -> xr.Dataset:
     if along not in ALONG:
         raise ValueError(f'along = {along!r}: must be "x" or "y"')
     axis, other = ALONG[along]
-    fields, moment = dataset[["H", "P", "oil"]], "steady contact"
+    fields, moment = dataset[[name for name in ON_A_LINE if name in dataset]], "steady contact"
     if not is_without_moments(dataset, at):
         fields, moment = _at(fields, moment_of(dataset, at))
     line = _through_centre(fields.load(), axis) if "r" in fields.coords else fields.load().interp({other: 0.0})

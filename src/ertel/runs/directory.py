@@ -46,7 +46,7 @@ from ertel.case.case import Case
 from ertel.case.conditions import Kind
 from ertel.case.status import Status
 from ertel.inputs.case_files import ConfigError, parse_case, read_toml, to_toml
-from ertel.results.numbers import Scalar, lines, scalars
+from ertel.results.numbers import Scalar, as_now, lines, scalars
 from ertel.runs.files import StoreError, content_of, is_locked, reading, replace, sync_directory, unsealed
 
 if TYPE_CHECKING:  # it brings JAX, which readers do not need
@@ -133,7 +133,7 @@ def read_summary(directory: Path) -> dict[str, Any] | None:
     if not lexists(path):
         return None
     with reading(path, "it is written again when the run is continued"):
-        summary = unsealed(content_of(path))
+        summary = as_now(unsealed(content_of(path)))
         Status(summary["status"])
         if summary["kind"] not in get_args(Kind):
             raise ValueError(f"kind = {summary['kind']!r} is neither impact nor rolling")

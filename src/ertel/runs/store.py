@@ -27,6 +27,7 @@ from ertel.results.dataset import Frame
 from ertel.results.numbers import differences
 from ertel.results.result import Result
 from ertel.results.summary import attributes
+from ertel.results.variables import one_number
 from ertel.runs import arrays, files
 from ertel.runs.arrays import AppendedData, ReplacedData
 from ertel.runs.compile import check_jax, compilations
@@ -227,7 +228,7 @@ class RunStore:
 
     def dataset(self) -> xr.Dataset:
         """The run as far as it has been written.  Raises Damaged."""
-        return arrays.read(self._data, self._advice)
+        return one_number(arrays.read(self._data, self._advice))
 
     def summary(self) -> dict[str, Any] | None:
         """The summary as it is stored, None where there is none yet.  Raises Damaged."""
