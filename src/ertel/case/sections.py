@@ -127,9 +127,8 @@ def half_width_y(solver: Solver, geometry: Geometry) -> float | None:
     """
     along_x, along_y = geometry.extent
     default = solver.half_width + along_y - along_x
-    nodes, usual = (
-        nodes_across(solver.nodes, width / solver.half_width) for width in (solver.half_width_y or default, default)
-    )
+    widths = solver.half_width_y or default, default
+    nodes, usual = (nodes_across(solver.nodes, width / solver.half_width) for width in widths)
     if nodes == usual == solver.nodes:
         return None
     return solver.half_width * (nodes - 1) / (solver.nodes - 1)
@@ -280,10 +279,8 @@ class Thermal:
     @property
     def bodies(self) -> tuple[Solid, Solid]:
         """The thermal data of both bodies."""
-        return (
-            Solid(self.density_1, self.heat_capacity_1, self.conductivity_1),
-            Solid(self.density_2, self.heat_capacity_2, self.conductivity_2),
-        )
+        first = Solid(self.density_1, self.heat_capacity_1, self.conductivity_1)
+        return first, Solid(self.density_2, self.heat_capacity_2, self.conductivity_2)
 
     @property
     def warmer(self) -> tuple[float, float]:
