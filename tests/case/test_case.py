@@ -104,8 +104,6 @@ def test_a_law_by_name_and_its_record_are_two_ways_of_saying() -> None:
 
 @dataclass(frozen=True)
 class Nameless:
-    """A law and a shape that was not registered."""
-
     width: Annotated[Amount, WIDTH] = 1.0
 
     def viscosity(self, p: Any) -> Any:
@@ -186,7 +184,6 @@ NO_NAMES = {
 
 
 def drive_to(value: float, at: Amount = 1.0) -> Drive:
-    """A load that goes from 1 to a value."""
     return Drive(load=Polyline(((0.0, 1.0), (at, value))))
 
 

@@ -22,8 +22,6 @@ SCALES = Scales(R=0.01, E_prime=2e11, a=2e-4, p_h=1e9, t0=4e-5)
 
 @dataclass(frozen=True)
 class Tube:
-    """A record for these tests."""
-
     radius: Annotated[float, LENGTH]
     until: Annotated[Amount, DURATION] = 1.0
     note: str = ""

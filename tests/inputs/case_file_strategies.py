@@ -58,7 +58,6 @@ KEYS = ("", *TAGS, "a.b", "a\nb", "\x1b", "k" * 1000, "nodes ", "M", "load", "sh
 
 
 def nested(depth: int) -> Any:
-    """Lists in lists."""
     value: Any = []
     for _ in range(depth):
         value = [value]
@@ -80,14 +79,12 @@ anything: st.SearchStrategy[Any] = st.one_of(
 
 
 def quantities(unit: Unit) -> st.SearchStrategy[str]:
-    """Quantities of a usual size in the SI unit, or in another."""
     in_si = st.floats(*USUAL.get(unit.unit, (0.1, 10.0)))
     other, size = OTHER_UNITS.get(unit.unit, (unit.unit, 1.0))
     return st.one_of(in_si.map(lambda x: f"{x!r} {unit.unit}"), in_si.map(lambda x: f"{x / size!r} {other}"))
 
 
 def numbers(bounds: Bounds) -> st.SearchStrategy[Any]:
-    """Plain numbers of a usual size within bounds."""
     least = next((limit for limit in (bounds.gt, bounds.ge) if limit is not None), -10.0)
     most = next((limit for limit in (bounds.lt, bounds.le) if limit is not None), max(10.0, 10 * least))
     if bounds.whole:
@@ -136,7 +133,6 @@ features = st.one_of([tables(SHAPES[name], shape=st.just(name), **more) for name
 
 @st.composite
 def contacts(draw: st.DrawFn, kind: str) -> Data:
-    """[contact], given in one of the three ways."""
     way = draw(st.sampled_from(["M", "lambda_bar", "physical", "physical"]))
     if way != "physical":
         keys: Sequence[str] = MOES if way == "M" else BARS
@@ -156,7 +152,6 @@ def contacts(draw: st.DrawFn, kind: str) -> Data:
 
 
 def laws(registry: Any) -> st.SearchStrategy[Any]:
-    """Laws by their names, and with data of their own."""
     names = [name for name, law in registry.items() if hasattr(law, "of")]
     return st.one_of(st.sampled_from(names), *(tables(registry[name], law=st.just(name)) for name in names))
 
@@ -255,7 +250,6 @@ def _drop(table: Data, *keys: str) -> None:
 
 
 def without_units(value: Any) -> Any:
-    """Amounts as plain numbers."""
     if isinstance(value, dict):
         return {key: without_units(item) for key, item in value.items()}
     if isinstance(value, list):
@@ -268,7 +262,6 @@ def without_units(value: Any) -> Any:
 
 
 def _places(data: Any) -> list[tuple[Any, Any]]:
-    """Every table or list in the data with each of its keys."""
     items = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list) else ()
     found = [(data, key) for key, _ in items]
     for _, item in list(items):
@@ -354,7 +347,6 @@ def outcome(path: Path) -> str:
 
 
 def _place(message: str, path: Path) -> str:
-    """The section that a message names."""
     assert message.isprintable(), "the message has control characters or several lines"
     assert len(message) - message.count(str(path)) * len(str(path)) <= LONGEST_MESSAGE, "the message is too long"
     if message.startswith(f"the case file {path}"):

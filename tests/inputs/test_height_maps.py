@@ -45,7 +45,6 @@ def written(path: Path, heights: np.ndarray, unit: str = "um") -> Path:
 
 
 def read(folder: Path, **table: Any) -> Measured:
-    """The shape of a table [[roughness]] in a case file in this folder."""
     (feature,) = parse_case({**CONTACT, "roughness": [{"shape": "measured", **table}]}, folder).roughness
     assert isinstance(feature.shape, Measured)
     return feature.shape
@@ -66,7 +65,6 @@ def is_the_wave(shape: Measured) -> bool:
 
 
 def holed(rows: Any, columns: Any) -> np.ndarray:
-    """The wave with gaps."""
     found = WAVE.copy()
     found[rows, columns] = np.nan
     return found
@@ -277,7 +275,6 @@ def zipped(path: Path, members: dict[str, bytes], declared: int | None = None) -
 
 
 def refused(folder: Path, name: str, message: str, most: float = 5e6, **table: Any) -> None:
-    """Whether a file is refused in one sentence, with little memory."""
     import SurfaceTopography  # noqa: F401  (its own memory does not count)
 
     with memory_below(most), pytest.raises(ConfigError) as caught:

@@ -1,11 +1,10 @@
 """Case files of rolling and of elliptical contacts, and of motion: what they may say, and what it means."""
 
-import json
 from math import pi
 from typing import Any
 
 import pytest
-from cases import BALL, ertel_
+from cases import BALL
 
 import ertel
 from ertel.case.case import Case
@@ -14,6 +13,7 @@ from ertel.case.sections import ROLLING_UNTIL, SOLVERS, Time
 from ertel.inputs.case_files import parse_case
 from ertel.physics.geometry import CIRCLE, Geometry
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, Oscillation, Polyline, constant
+from ertel.results.parameters import formula_films, parameter_summary
 
 MOES = {"kind": "rolling", "M": 200, "L": 10}
 C1 = {  # the dimensional case of reference/rolling.json
@@ -240,26 +240,17 @@ def test_a_half_grid_covers_the_same_domain():
     assert (half.x[0], half.y[0]) == pytest.approx((fine.x[0], fine.y[0]))
 
 
-def answer(command, **contact):
-    sections = {"contact": LOADED | REDUCED | contact, "lubricant": OIL}
-    given = [f"{name}.{key}={value}" for name, keys in sections.items() for key, value in keys.items()]
-    words = [word for item in given for word in ("--set", item)]
-    return json.loads(ertel_(command, *words, "--json").stdout)
-
-
 def test_films_at_an_angle():
     """R_e at 90 degrees is R_y: the film of a slender contact is thinner, though its radius is larger."""
-    answers = [answer("film", entrainment_angle=angle)["films"] for angle in ("0 deg", "60 deg", "90 deg")]
-    films = [{row["name"]: row["si"]["h_c_m"] for row in rows}["Chittenden et al."] for rows in answers]
+    cases = [case(LOADED | REDUCED | {"entrainment_angle": f"{angle} deg"}) for angle in (0, 60, 90)]
+    films = [{film.name: film.central for film in formula_films(each)}["Chittenden et al."] for each in cases]
     assert films[0] > films[1] > films[2]
 
 
-def test_params_and_films_of_the_worked_example():
-    """The numbers are those of the formulas' own test; here are their names, from the command line."""
-    content, films = (answer(command) for command in ("params", "film"))
+def test_parameters_of_the_worked_example():
+    """The numbers are those of the formulas' own test; here are their names."""
+    content = parameter_summary(case(LOADED | REDUCED))
     expected = {"M": 512.567, "M_BH": 185.188, "L_BH": 8.96790, "radius_ratio": 0.2, "kappa": 0.345999}
     assert {name: content[name] for name in expected} == pytest.approx(expected, rel=4e-6)
     si = {"a_m": 139.690e-6, "a_y_m": 403.729e-6, "p_h_Pa": 846.615e6, "delta_m": 2.60564e-6}
     assert {name: content["si"][name] for name in si} == pytest.approx(si, rel=4e-6)
-    central = {row["name"]: row["si"]["h_c_m"] for row in films["films"]}
-    assert central["Nijenbanning-Venner-Moes"] == pytest.approx(203.69e-9, abs=5e-12)

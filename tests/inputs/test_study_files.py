@@ -67,7 +67,6 @@ def test_a_unit_at_one_end_holds_for_both(start):
 
 
 def test_values_in_tables_vary_too():
-    """Of a shape, of an oscillation and of an oil law."""
     wave = {"shape": "waviness", "amplitude": [0.01, 0.02], "wavelength_x": 0.5}
     law = {"law": "carreau", "G": ["5 MPa", "10 MPa"], "n": 0.5}
     data = {
@@ -84,7 +83,6 @@ def test_values_in_tables_vary_too():
 
 
 def test_the_points_of_a_signal_are_one_value():
-    """A list of signals varies."""
     rolling = {"contact": {"kind": "rolling", "M": [100, 200], "L": 10}, "solver": {"method": "transient"}}
     rises, falls = [[0, 1], [1, 2]], [[0, 1], [1, 0.5]]
     assert shape(parse_study({**rolling, "motion": {"load": rises}})) == (2,)
@@ -162,7 +160,6 @@ def test_a_wrong_section_is_named(sweep, message):
 
 
 def calls_for(values):
-    """The number of function calls that a study of so many values takes."""
     data = moes(M=[100.0 + value for value in range(values)], L=[5, 10])
     with Profile() as profile:
         parse_study(data)

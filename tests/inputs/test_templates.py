@@ -114,7 +114,6 @@ SHEET = {"nu40": "68 mm^2/s", "nu100": "8.7 mm^2/s", "density": "880 kg/m^3"}
 
 
 def complaints(place, value):
-    """What the schema says of the micro-cavity's case with another value at a place."""
     data = deepcopy(CASE)
     *sections, key = place.split(".")
     target = data

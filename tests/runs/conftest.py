@@ -7,7 +7,6 @@ import pytest
 
 @pytest.fixture(scope="session")
 def kinds(tmp_path_factory: pytest.TempPathFactory) -> Any:
-    """The kinds of stored runs by name."""
     from stored_runs import CASES, Kind  # not above: what they import reads the environment
 
     return {name: Kind(name, tmp_path_factory.mktemp("runs")) for name in CASES}
@@ -25,7 +24,6 @@ def steady(kinds: Any) -> Any:
 
 @pytest.fixture(scope="session")
 def grids(kinds: Any) -> Any:
-    """The solutions of the steady contact."""
     from ertel.solvers.steady import nested
 
     return list(nested(kinds["steady"].case))

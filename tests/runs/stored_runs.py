@@ -52,7 +52,6 @@ class Kind:
 
     @property
     def run(self) -> Run:
-        """A new run of the case."""
         limits = LIMITS.get(self.name)
         return TransientRun(self.case, method_of(self.case), limits) if limits else run_of(self.case)
 
@@ -79,7 +78,6 @@ class Kind:
         return self._stored("cut", stop_after(CUT[self.name]))
 
     def is_whole(self, run: RunStore) -> bool:
-        """Whether a stored run is the one in memory."""
         return self._is(run.case, run.dataset(), run.summary())
 
     def _is(self, case: Case, data: xr.Dataset, summary: dict[str, Any] | None) -> bool:

@@ -110,7 +110,6 @@ def test_the_batch_shrinks_rarely() -> None:
 
 
 def asks(number: int) -> Generator[int, int, list[int]]:
-    """A run that wants number + 1 solutions."""
     found = []
     for turn in range(number + 1):
         found.append((yield 10 * number + turn))

@@ -55,7 +55,6 @@ def about() -> tuple[int, dict[str, str | None]]:
 
 
 def slow(log: Path, name: str) -> str:
-    """Writes when it begins and when it ends."""
     with log.open("a") as file:
         file.write(f"begins {name} {os.getpid()}\n")
     time.sleep(0.3)
@@ -65,7 +64,6 @@ def slow(log: Path, name: str) -> str:
 
 
 def stumbles(log: Path) -> str:
-    """Meets an error of the system, twice."""
     with log.open("a") as file:
         file.write("!")
     if len(log.read_text()) < 3:
@@ -276,7 +274,6 @@ print(json.dumps(asyncio.run(attack(ports, own)) + pages))
 
 
 def listening() -> list[tuple[str, int]]:
-    """The addresses on which this process and those that it started listen."""
     here = psutil.Process()
     processes = [here, *here.children(recursive=True)]
     sockets = [each for process in processes for each in process.net_connections(kind="inet")]
@@ -297,7 +294,6 @@ def test_nobody_without_the_keys_gets_in(two, capfd):
 
 
 def imported_from() -> list[str]:
-    """The directories of dask from which this process imports modules."""
     return [place for place in sys.path if "dask-scratch-space" in place]
 
 

@@ -97,7 +97,6 @@ def test_an_entry_cut_short_is_replaced_in_silence(tmp_path):
 
 @pytest.fixture
 def place(monkeypatch, tmp_path):
-    """The directory in which ertel keeps programs below `tmp_path`."""
     monkeypatch.delenv("JAX_COMPILATION_CACHE_DIR", raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     found = compile.cache_directory()
@@ -168,14 +167,12 @@ def test_the_cache_of_python_users_may_be_in_a_directory_of_their_choice(tmp_pat
 
 
 def is_safe(directory: Path) -> bool:
-    """Whether programs may be kept in a directory, in silence."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         return compile._is_safe(directory)
 
 
 def is_refused(directory: Path, path: Path) -> bool:
-    """Whether nothing is kept in a directory because of this file or directory."""
     with pytest.warns(RuntimeWarning, match=f"are not kept: {path} belongs to another user, or others may write to it"):
         return not compile._is_safe(directory)
 

@@ -36,7 +36,6 @@ def runs(request, kinds):
 
 @pytest.fixture
 def copy(tmp_path):
-    """A function that copies a run."""
     return lambda directory: Path(shutil.copytree(directory, tmp_path / "run"))
 
 
@@ -118,7 +117,6 @@ def test_name_and_reference_may_be_edited(impact, copy):
 
 
 def test_an_edit_is_noticed_by_what_is_left(impact, copy):
-    """Each of data, checkpoint and summary knows its case."""
     directory = copy(impact.finished)
     edited_root(directory, lambda root: root.clear())  # now the data do not tell
     text = (directory / "case.toml").read_text()

@@ -130,7 +130,6 @@ def test_the_lock_keeps_others_out_and_is_given_back(tmp_path):
 
 
 def asked(path: Path) -> bool:
-    """Whether the lock of a file or a directory is given to whoever asks for it, and at once given back."""
     handle = os.open(path, os.O_RDONLY)
     try:
         files.fcntl.flock(handle, files.fcntl.LOCK_SH | files.fcntl.LOCK_NB)
@@ -203,7 +202,6 @@ def test_something_else_in_the_place_of_the_lock(tmp_path, make):
 
 
 def refusing(monkeypatch, place, name, number, when=lambda *arguments: True):
-    """Let a function of the system fail with an error number."""
     system = getattr(place, name)
 
     def call(*arguments, **options):

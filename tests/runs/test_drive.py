@@ -146,7 +146,6 @@ def test_error_estimate_is_exact_for_the_orders_that_it_assumes() -> None:
 
 
 def log_of(minutes: float) -> tuple[LogLines, io.StringIO, list[float]]:
-    """Lines, the file that they are written to, and the clock (s), which the test moves."""
     file, clock = io.StringIO(), [60.0 * minutes]
     return LogLines(Console(file=file, width=40), lambda: clock[0]), file, clock
 

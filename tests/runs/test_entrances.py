@@ -15,7 +15,6 @@ WRONG = [None, 5, [], b"case.toml"]
 
 @pytest.fixture
 def file(tmp_path) -> Path:
-    """The case as a file."""
     path = tmp_path / "case.toml"
     path.write_text(ertel.to_toml(ertel.parse_case(DATA)))
     return path

@@ -22,8 +22,6 @@ traced: list[str] = []
 @register_dataclass
 @dataclass(frozen=True)
 class Outside:
-    """A record that is not of ertel."""
-
     spacing: float
 
 

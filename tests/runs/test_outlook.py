@@ -18,7 +18,6 @@ OWN = {"oil": ertel.Oil(eta0="10 mPa*s", alpha="15 / GPa")}
 
 
 def said(**more: Any) -> str:
-    """The warnings of `ertel check` of a rolling contact."""
     return " ".join(outlook(ertel.rolling(**{**BALL, **more}))["warnings"])
 
 

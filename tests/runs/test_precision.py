@@ -133,7 +133,6 @@ def test_no_setting_of_the_process_is_changed(names):
 
 @cache
 def here() -> dict:
-    """The same functions in this process, all of which computes in double precision."""
     found = {"__name__": __name__}
     exec(RUNS, found)
     return found["FOUND"]

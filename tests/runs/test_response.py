@@ -32,7 +32,6 @@ def impact_with(response: Callable[..., xr.Dataset], *amplitudes: float) -> xr.D
 
 
 def finite() -> xr.Dataset:
-    """The responses to waves of these heights."""
     return impact_with(respond, 0.0, 1e-3, 2e-3, 4e-3, -4e-3, -1e-3)
 
 

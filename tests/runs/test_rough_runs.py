@@ -115,7 +115,6 @@ def test_what_the_grid_and_the_map_lack_is_said(shape, nodes, said) -> None:
 
 
 def test_another_surface_needs_no_compilation() -> None:
-    """Its heights are data of the programs."""
     simulate(rough(33))
     compiled = compilations()
     for shape in (replace(ROUGH, seed=5, longest=0.7), DISC):

@@ -96,8 +96,6 @@ def test_a_fixed_step_is_fixed() -> None:
 
 
 class Unwilling(LikeTheLoad):
-    """A method that fails whenever the step is longer than it likes."""
-
     def attempt(self, levels: Sequence[State], step: float) -> Stepping:
         new = yield from super().attempt(levels, step)
         return new if step <= 0.02 else replace(new, status=Status.NEWTON_STALLED)

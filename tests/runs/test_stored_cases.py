@@ -38,8 +38,6 @@ class Power:
 @ertel.shapes.register("stored-step")
 @dataclass(frozen=True)
 class Step:
-    """A step of a height at X = 0, smoothed over a width."""
-
     height: Annotated[units.Amount, units.HEIGHT]
     width: Annotated[units.Amount, units.WIDTH] = 0.5
 
@@ -59,8 +57,6 @@ def resumed(case: ertel.Case, directory: Path, steps: int) -> ertel.Result:
 
 @dataclass(frozen=True)
 class Nameless:
-    """A shape that nobody registered."""
-
     def heights(self, X: Any, Y: Any) -> Any:
         return 0.0 * X * Y
 
@@ -91,7 +87,6 @@ until = 1.0
 
 
 def test_a_users_law_and_shape_are_those_of_case_files(tmp_path):
-    """The law needs no derivative."""
     (tmp_path / "own.toml").write_text(OWN)
     case = load_case(tmp_path / "own.toml")
     assert case.lubricant.viscosity_law == Power(5e8, 11.0)

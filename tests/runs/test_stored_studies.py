@@ -26,7 +26,6 @@ from ertel.runs.workers import LocalWorker, StopSignal
 
 
 def study_of(until: float = 0.02, mode: str = "product", **varying: Any) -> dict[str, Any]:
-    """Impacts that are over at once."""
     return {
         "name": "balls",
         "contact": {**SMALL["contact"], "speed": varying.get("speed", ["0.1 m/s", "0.2 m/s"])},
@@ -47,7 +46,6 @@ class Remembering:
 
 @pytest.fixture(scope="module")
 def four(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A study of two speeds and two viscosities that is done."""
     directory = tmp_path_factory.mktemp("study")
     assert ertel.sweep(study_of(), directory).complete
     return directory
@@ -147,8 +145,6 @@ def test_a_run_that_cannot_be_done_is_a_value(tmp_path):
 
 
 class Bars:
-    """Progress bars that remember their messages."""
-
     disable = False
 
     def __init__(self):

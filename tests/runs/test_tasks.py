@@ -34,8 +34,6 @@ def same(x: object) -> object:
 
 
 class Backwards(LocalWorker):
-    """Does the last task first."""
-
     def outcomes(self, tasks, should_stop=never):
         return super().outcomes(tasks[::-1])
 

@@ -27,6 +27,7 @@ FALL = units.LENGTH.between(1e-12, 1e5)
 MOES_M = Bounds(gt=0, least=1e-6, most=1e10)
 MOES_L = Bounds(ge=0, most=1e4)
 
+Given = float | None  # of a field that may be left out
 ROUND_OFF = 1e-12  # by which the radii of a circular contact may differ
 
 Keys = tuple[str, ...]
@@ -83,79 +84,67 @@ class Conditions:
     """
 
     kind: Annotated[Kind, Meaning("a ball hits an oiled surface, or rolls and slides on it")] = "impact"
-    M: Annotated[float | None, MOES_M, Meaning("Moes' load parameter, for a contact without dimensions", 1000)] = None
-    L: Annotated[float | None, MOES_L, Meaning("Moes' lubricant parameter; goes with M", 10)] = None
-    lambda_bar: Annotated[float | None, units.ABOVE_ZERO, Meaning("dimensionless viscosity, in place of M", 1.1e-3)] = (
-        None
-    )
+    M: Annotated[Given, MOES_M, Meaning("Moes' load parameter, for a contact without dimensions", 1000)] = None
+    L: Annotated[Given, MOES_L, Meaning("Moes' lubricant parameter; goes with M", 10)] = None
+    lambda_bar: Annotated[Given, units.ABOVE_ZERO, Meaning("dimensionless viscosity, in place of M", 1.1e-3)] = None
     alpha_bar: Annotated[
-        float | None, units.NOT_NEGATIVE, Meaning("dimensionless pressure-viscosity index; goes with lambda_bar", 36.4)
+        Given, units.NOT_NEGATIVE, Meaning("dimensionless pressure-viscosity index; goes with lambda_bar", 36.4)
     ] = None
     radius_ratio: Annotated[
-        float | None, RATIO, Meaning("R_x/R_y of an elliptical contact without dimensions; left out: a circle", 0.2)
+        Given, RATIO, Meaning("R_x/R_y of an elliptical contact without dimensions; left out: a circle", 0.2)
     ] = None
-    radius: Annotated[float | None, REDUCED, Meaning("radius of a ball on a plane, or reduced radius")] = None
+    radius: Annotated[Given, REDUCED, Meaning("radius of a ball on a plane, or reduced radius")] = None
     radius_1: Annotated[
-        float | None,
-        BODY,
-        Meaning("radius of the first of two balls, the one that moves in an impact; goes with radius_2"),
+        Given, BODY, Meaning("radius of the first of two balls, the one that moves in an impact; goes with radius_2")
     ] = None
-    radius_2: Annotated[float | None, BODY, Meaning("radius of the second ball", "15 mm")] = None
+    radius_2: Annotated[Given, BODY, Meaning("radius of the second ball", "15 mm")] = None
     radius_x: Annotated[
-        float | None, REDUCED, Meaning("reduced radius of an elliptical contact along its axis x; goes with radius_y")
+        Given, REDUCED, Meaning("reduced radius of an elliptical contact along its axis x; goes with radius_y")
     ] = None
-    radius_y: Annotated[float | None, REDUCED, Meaning("reduced radius along its axis y", "40 mm")] = None
+    radius_y: Annotated[Given, REDUCED, Meaning("reduced radius along its axis y", "40 mm")] = None
     radius_x_1: Annotated[
-        float | None, units.RADIUS, Meaning("radius of body 1 along x; negative: concave, left out: plane", "6 mm")
+        Given, units.RADIUS, Meaning("radius of body 1 along x; negative: concave, left out: plane", "6 mm")
     ] = None
-    radius_y_1: Annotated[float | None, units.RADIUS, Meaning("radius of body 1 along y, as radius_x_1", "6 mm")] = None
-    radius_x_2: Annotated[float | None, units.RADIUS, Meaning("radius of body 2 along x, as radius_x_1", "20 mm")] = (
-        None
-    )
-    radius_y_2: Annotated[
-        float | None, units.RADIUS, Meaning("radius of body 2 along y, as radius_x_1", "-6.24 mm")
-    ] = None
+    radius_y_1: Annotated[Given, units.RADIUS, Meaning("radius of body 1 along y, as radius_x_1", "6 mm")] = None
+    radius_x_2: Annotated[Given, units.RADIUS, Meaning("radius of body 2 along x, as radius_x_1", "20 mm")] = None
+    radius_y_2: Annotated[Given, units.RADIUS, Meaning("radius of body 2 along y, as radius_x_1", "-6.24 mm")] = None
     entrainment_angle: Annotated[
-        float | None,
+        Given,
         units.ANGLE.between(0.0, 180.0),
         Meaning("from the axis x of the ellipse to the direction of entrainment, -180 to 180 deg; left out: 0"),
     ] = None
     mass: Annotated[
-        float | None, units.MASS, Meaning("mass of the moving ball; rolling: for its inertia in time, left out: none")
+        Given, units.MASS, Meaning("mass of the moving ball; rolling: for its inertia in time, left out: none")
     ] = None
-    ball_density: Annotated[
-        float | None, units.DENSITY, Meaning("density of the moving ball, in place of its mass")
-    ] = None
-    speed: Annotated[float | None, units.SPEED, Meaning("impact: speed of the ball at first touch")] = None
+    ball_density: Annotated[Given, units.DENSITY, Meaning("density of the moving ball, in place of its mass")] = None
+    speed: Annotated[Given, units.SPEED, Meaning("impact: speed of the ball at first touch")] = None
     drop_height: Annotated[
-        float | None, FALL, Meaning("impact: height from which the ball falls, in place of speed", "0.5 mm")
+        Given, FALL, Meaning("impact: height from which the ball falls, in place of speed", "0.5 mm")
     ] = None
-    load: Annotated[float | None, units.LOAD, Meaning("rolling: the static load")] = None
+    load: Annotated[Given, units.LOAD, Meaning("rolling: the static load")] = None
     speed_1: Annotated[
-        float | None,
-        units.VELOCITY,
-        Meaning("rolling: speed of surface 1 along x; goes with speed_2, in place of mean_speed"),
+        Given, units.VELOCITY, Meaning("rolling: speed of surface 1 along x; goes with speed_2, in place of mean_speed")
     ] = None
-    speed_2: Annotated[float | None, units.VELOCITY, Meaning("rolling: speed of surface 2 along x")] = None
+    speed_2: Annotated[Given, units.VELOCITY, Meaning("rolling: speed of surface 2 along x")] = None
     mean_speed: Annotated[
-        float | None,
+        Given,
         units.VELOCITY,
         Meaning("mean of the speeds of both surfaces along x; impact: of a track that moves, left out: at rest"),
     ] = None
     slide_to_roll: Annotated[
-        float | None,
+        Given,
         units.FINITE,
         Meaning("difference of the speeds over their mean, (u1 - u2)/u_m; goes with mean_speed, left out: 0", 0.1),
     ] = None
     E_prime: Annotated[
-        float | None, units.MODULUS, Meaning("reduced modulus, 2/E' = (1 - nu1^2)/E1 + (1 - nu2^2)/E2", "226 GPa")
+        Given, units.MODULUS, Meaning("reduced modulus, 2/E' = (1 - nu1^2)/E1 + (1 - nu2^2)/E2", "226 GPa")
     ] = None
-    E1: Annotated[
-        float | None, units.MODULUS, Meaning("Young's modulus of body 1; with nu1, E2, nu2 in place of E_prime")
-    ] = None
-    nu1: Annotated[float | None, POISSON, Meaning("Poisson's ratio of body 1", 0.3)] = None
-    E2: Annotated[float | None, units.MODULUS, Meaning("Young's modulus of body 2")] = None
-    nu2: Annotated[float | None, POISSON, Meaning("Poisson's ratio of body 2", 0.3)] = None
+    E1: Annotated[Given, units.MODULUS, Meaning("Young's modulus of body 1; with nu1, E2, nu2 in place of E_prime")] = (
+        None
+    )
+    nu1: Annotated[Given, POISSON, Meaning("Poisson's ratio of body 1", 0.3)] = None
+    E2: Annotated[Given, units.MODULUS, Meaning("Young's modulus of body 2")] = None
+    nu2: Annotated[Given, POISSON, Meaning("Poisson's ratio of body 2", 0.3)] = None
 
     def __post_init__(self) -> None:
         checked(self, "contact")

@@ -43,11 +43,8 @@ def _name(case: Definition) -> Complaints:
     if not isinstance(case.name, str):
         yield entry, "must be a string"
     elif case.name != plain_name(case.name):
-        yield (
-            entry,
-            "must be a plain file name: visible characters without / \\ and :, not starting with a dot, at most "
-            f"{LONGEST_NAME} bytes",
-        )
+        plain = "visible characters without / \\ and :, not starting with a dot"
+        yield entry, f"must be a plain file name: {plain}, at most {LONGEST_NAME} bytes"
 
 
 def plain_name(text: str) -> str:
@@ -118,11 +115,9 @@ def _pressure_scale(case: Definition) -> Complaints:
     if not oil.is_isoviscous:
         yield "contact.L = 0", f"must be above zero with {case.entry('lubricant.viscosity')}"
     if oil.density == "dowson-higginson" or isinstance(oil.density, DowsonHigginson):
-        yield (
-            'lubricant.density = "dowson-higginson"',
-            "needs a pressure scale, which a dimensionless isoviscous case does not have; allowed: density = "
-            '"incompressible", or physical input',
-        )
+        needs = "needs a pressure scale, which a dimensionless isoviscous case does not have"
+        allowed = 'allowed: density = "incompressible", or physical input'
+        yield 'lubricant.density = "dowson-higginson"', f"{needs}; {allowed}"
 
 
 def _time(case: Definition) -> Complaints:
@@ -147,11 +142,8 @@ def _drive(case: Definition) -> Complaints:
     if drive is None:
         return
     if drive.slide_to_roll is not None and contact.speeds.slide_to_roll is not None:
-        yield (
-            "motion.slide_to_roll",
-            "belongs to dimensionless cases; with speeds in [contact] write contact.slide_to_roll, or contact.speed_1 "
-            "and contact.speed_2",
-        )
+        instead = "with speeds in [contact] write contact.slide_to_roll, or contact.speed_1 and contact.speed_2"
+        yield "motion.slide_to_roll", f"belongs to dimensionless cases; {instead}"
     if drive.inertia is not None and (case.starts_apart or contact.is_physical):
         of_rolling = "give contact.mass or contact.ball_density"
         instead = "for an impact it follows from its scales" if case.starts_apart else of_rolling
@@ -206,11 +198,9 @@ def _layer(case: Definition) -> Complaints:
     if oil.layer is not None and (oil.layer_1 is not None or oil.layer_2 is not None):
         yield "lubricant.layer", "give layer, or layer_1 and layer_2"
     if oil.layer is None and motion.flows and abs(motion.slide_to_roll) > 2:
-        yield (
-            "lubricant.layer_1, layer_2",
-            f"at slide_to_roll = {motion.slide_to_roll:g} one surface takes its oil out of the inlet; give layer, the "
-            "oil that enters per area at the entrainment speed",
-        )
+        away = f"at slide_to_roll = {motion.slide_to_roll:g} one surface takes its oil out of the inlet"
+        instead = "give layer, the oil that enters per area at the entrainment speed"
+        yield "lubricant.layer_1, layer_2", f"{away}; {instead}"
     if solver.method == "radial" and len(case.track.points) > 1:
         instead = 'use solver.method = "2d" or one thickness'
         yield "lubricant.layer", f'solver.method = "radial" takes a uniform layer; {instead}'
@@ -219,21 +209,17 @@ def _layer(case: Definition) -> Complaints:
         for key in ("amplitude", "rms"):
             height = getattr(feature.shape, key, 0.0)
             if thinnest < abs(height):
-                yield (
-                    f"lubricant.layer = {thinnest:.4g} a^2/R",
-                    f"must be at least roughness[{number}].{key} = {height:.4g} a^2/R; a layer of the same thickness "
-                    "everywhere does not lie on a rougher surface",
-                )
+                least = f"must be at least roughness[{number}].{key} = {height:.4g} a^2/R"
+                why = "a layer of the same thickness everywhere does not lie on a rougher surface"
+                yield f"lubricant.layer = {thinnest:.4g} a^2/R", f"{least}; {why}"
     contact = ContactMotion(case.geometry.dry_approach(1.0), 0.0, 1.0, 0.0)
     X = np.array([solver.inlet or solver.half_width, 0.0])
     Y = np.array([0.0, solver.half_width_y or solver.half_width])
     film = float(far_film(X, Y, contact, case.geometry).min())
     if thickest > film / 2:
-        yield (
-            f"lubricant.layer = {thickest:.4g} a^2/R",
-            f"the oil would reach the edge of the grid, where the gap of the dry contact is {film:.4g}; must be at "
-            "most half of that; leave it out (the gap is full) or use a wider solver.half_width",
-        )
+        wet = f"the oil would reach the edge of the grid, where the gap of the dry contact is {film:.4g}"
+        allowed = "must be at most half of that; leave it out (the gap is full) or use a wider solver.half_width"
+        yield f"lubricant.layer = {thickest:.4g} a^2/R", f"{wet}; {allowed}"
 
 
 def _schedule(case: Definition) -> Complaints:
@@ -252,11 +238,9 @@ def _schedule(case: Definition) -> Complaints:
     nodes = case.solver.nodes if case.solver.method == "radial" else case.solver.nodes**2
     size = maps * FIELDS * 8 * nodes  # in double precision
     if maps > MOST_MAPS or size > LARGEST_OUTPUT:
-        yield (
-            "output.interval",
-            f"gives {maps:.3g} maps with {size / 1e9:.3g} GB; at most {MOST_MAPS:g} and {LARGEST_OUTPUT / 1e9:g} GB "
-            "are allowed, take a longer interval or fewer nodes",
-        )
+        allowed = f"at most {MOST_MAPS:g} and {LARGEST_OUTPUT / 1e9:g} GB are allowed"
+        given = f"gives {maps:.3g} maps with {size / 1e9:.3g} GB"
+        yield "output.interval", f"{given}; {allowed}, take a longer interval or fewer nodes"
 
 
 def _motion(case: Definition) -> Complaints:
@@ -294,17 +278,12 @@ def _outside(case: Definition) -> Complaints:
     p = case.parameters
     needed = 1.6 * p.lambda_bar * abs(case.motion.entrainment(0.0)) / (HERTZ_LOAD * case.motion.load(0.0))
     if needed > WIDEST_HALF_WIDTH:
-        yield (
-            "contact",
-            f"M = {p.M:.3g} is too low: the oil that carries the load reaches beyond the largest domain (half_width = "
-            f"{WIDEST_HALF_WIDTH:g}); the film is that of rigid bodies, see the formulas",
-        )
+        beyond = f"reaches beyond the largest domain (half_width = {WIDEST_HALF_WIDTH:g})"
+        film = "the film is that of rigid bodies, see the formulas"
+        yield "contact", f"M = {p.M:.3g} is too low: the oil that carries the load {beyond}; {film}"
     if needed > case.solver.half_width:
-        yield (
-            "solver.half_width",
-            f"must be at least {needed:.3g} at M = {p.M:.3g}, where the oil far away carries much of the load; leave "
-            "it out for a domain that is wide enough",
-        )
+        least = f"must be at least {needed:.3g} at M = {p.M:.3g}, where the oil far away carries much of the load"
+        yield "solver.half_width", f"{least}; leave it out for a domain that is wide enough"
 
 
 def _roughness(case: Definition) -> Complaints:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from math import ceil
 from typing import Annotated, Literal, NamedTuple
 
-from ertel.case.conditions import Kind
+from ertel.case.conditions import Given, Kind
 from ertel.numerics.grid import allowed_nodes, nodes_across
 from ertel.physics import hertz, units
 from ertel.physics.geometry import CIRCLE, Geometry
@@ -26,6 +26,8 @@ Stop = Literal["max-approach", "rebound"]
 METHODS: Mapping[Kind, tuple[Method, ...]] = {"impact": ("2d", "radial"), "rolling": ("steady", "transient")}
 ROLLING_UNTIL = 6.0  # t0: the surfaces roll through a domain of the default length for M >= 5
 FEWEST_NODES, MOST_NODES, WIDEST_HALF_WIDTH = 17, 4097, 1000.0
+NODES = Bounds(ge=FEWEST_NODES, le=MOST_NODES, whole=True)
+HALF_WIDTH = Bounds(gt=0, le=WIDEST_HALF_WIDTH)
 CENTRED_HALF_WIDTH = 4.5  # half width of a grid for reversing flow
 
 
@@ -45,17 +47,15 @@ class Solver:
         Meaning("an impact is computed on a square grid (2d) or along the radius (radial), rolling steady or in time"),
     ] = "2d"
     nodes: Annotated[
-        int,
-        Bounds(ge=FEWEST_NODES, le=MOST_NODES, whole=True),
-        Meaning("nodes per side of the grid, 2^k c + 1 with a small c, or along the radius"),
+        int, NODES, Meaning("nodes per side of the grid, 2^k c + 1 with a small c, or along the radius")
     ] = 257
     half_width: Annotated[
         float,
-        Bounds(gt=0, le=WIDEST_HALF_WIDTH),
+        HALF_WIDTH,
         Meaning("half width of the grid along x, in a; wider by default for M < 100 (rolling: M < 5)"),
     ] = 2.0
     inlet: Annotated[
-        float | None,
+        Given,
         Bounds(gt=0),
         Meaning("from the contact's centre to the upstream edge, in a; reversing flow and impact: half_width", 4.5),
     ] = None
@@ -69,9 +69,7 @@ class Solver:
     ] = 1e-3
     fold: Annotated[bool, Meaning("whether a symmetric case is computed on a half or a quarter of the plane")] = True
     half_width_y: Annotated[
-        float | None,
-        Bounds(gt=0, le=WIDEST_HALF_WIDTH),
-        Meaning("half_width along y; left out: the edge is as far from the contact as along x", 3.0),
+        Given, HALF_WIDTH, Meaning("half_width along y; left out: the edge is as far from the contact as along x", 3.0)
     ] = None
 
 
@@ -148,7 +146,7 @@ class Time:
     """
 
     start_approach: Annotated[
-        float | None,
+        Given,
         Bounds(lt=0),
         Meaning("impact: approach Delta at the start, below zero: apart; left out: above the layer of oil, too", -1.0),
     ] = None
@@ -197,10 +195,10 @@ class Drive:
         ),
     ] = None
     slide_to_roll: Annotated[
-        float | None, units.FINITE, Meaning("(u1 - u2)/u_m of a contact without dimensions; left out: 0", 0.1)
+        Given, units.FINITE, Meaning("(u1 - u2)/u_m of a contact without dimensions; left out: 0", 0.1)
     ] = None
     inertia: Annotated[
-        float | None,
+        Given,
         units.NOT_NEGATIVE,
         Meaning("inertia of the ball in a rolling contact without dimensions; left out: 0", 0.5),
     ] = None
@@ -264,14 +262,10 @@ class Thermal:
     heat_capacity_2: Annotated[float, units.HEAT_CAPACITY, Meaning("heat capacity of body 2", "460 J/(kg*K)")]
     conductivity_2: Annotated[float, units.CONDUCTIVITY, Meaning("thermal conductivity of body 2", "46 W/(m*K)")]
     temperature_1: Annotated[
-        float | None,
-        units.TEMPERATURE,
-        Meaning("of body 1 far below its surface; left out: that of the oil", "60 degC"),
+        Given, units.TEMPERATURE, Meaning("of body 1 far below its surface; left out: that of the oil", "60 degC")
     ] = None
     temperature_2: Annotated[
-        float | None,
-        units.TEMPERATURE,
-        Meaning("of body 2 far below its surface; left out: that of the oil", "60 degC"),
+        Given, units.TEMPERATURE, Meaning("of body 2 far below its surface; left out: that of the oil", "60 degC")
     ] = None
     viscosity: Annotated[
         ViscosityName, Meaning("how it falls with the temperature: more under pressure, or equally at all pressures")

@@ -162,14 +162,8 @@ class Key(NamedTuple):
             return f"{', '.join(able_names(self.law))} or table" if str in self.options else "table"
         if self.choices:
             return " or ".join(map(str, self.choices))
-        words = {
-            HeightMap: "name of a file",
-            bool: "true or false",
-            Signal: "number, [[T, value], ...] or table",
-            DataSheet: "name or table",
-            float: "number",
-            int: "integer",
-        }
+        words = {bool: "true or false", float: "number", int: "integer", HeightMap: "name of a file"}
+        words |= {Signal: "number, [[T, value], ...] or table", DataSheet: "name or table"}
         return next((words[option] for option in self.options if option in words), "text")
 
 

@@ -78,10 +78,9 @@ def _lubricant(written: Mapping[str, Any], data: Mapping[str, Any]) -> dict[str,
     if "oils" in written and "oil" not in written:
         raise ConfigError(f"oils = {show(written['oils'])}: needs lubricant.oil, the name of an oil in it")
     if "oil" not in written:
-        raise ConfigError(
-            f"temperature = {show(written['temperature'])}: needs lubricant.oil, one of {', '.join(oils.names())}; or "
-            "give eta0 and alpha at the temperature of the inlet instead"
-        )
+        needs = f"needs lubricant.oil, one of {', '.join(oils.names())}"
+        instead = "or give eta0 and alpha at the temperature of the inlet instead"
+        raise ConfigError(f"temperature = {show(written['temperature'])}: {needs}; {instead}")
     oil = oil_of(written)
     if "temperature" not in written:
         raise ConfigError(f'temperature: missing; oil = {show(written["oil"])} needs it, for example "40 degC"')
@@ -203,10 +202,9 @@ def _inlet_temperature(given: Mapping[str, Any], lubricant: Mapping[str, Any]) -
         for name, section in (("thermal", given), ("lubricant", lubricant))
     )
     if of_oil is not None and T != of_oil:
-        raise ValueError(
-            f"thermal.temperature = {show(given['temperature'])}: differs from lubricant.temperature = "
-            f"{show(lubricant['temperature'])}, for which eta0 and alpha hold; leave thermal.temperature out"
-        )
+        other = f"lubricant.temperature = {show(lubricant['temperature'])}, for which eta0 and alpha hold"
+        given_T = f"thermal.temperature = {show(given['temperature'])}"
+        raise ValueError(f"{given_T}: differs from {other}; leave thermal.temperature out")
     return T
 
 

@@ -242,9 +242,9 @@ def convergence_series(case: Case, grids: int = FEWEST_GRIDS, along: str = "grid
     if along == "grid" and (cells % coarsening or cells // coarsening + 1 < FEWEST_NODES):
         coarsest = max(cells // coarsening, FEWEST_NODES - 1)
         allowed = " or ".join(str(coarsening * each + 1) for each in (coarsest, coarsest + 1))
+        none = f"has no {grids} grids of {FEWEST_NODES} nodes or more, each the half of the next"
         raise ConfigError(
-            f"solver.nodes = {cells + 1}: has no {grids} grids of {FEWEST_NODES} nodes or more, each the half of the "
-            f"next; use solver.nodes = {allowed}, or another number of grids"
+            f"solver.nodes = {cells + 1}: {none}; use solver.nodes = {allowed}, or another number of grids"
         )
     cases = [case] * grids
     for number in reversed(range(grids - 1)) if along == "grid" else ():

@@ -134,9 +134,8 @@ def _keys(tls: str | Path) -> Security:
     try:
         security.get_connection_args("client")
     except OSError as error:  # also of OpenSSL
-        raise NoScheduler(
-            f"tls = {tls}: must be a PEM file with a certificate, its key and the certificate of the authority"
-        ) from error
+        content = "a certificate, its key and the certificate of the authority"
+        raise NoScheduler(f"tls = {tls}: must be a PEM file with {content}") from error
     return security
 
 

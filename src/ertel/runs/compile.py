@@ -242,12 +242,9 @@ def _is_safe(directory: Path) -> bool:
     except OSError:  # it cannot be made, read, ...
         return False
     if wrong:
-        warnings.warn(
-            f"compiled programs are not kept: {wrong[0]} belongs to another user, or others may write to it; "
-            "make sure that only you can, or set JAX_COMPILATION_CACHE_DIR to another directory",
-            RuntimeWarning,
-            stacklevel=3,
-        )
+        why = f"{wrong[0]} belongs to another user, or others may write to it"
+        advice = "make sure that only you can, or set JAX_COMPILATION_CACHE_DIR to another directory"
+        warnings.warn(f"compiled programs are not kept: {why}; {advice}", RuntimeWarning, stacklevel=3)
     return not wrong
 
 

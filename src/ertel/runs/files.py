@@ -258,9 +258,6 @@ def _hold(handle: int, directory: Path) -> None:
 
 @cache
 def _warn_unlocked(directory: Path, reason: str | None) -> None:
-    warnings.warn(
-        f"{directory}: cannot be locked ({(reason or 'for no known reason').lower()}); make sure that no other process "
-        "is computing this run",
-        RuntimeWarning,
-        stacklevel=2,
-    )
+    unlocked = f"{directory}: cannot be locked ({(reason or 'for no known reason').lower()})"
+    alone = "make sure that no other process is computing this run"
+    warnings.warn(f"{unlocked}; {alone}", RuntimeWarning, stacklevel=2)

@@ -158,10 +158,8 @@ def memory_shortage(case: Case) -> str:
         while memory_needed(smaller) > available > 0:
             smaller = smaller.on_half_grid()
     has = f", the machine has {available / 1e9:.2g} GB" if available else ""
-    return (
-        f"solver.nodes = {case.solver.nodes} needs about {memory_needed(case) / 1e9:.2g} GB of memory{has}; "
-        f"solver.nodes = {smaller.solver.nodes} needs {memory_needed(smaller) / 1e9:.2g} GB"
-    )
+    needs = f"solver.nodes = {case.solver.nodes} needs about {memory_needed(case) / 1e9:.2g} GB of memory{has}"
+    return f"{needs}; solver.nodes = {smaller.solver.nodes} needs {memory_needed(smaller) / 1e9:.2g} GB"
 
 
 def is_out_of_memory(error: BaseException) -> bool:
@@ -243,10 +241,8 @@ def _layer(case: Case) -> str:
     layer, start = case.track.extremes[1], case.schedule.start_approach
     edge = min(case.solver.half_width, case.solver.half_width_y or inf)
     if layer > -start:
-        return (
-            f"the ball starts in the oil: lubricant.layer = {layer:.4g} a*^2/R is thicker than the initial gap "
-            f"{-start:.4g}; use time.start_approach <= {-layer:.4g}, or leave it out"
-        )
+        thicker = f"lubricant.layer = {layer:.4g} a*^2/R is thicker than the initial gap {-start:.4g}"
+        return f"the ball starts in the oil: {thicker}; use time.start_approach <= {-layer:.4g}, or leave it out"
     wet = wet_radius(layer)
     if case.geometry is not CIRCLE or wet <= edge:
         return ""

@@ -283,12 +283,11 @@ def _error_warnings(data: xr.Dataset, nodes: int) -> list[str]:
     """Sentences about responses that are uncertain on this grid, or whose error is not known."""
     centre = data["dH_amplitude"].sel(X=0.0, Y=0.0, method="nearest").values
     shares = data["dH_error"].values / np.maximum(centre, np.finfo(float).tiny)
-    sentences = [
-        f"roughnesses[{n}]: the response at the centre is uncertain by up to {share:.0%} on this grid; use "
-        f"solver.nodes >= {2 * nodes - 1}"
-        for n, (share, amplitude) in enumerate(zip(shares, centre, strict=True), 1)
-        if share > LARGE_ERROR and amplitude > 0
-    ]
+    sentences = []
+    for n, (share, amplitude) in enumerate(zip(shares, centre, strict=True), 1):
+        if share > LARGE_ERROR and amplitude > 0:
+            uncertain = f"the response at the centre is uncertain by up to {share:.0%} on this grid"
+            sentences.append(f"roughnesses[{n}]: {uncertain}; use solver.nodes >= {2 * nodes - 1}")
     if np.isnan(shares).any():
         sentences.append("there is no error estimate of the response, because there is no solution on a coarser grid")
     return sentences

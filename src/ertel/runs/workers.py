@@ -119,7 +119,5 @@ def check_fork() -> None:
     if _computing is None:
         _computing = os.getpid()
     if _computing != os.getpid():
-        raise Forked(
-            "this process was forked from one in which JAX runs, and would hang; start processes with "
-            'multiprocessing.get_context("spawn"), or run the cases with ertel.sweep'
-        )
+        instead = 'start processes with multiprocessing.get_context("spawn"), or run the cases with ertel.sweep'
+        raise Forked(f"this process was forked from one in which JAX runs, and would hang; {instead}")
