@@ -96,8 +96,13 @@ def test_energy_is_kept_and_the_rebound_mirrors_the_approach(T):
 
 @given(st.floats(-2.0, 1.0))
 def test_time_and_approach_invert_each_other(Delta):
-    """The approach itself solves Newton's law."""
     assert hertz.approach(hertz.time_at(Delta)) == pytest.approx(Delta, abs=1e-13)
+
+
+@pytest.mark.parametrize("Delta", [1e-6, 0.1, 0.5, 0.9, 0.999])
+def test_time_at_against_quadrature(Delta):
+    time = quad(lambda y: 1 / sqrt(1 - y**2.5), 0, Delta, epsabs=0, epsrel=1e-12)[0]
+    assert hertz.time_at(Delta) == pytest.approx(time, rel=1e-11)
 
 
 def test_free_flight_before_and_after_and_the_maximum_between():

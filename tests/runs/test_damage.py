@@ -93,7 +93,8 @@ def test_no_edit_mixes_two_cases(runs, copy, tmp_path):
     opened = RunStore.open(cut)
     all_edits = [ertel.to_toml(changed) for _, changed in changed_cases(opened.case.to_data())]
     spot = '\n[[roughness]]\nshape = "spot"\nheight = 0.1\nradius = 0.5\n'
-    for edited in (*all_edits, text + spot, text.replace("schema = 1", "schema = 2")):
+    other = text.replace("schema = 1", "schema = 2"), text.replace('kind = "', 'kind = "un')
+    for edited in (*all_edits, text + spot, *other):
         assert edited != text
         for directory in (finished, cut):
             (directory / "case.toml").write_text(edited)

@@ -220,6 +220,9 @@ def test_a_cut_between_the_last_checkpoint_and_the_summary(kinds, tmp_path, monk
     again = RunStore.open(tmp_path / "run")
     compute(again, [lambda item: seen.append(item.record)])
     assert kinds[end].is_whole(again) and not any(seen)
+    status = Status.STEP_TOO_SMALL if end == "gives up" else Status.CONVERGED
+    summary, data = again.summary(), again.dataset()
+    assert summary["status"] == data.attrs["status"] == status.value and 0 < data.sizes["time"] == summary["steps"]
 
 
 # -- the disk ---------------------------------------------------------------------------------------------------------

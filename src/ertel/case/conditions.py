@@ -217,11 +217,8 @@ class Conditions:
         R_x, R_y = self._radii
         for keys, R in ((ALONG_X, R_x), (ALONG_Y, R_y)) if any(key in self.given for key in PAIRS) else ():
             given = [key for key in keys if key in self.given]
-            yield from (
-                (self.entry(key), "must not be zero; leave it out for a plane")
-                for key in given
-                if not getattr(self, key)
-            )
+            for zero in [key for key in given if not getattr(self, key)]:
+                yield self.entry(zero), "must not be zero; leave it out for a plane"
             if not 0 < R < inf:
                 sum_is_positive = f"the curvatures 1/{keys[0]} + 1/{keys[1]} must add up to more than zero"
                 place = " and ".join(map(self.entry, given)) or f"contact.{keys[0]}: missing"

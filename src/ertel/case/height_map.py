@@ -38,9 +38,8 @@ def check_size(heights: NDArray[np.float64]) -> None:
     if not largest:
         raise ValueError("heights: are all zero; leave the map out")
     if not units.SMALLEST <= largest <= units.LARGEST:
-        raise ValueError(
-            f"heights: reach {largest:.3g}; the largest must be between {units.SMALLEST:g} and {units.LARGEST:g}"
-        )
+        sizes = f"between {units.SMALLEST:g} and {units.LARGEST:g}"
+        raise ValueError(f"heights: reach {largest:.3g}; the largest must be {sizes}")
 
 
 def array_in(content: bytes) -> NDArray[Any]:

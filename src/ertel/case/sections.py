@@ -7,18 +7,9 @@ from typing import Annotated, Literal, NamedTuple
 
 from ertel.case.conditions import Given, Kind
 from ertel.numerics.grid import allowed_nodes, nodes_across
-from ertel.physics import hertz, units
+from ertel.physics import hertz, thermal, units
 from ertel.physics.geometry import CIRCLE, Geometry
 from ertel.physics.motion import Signal
-from ertel.physics.thermal import (
-    INLET_FACTORS,
-    WARM_VISCOSITIES,
-    InletName,
-    Solid,
-    ViscosityName,
-    WarmViscosity,
-    thermal_loading,
-)
 from ertel.physics.units import Amount, Bounds, Meaning, Quantity, explained
 
 Method = Literal["2d", "radial", "steady", "transient"]
@@ -127,9 +118,8 @@ def half_width_y(solver: Solver, geometry: Geometry) -> float | None:
     """
     along_x, along_y = geometry.extent
     default = solver.half_width + along_y - along_x
-    nodes, usual = (
-        nodes_across(solver.nodes, width / solver.half_width) for width in (solver.half_width_y or default, default)
-    )
+    widths = solver.half_width_y or default, default
+    nodes, usual = (nodes_across(solver.nodes, width / solver.half_width) for width in widths)
     if nodes == usual == solver.nodes:
         return None
     return solver.half_width * (nodes - 1) / (solver.nodes - 1)
@@ -268,9 +258,10 @@ class Thermal:
         Given, units.TEMPERATURE, Meaning("of body 2 far below its surface; left out: that of the oil", "60 degC")
     ] = None
     viscosity: Annotated[
-        ViscosityName, Meaning("how it falls with the temperature: more under pressure, or equally at all pressures")
+        thermal.ViscosityName,
+        Meaning("how it falls with the temperature: more under pressure, or equally at all pressures"),
     ] = "houpert"
-    inlet_factor: Annotated[InletName, Meaning("formula of the film with inlet shear heating")] = "gupta"
+    inlet_factor: Annotated[thermal.InletName, Meaning("formula of the film with inlet shear heating")] = "gupta"
 
     def __post_init__(self) -> None:
         for name in ("temperature_1", "temperature_2"):
@@ -278,12 +269,10 @@ class Thermal:
                 object.__setattr__(self, name, self.temperature)
 
     @property
-    def bodies(self) -> tuple[Solid, Solid]:
+    def bodies(self) -> tuple[thermal.Solid, thermal.Solid]:
         """The thermal data of both bodies."""
-        return (
-            Solid(self.density_1, self.heat_capacity_1, self.conductivity_1),
-            Solid(self.density_2, self.heat_capacity_2, self.conductivity_2),
-        )
+        first = thermal.Solid(self.density_1, self.heat_capacity_1, self.conductivity_1)
+        return first, thermal.Solid(self.density_2, self.heat_capacity_2, self.conductivity_2)
 
     @property
     def warmer(self) -> tuple[float, float]:
@@ -291,14 +280,14 @@ class Thermal:
         assert self.temperature_1 is not None and self.temperature_2 is not None  # `__post_init__`
         return self.temperature_1 - self.temperature, self.temperature_2 - self.temperature
 
-    def viscosity_of(self, eta0: float) -> WarmViscosity:
+    def viscosity_of(self, eta0: float) -> thermal.WarmViscosity:
         """The law of the warm oil's viscosity.  Raises ValueError for an eta0 (Pa s) for which it has no meaning."""
-        return WARM_VISCOSITIES[self.viscosity].of(eta0, self.beta, self.temperature)
+        return thermal.WARM_VISCOSITIES[self.viscosity].of(eta0, self.beta, self.temperature)
 
     def inlet(self, eta0: float, p_h_over_E: float, mean_speed: float, slide_to_roll: float) -> "Inlet":
         """Inlet shear heating; eta0 in Pa s, mean_speed in m/s."""
-        L_t = thermal_loading(eta0, self.beta, mean_speed, self.conductivity)
-        factor = INLET_FACTORS[self.inlet_factor].formula(L_t, abs(slide_to_roll), p_h_over_E)
+        L_t = thermal.thermal_loading(eta0, self.beta, mean_speed, self.conductivity)
+        factor = thermal.INLET_FACTORS[self.inlet_factor].formula(L_t, abs(slide_to_roll), p_h_over_E)
         return Inlet(L_t, factor)
 
 

@@ -200,10 +200,9 @@ def _surface_topography(needed_for: str) -> Any:
     try:
         import SurfaceTopography
     except ImportError as error:
-        raise ValueError(
-            f"{needed_for}: needs the package SurfaceTopography, which reads measured surfaces, takes off their form "
-            "and fills their gaps; install it with pip install 'ertel[surfaces]'"
-        ) from error
+        why = "which reads measured surfaces, takes off their form and fills their gaps"
+        install = "install it with pip install 'ertel[surfaces]'"
+        raise ConfigError(f"{needed_for}: needs the package SurfaceTopography, {why}; {install}") from error
     return SurfaceTopography
 
 

@@ -245,8 +245,7 @@ def require_rheology(case: Case, lubricant: object) -> None:
     given = isinstance(lubricant, Mapping) and "rheology" in lubricant
     stress = newtonian_stress(case) if case.thermal and case.oil.is_newtonian and not given else 0.0
     if stress > LARGEST_NEWTONIAN_STRESS:
-        raise ConfigError(
-            "lubricant.rheology: missing; [thermal] needs it, because a Newtonian oil would have a mean shear stress "
-            f"of about {stress / 1e6:.2g} MPa here and oils begin to thin at some MPa; give for example "
-            '{ law = "ree-eyring", tau0 = "5 MPa" }, or "newtonian" to have that heat computed'
-        )
+        mean = f"a Newtonian oil would have a mean shear stress of about {stress / 1e6:.2g} MPa here"
+        why = f"[thermal] needs it, because {mean} and oils begin to thin at some MPa"
+        example = '{ law = "ree-eyring", tau0 = "5 MPa" }, or "newtonian" to have that heat computed'
+        raise ConfigError(f"lubricant.rheology: missing; {why}; give for example {example}")

@@ -114,10 +114,8 @@ def parse_study(data: Mapping[str, Any], folder: str | Path = ".") -> Study:
             raise ConfigError(f"{axis.field} = {show(list(axis.values))}: the values must differ from each other")
     if not axes:
         parse_case(plain, folder)  # a misspelled section or range is named first
-        raise ConfigError(
-            "the study has one case only: give a list, or { from = ..., to = ..., number = ... }, for the value that "
-            "varies"
-        )
+        several = "give a list, or { from = ..., to = ..., number = ... }, for the value that varies"
+        raise ConfigError(f"the study has one case only: {several}")
     cases = tuple(_case(plain, axes, values, folder) for values in _combinations(axes, mode))
     for axis in axes:
         put(plain, axis.place, axis.values[0])
@@ -243,9 +241,8 @@ def convergence_series(case: Case, grids: int = FEWEST_GRIDS, along: str = "grid
         coarsest = max(cells // coarsening, FEWEST_NODES - 1)
         allowed = " or ".join(str(coarsening * each + 1) for each in (coarsest, coarsest + 1))
         none = f"has no {grids} grids of {FEWEST_NODES} nodes or more, each the half of the next"
-        raise ConfigError(
-            f"solver.nodes = {cells + 1}: {none}; use solver.nodes = {allowed}, or another number of grids"
-        )
+        use = f"use solver.nodes = {allowed}, or another number of grids"
+        raise ConfigError(f"solver.nodes = {cells + 1}: {none}; {use}")
     cases = [case] * grids
     for number in reversed(range(grids - 1)) if along == "grid" else ():
         cases[number] = cases[number + 1].on_half_grid()

@@ -141,9 +141,8 @@ def check_alike(cases: Sequence[Case]) -> None:
     for number, other in enumerate(others, start=1):
         for name, value in other.items():
             if value != first[name]:
-                raise ValueError(
-                    f"{name} = {value} in case {number}: must be that of case 0, {first[name]}, in a batch"
-                )
+                allowed = f"must be that of case 0, {first[name]}, in a batch"
+                raise ValueError(f"{name} = {value} in case {number}: {allowed}")
 
 
 def shape_of(case: Case) -> dict[str, object]:

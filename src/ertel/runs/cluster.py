@@ -121,9 +121,8 @@ def existing(
         except FatalCommClosedError as error:
             raise NoScheduler(f"{where}: the scheduler has another authority for its certificates") from error
         except (OSError, ValueError) as error:
-            raise NoScheduler(
-                f"{where}: no scheduler answers there within {ANSWER} s; make sure that it runs"
-            ) from error
+            none = f"no scheduler answers there within {ANSWER} s; make sure that it runs"
+            raise NoScheduler(f"{where}: {none}") from error
         yield cluster
 
 

@@ -217,9 +217,8 @@ def fit_problem(case: Case, measurements: Measurement | Sequence[Given], unknown
             raise ConfigError(f"measurements[{number}] = {written(item)}: {allowed}")
         place = f"measurements[{number}], {each.name}"
         if each.sigma is None:
-            raise ConfigError(
-                f"{place}: sigma = None: must be given: a fit weighs the data by their standard deviation"
-            )
+            why = "a fit weighs the data by their standard deviation"
+            raise ConfigError(f"{place}: sigma = None: must be given: {why}")
         if both := {unknown.field for unknown in found} & set(settings):
             raise ConfigError(f"{place}: {min(both)} is an unknown and cannot be a condition")
         if settings not in conditions:

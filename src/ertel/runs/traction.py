@@ -145,10 +145,8 @@ def curve_of(case: Case, given: Mapping[str, Given | None], film: str | None = N
     given: by the name of the axis, exactly one of them.  Raises ConfigError, naming the argument.
     """
     if not case.is_steady:
-        raise ConfigError(
-            f'solver.method = "{case.solver.method}": a traction curve is of a steady contact; use contact.kind = '
-            '"rolling" and solver.method = "steady"'
-        )
+        use = 'use contact.kind = "rolling" and solver.method = "steady"'
+        raise ConfigError(f'solver.method = "{case.solver.method}": a traction curve is of a steady contact; {use}')
     axes = {name: values for name, values in given.items() if values is not None}
     if len(axes) != 1:
         raise ConfigError(f"give exactly one of {', '.join(CURVE_AXES)}; got {' and '.join(axes) or 'none'}")
