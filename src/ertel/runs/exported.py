@@ -9,7 +9,6 @@ A file holds the stamp on a line, what `jax.export` writes, and a checksum.  Not
 
 import hashlib
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from dataclasses import fields, is_dataclass
 from functools import cache, partial
@@ -75,16 +74,13 @@ class ExportedPrograms:
             yield
             if self._later:
                 tell()
-            with suppress(KeyboardInterrupt), ThreadPoolExecutor() as threads:  # the run itself is done
-                list(threads.map(self._optimise, self._later))
+            with suppress(KeyboardInterrupt):  # the run itself is done
+                for file, content, lowered in self._later:
+                    compiled_at(LEVEL, lowered)  # JAX keeps the machine code
+                    self._write(file, content)
         finally:
             self._hurried = 0
             self._later.clear()
-
-    def _optimise(self, later: tuple[Path, bytes, Any]) -> None:
-        file, content, lowered = later
-        compiled_at(LEVEL, lowered)  # JAX keeps the machine code
-        self._write(file, content)
 
     def _file(self, program: Program, arguments: Any) -> Path:
         """The file of a program.  Raises ValueError where its arguments hold code that the stamp does not cover."""
