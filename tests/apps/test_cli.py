@@ -88,6 +88,8 @@ def test_error_estimate(here):
     before = json.loads(ertel_(*radial, "solver.nodes=33", "--out", "fine").stdout)
     fine = json.loads(ertel_("resume", "fine", "--error", "--json").stdout)
     assert not before.get("error_estimate") and before["max_approach"] == fine["max_approach"]
+    at_once = json.loads(ertel_(*radial, "solver.nodes=33", "--out", "at once", "--error").stdout)
+    assert at_once["error_estimate"] == fine["error_estimate"]
     assert json.loads(ertel_("show", "fine", "--json").stdout) == fine
     half = json.loads(ertel_(*radial, "solver.nodes=17", "--out", "half").stdout)
     assert list(fine["error_estimate"]) == ["H_c", "H_min", "T", "Delta_max", "P_c", "F", "power_loss"]

@@ -178,9 +178,14 @@ def test_a_known_error_is_not_computed_again(ball, monkeypatch):
 
 
 def test_a_comparison_that_fails_is_told(here, monkeypatch):
+    """And not the end: the error is estimated when it is asked for again."""
     failed = SimpleNamespace(summary={"status": "Newton iteration stalled"})
-    monkeypatch.setattr(running.Recorder, "result", lambda *_: failed)
-    assert "no error is estimated" in refused("run", *STEADY, "--error", code=0)
+    with monkeypatch.context() as patch:
+        patch.setattr(running.Recorder, "result", lambda *_: failed)
+        assert "no error is estimated" in refused("run", *STEADY, "--error", code=0)
+    found = json.loads(ertel_("resume", "runs/steady", "--error", "--json").stdout)
+    assert set(found["error_estimate"]) >= {"H_c", "H_min"}
+    assert json.loads(ertel_("show", "runs/steady", "--json").stdout) == found
 
 
 # -- the machine ------------------------------------------------------------------------------------------------------
