@@ -113,8 +113,8 @@ said = {{
 }}
 sys.stdout.write(json.dumps([said, found]))
 """
-QUICK = ("radial", "swept")  # all methods are run by the same function, and each refuses single precision
-SLOW = ("on_the_plane", "steady", "batch", "respond", "respond_in_rolling")
+QUICK = ("radial", "swept", "steady")  # all methods are run by the same function, and each refuses single precision
+SLOW = ("on_the_plane", "batch", "respond", "respond_in_rolling")
 
 
 @cache
