@@ -1,9 +1,11 @@
 """The examples in docstrings give what they say, and what users call is explained in sections."""
 
+import ast
 import doctest
 import inspect
 import pkgutil
 from importlib import import_module
+from pathlib import Path
 
 import pytest
 
@@ -22,6 +24,18 @@ def test_examples_in_docstrings():
             found += bool(test.examples)
     assert not said, "".join(said)
     assert found >= 5
+
+
+def test_a_docstring_begins_with_a_noun_or_a_verb():
+    """A question word promises an answer and names nothing."""
+    riddles = []
+    for path in Path(ertel.__path__[0]).rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef):
+                first = (ast.get_docstring(node) or "").partition(" ")[0]
+                if first in ("What", "How", "Where", "Which", "When", "Who", "Of"):
+                    riddles.append((path.name, getattr(node, "name", "")))
+    assert riddles == []
 
 
 CALLED = [name for name in dir(ertel) if callable(getattr(ertel, name)) and name not in ("ConfigError", "StoreError")]

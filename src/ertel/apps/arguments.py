@@ -135,7 +135,7 @@ def grouped(command: Callable[..., None]) -> Callable[..., None]:
 
 @dataclass(frozen=True)
 class Report:
-    """How a command reports what it has done."""
+    """The form in which a command reports what it has done."""
 
     as_json: Json = False
     quiet: Quiet = False
@@ -177,7 +177,7 @@ INDEX_HELP = "Index of the oil; also that with which a film was computed."
 
 @dataclass(frozen=True)
 class Measured:
-    """How a measurement is read and compared with a run, and the rig of its light."""
+    """The way in which a measurement is read and compared with a run, and the rig of its light."""
 
     at: Moment = None
     align: Annotated[str | None, option(ALIGN_HELP, "NAMES")] = None

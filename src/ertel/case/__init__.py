@@ -1,1 +1,1 @@
-"""What is asked: the case, its sections and records, and the rules that they follow.  No JAX, no equation."""
+"""The case, its sections and records, and the rules that they follow.  No JAX, no equation."""

@@ -164,7 +164,7 @@ ENDS: Mapping[Kind, Stop | float] = {"impact": "max-approach", "rolling": ROLLIN
 @explained
 @dataclass(frozen=True)
 class Output:
-    """Which film and pressure maps are kept, besides those at maximum approach and at the end."""
+    """The film and pressure maps that are kept, besides those at maximum approach and at the end."""
 
     interval: Annotated[Amount, units.DURATION, Meaning("time between the film and pressure maps that are kept")] = 0.1
 

@@ -225,7 +225,7 @@ def _of_the_library(lubricant: Mapping[str, Any], contact: Mapping[str, Any], T:
 
 
 def _advice(key: str, unit: Unit, lubricant: Mapping[str, Any], contact: Mapping[str, Any]) -> str:
-    """What to give for a key of [thermal] that is missing."""
+    """Advice for a key of [thermal] that is missing."""
     if key == "temperature":
         return 'give that of the oil in the inlet, for example "40 degC"'
     place, name, section = ("lubricant", "oil", lubricant)

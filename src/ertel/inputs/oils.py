@@ -75,7 +75,7 @@ LARGEST_FILE = 1_000_000  # bytes
 
 @dataclass(frozen=True)
 class Origin:
-    """Where the data of a table come from, and between which temperatures they hold (K)."""
+    """The source of the data of a table, and the temperatures between which they hold (K)."""
 
     source: str
     coldest: Annotated[float, TEMPERATURE]

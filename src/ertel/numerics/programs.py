@@ -1,4 +1,4 @@
-"""How JAX computes here: in double precision, in programs that are compiled once, and points in blocks.
+"""JAX as ertel uses it: in double precision, in programs that are compiled once, and points in blocks.
 
 JAX computes in single precision unless it is told otherwise, and that setting belongs to the user.  So every public
 function that computes does it in JAX's own block for double precision, which holds for one thread::

@@ -1,4 +1,4 @@
-"""How an oil depends on temperature: viscosity and density at ambient pressure, and the laws of pressure.
+"""Temperature laws of an oil: viscosity and density at ambient pressure, and the laws of pressure.
 
 A rule takes the oil at ambient pressure and gives the oil of a contact: its alpha, viscosity law and density law.  A
 law is the name of one that follows from eta0 and alpha (Roelands' law, with Dowson and Higginson's density), or a

@@ -116,7 +116,7 @@ class SheetOptions(TypedDict, total=False):
 
 @dataclass(frozen=True)
 class Sheet:
-    """Where a picture is drawn, and how large.
+    """The place and the size of a picture.
 
     A figure of a given size is for print: its letters have 7 to 9 pt at this size, its panels stand below each other
     where they would be narrower than a column, and files with dots have 300 of them an inch.

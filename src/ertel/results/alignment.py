@@ -49,7 +49,7 @@ def light_along(line: xr.Dataset, case: Any, optics: Any) -> xr.DataArray:
 
 
 def as_shown(measured: Any, computed: Values) -> tuple[dict[str, float], Values]:
-    """What is not known of a measurement, by name, and computed values as its instrument shows them with it."""
+    """The unknowns of a measurement by name, and computed values as its instrument shows them with these."""
     ways = {name: computed for name in FACTORS} | {name: np.ones_like(measured.x) for name in LEVELS}
     ways["tilt"] = measured.x - measured.x.mean()
     names = [name for name in ways if name in measured.align]

@@ -33,7 +33,7 @@ UNLIKELY = 0.01  # probability of a larger chi square below which the case does 
 
 @dataclass(frozen=True)
 class FitPoint:
-    """Where a fit has ended, or a point of its search.
+    """A point of the search of a fit, also the one where it has ended.
 
     names: of the unknowns, short.  values, bounds, priors: in SI; bounds (2, unknown), priors with their standard
     deviations (2, unknown), nan where there is none.  units: "" of plain numbers.  residuals: (predicted -
@@ -85,7 +85,7 @@ class FitPoint:
 
     @property
     def in_words(self) -> str:
-        """What the data fix, and how well: products of the unknowns, then with the priors each one alone."""
+        """The products of the unknowns that the data fix, and how well, then with the priors each unknown alone."""
         fixed = [f"{powers_in_words(self.names, e)} to {in_percent(u)}" for u, e in zip(*self.products, strict=True)]
         errors = np.sqrt(np.diag(self.covariance))
         alone = [f"{name} to {in_percent(error)}" for name, error in zip(self.names, errors, strict=True)]

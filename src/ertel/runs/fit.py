@@ -137,7 +137,7 @@ def fit(
 
 @dataclass(frozen=True)
 class FitProblem:
-    """What is to be found, and from what.
+    """The unknowns to be found, and the data.
 
     conditions: each different set of values in which measurements differ from the case.  data: measurements with the
     number of their conditions.
@@ -251,7 +251,7 @@ class Search:
         self.points: dict[bytes, FitPoint] = {}
 
     def solve(self) -> tuple[FitPoint, bool]:
-        """Where the search ends, and whether it has converged.  Raises FitError where it cannot begin."""
+        """The point where the search ends, and whether it has converged.  Raises FitError where it cannot begin."""
         from scipy.optimize import least_squares  # slow to import
 
         start, lower, upper = np.array([(u.start, u.lower, u.upper) for u in self.problem.unknowns]).T

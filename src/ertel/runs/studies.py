@@ -211,7 +211,7 @@ def require_place(directory: str | Path, name: str = NAME, option: str = "direct
 
 
 def in_directory(directory: str | Path | None, name: str, do: Callable[[Path], AnyStudy]) -> AnyStudy:
-    """What `do` gives for the directory of a study; left out, for a temporary one, of which nothing remains.
+    """Return what `do` gives for the directory of a study, or for a temporary one, of which nothing remains.
 
     name: as in `require_place`.
     """

@@ -54,7 +54,7 @@ CloseSystem = Callable[[Problem, Array, FloatLike], "ClosedSystem"]  # from the 
 
 
 class Algorithms(NamedTuple):
-    """What closes the system, the approximate inverse of its Jacobian, and the limits of the iterations."""
+    """The closure of the system, the approximate inverse of its Jacobian, and the limits of the iterations."""
 
     close: CloseSystem
     preconditioner: Preconditioner

@@ -234,25 +234,25 @@ def starved_films(kind: str, M: float, L: float, nodes: int) -> tuple[float, ...
 
 
 def radial_runs(plan: Plan) -> dict[str, Any]:
-    """Of Figs. 1 and 4: smooth impacts by the radial method, by M."""
+    """The runs of Figs. 1 and 4: smooth impacts by the radial method, by M."""
     return {"radial": {M: _radial(plan, (M, L)) for M in LOADS}}
 
 
 def smooth_runs(plan: Plan) -> dict[str, Any]:
-    """Of Figs. 2 and 3: the same, and one by the 2-D method."""
+    """The runs of Figs. 2 and 3: the same, and one by the 2-D method."""
     solver = {"nodes": plan.plane_nodes, "half_width": plan.plane_half_width}
     plane = _task(smooth_impact, (SHOWN_LOAD, L, solver, NO_MAPS), plan.plane_seconds)
     return {**radial_runs(plan), "plane": plane}
 
 
 def wave_runs(plan: Plan) -> dict[str, Any]:
-    """Of Fig. 5: impacts by M and L, smooth by the radial method, and over isotropic waves on both grids."""
+    """The runs of Fig. 5: impacts by M and L, smooth by the radial method, and over isotropic waves on both grids."""
     waves = {case: _impacts(case, _isotropic(lengths), plan.impact_grids) for case, lengths in plan.impacts.items()}
     return {"smooth": {case: _radial(plan, case) for case in plan.impacts}, "waves": waves}
 
 
 def reduction_runs(plan: Plan) -> dict[str, Any]:
-    """Of Fig. 6: those of Fig. 5, rolling over isotropic waves, the rolling twins of impacts, and the checks."""
+    """The runs of Fig. 6: those of Fig. 5, rolling over isotropic waves, rolling twins of impacts, and checks."""
     rolling = {case: _rolling(case, lengths, plan.rolling_grids) for case, lengths in plan.rolling.items()}
     twins = {twin: _on_grids(rolling_twin, twin, plan.twin_grids, 7.0, start=15.0) for twin in plan.twins}
     return {**wave_runs(plan), "rolling": rolling, "twins": twins, "checks": _checks(plan)}
@@ -275,7 +275,7 @@ def _checks(plan: Plan) -> dict[str, list[Task]]:
 
 
 def shape_runs(plan: Plan) -> dict[str, Any]:
-    """Of Fig. 7: impacts over transverse waves and rings, rolling over straight waves by shape, M, L and wavelength."""
+    """The runs of Fig. 7: impacts over transverse waves and rings, rolling over straight waves, by M, L, wavelength."""
     impacts, rolling, grids = {}, {}, plan.straight_grids
     for case, lengths in plan.shaped.items():
         shapes = [(shape, HEIGHT, length) for length in lengths for shape in ("transverse", "rings")]
@@ -287,7 +287,7 @@ def shape_runs(plan: Plan) -> dict[str, Any]:
 
 
 def oil_runs(plan: Plan) -> dict[tuple[str, Moes, Wavelengths], list[Task]]:
-    """Of Fig. 8: impacts over isotropic waves by oil, M and L, wavelengths."""
+    """The runs of Fig. 8: impacts over isotropic waves by oil, M and L, wavelengths."""
     impacts = [(oil, *impact) for impact in plan.oils.items() for oil in OILS if oil != SOFT]
     impacts += [(SOFT, (M, 0), lengths) for M, lengths in plan.soft.items()]
     return {
@@ -297,7 +297,7 @@ def oil_runs(plan: Plan) -> dict[tuple[str, Moes, Wavelengths], list[Task]]:
 
 
 def starved_runs(plan: Plan) -> dict[tuple[str, float, float], list[Task]]:
-    """Of Fig. 9: contacts on layers of oil, by kind, M and L."""
+    """The runs of Fig. 9: contacts on layers of oil, by kind, M and L."""
     contacts = [(kind, float(M), float(L)) for kind, cases in plan.starved.items() for M, L in cases]
     seconds = plan.starved_seconds
     return {each: _on_grids(starved_films, each, plan.starved_grids, 0.0, start=seconds) for each in contacts}

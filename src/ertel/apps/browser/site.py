@@ -1,4 +1,4 @@
-"""What all pages share: the app, the frame with the list of runs, the first page, and elements of pages."""
+"""The parts that all pages share: the app, the frame with the list of runs, the first page, and elements of pages."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -250,7 +250,7 @@ def _offer(icon: str, title: str, text: str, target: str) -> None:
 
 
 class WatchedPage:
-    """What the pages of a run and of a fit share: its phase, what can be done in it, and its progress.
+    """The parts that the pages of a run and of a fit share: its phase, what can be done in it, and its progress.
 
     words: of the button that starts or resumes it, in some phases; there is none where it is empty.
     """
