@@ -275,7 +275,7 @@ def _checks(plan: Plan) -> dict[str, list[Task]]:
 
 
 def shape_runs(plan: Plan) -> dict[str, Any]:
-    """The runs of Fig. 7: impacts over transverse waves and rings, rolling over straight waves, by M, L, wavelength."""
+    """The runs of Fig. 7 by shape, M, L and wavelength: impacts over transverse waves and rings, and rolling."""
     impacts, rolling, grids = {}, {}, plan.straight_grids
     for case, lengths in plan.shaped.items():
         shapes = [(shape, HEIGHT, length) for length in lengths for shape in ("transverse", "rings")]
