@@ -45,6 +45,14 @@ from ertel.apps.cases import check
 Path("case.toml").write_text('[contact]\\nkind = "{}"\\nM = 200\\nL = 10\\n[solver]\\nmethod = "{}"')
 check(Path("case.toml"))
 """
+USUAL_UNITS = """
+import ertel
+from ertel.case.definition import grid_of
+from ertel.results.dataset import assemble_steady
+sizes = {"radius": "10 mm", "load": "20 N", "mean_speed": "800 mm/s", "E_prime": "230 GPa"}
+case = ertel.rolling(**sizes, oil=ertel.Oil(eta0="40 mPa*s", alpha="22 / GPa"), nodes=33)
+assert assemble_steady(case, grid_of(case), ()).sel(X=0.1, method="nearest").X.size == 1
+"""
 ACCESSOR = """
 import xarray, ertel
 assert not hasattr(xarray.Dataset, "ertel")
@@ -63,6 +71,7 @@ assert "film" in dir(xarray.Dataset({"H": 0.1}).ertel.plot)
         ("import ertel.apps.cli", "jax matplotlib xarray pint distributed"),  # so that `ertel --help` answers at once
         (CHECK.format("rolling", "steady"), "jax xarray matplotlib zarr"),  # an estimate of memory and time
         (CHECK.format("impact", "radial"), "jax xarray matplotlib zarr"),
+        (USUAL_UNITS, "jax matplotlib zarr pint"),
         (ACCESSOR, "matplotlib"),  # `dataset.ertel` is there with whatever makes or opens a run
     ],
 )

@@ -9,8 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ertel.case.records import ConfigError
+from ertel.inputs import quantities
 from ertel.inputs.layout import READER
 from ertel.inputs.quantities import parse_quantity, parse_values
+from ertel.physics import units
 from ertel.physics.units import COMPLIANCE, FINITE, LENGTH, LOAD, POSITION, VELOCITY, WIDTH, Bounds, Quantity, Unit
 
 
@@ -34,6 +36,16 @@ def test_lengths(text, value):
 def test_decimal_input_stays_decimal():
     """18.6 * 0.001 is 0.018600000000000002 in floats."""
     assert parse_quantity("18.6 mm", LENGTH) == 0.0186
+
+
+@pytest.mark.parametrize(("written", "unit"), units.PREFIXED)
+def test_units_read_without_pint_are_those_of_pint(written, unit, monkeypatch):
+    mark = next(mark for mark in vars(units).values() if isinstance(mark, Unit) and mark.unit == unit)
+    quantities._factor.cache_clear()
+    read = quantities._factor(written, mark)
+    monkeypatch.setattr(quantities, "PREFIXED", {})
+    quantities._factor.cache_clear()
+    assert read == quantities._factor(written, mark) != 1
 
 
 def test_an_amount_is_a_number_or_a_quantity():

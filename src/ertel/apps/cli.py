@@ -6,6 +6,7 @@ Exit codes: 0 done; 1 failed, results so far are kept; 2 wrong input, nothing wr
 (143 by SIGTERM, 129 by SIGHUP).
 """
 
+import gc
 import os
 import sys
 from pathlib import Path
@@ -49,6 +50,7 @@ def main() -> None:
     os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")  # or XLA calls code that it compiled itself an error
     sys.modules["dask.array"] = None  # type: ignore[assignment]  # or xarray imports it, for arrays that ertel never makes
     process.keep_freed_memory()
+    gc.set_threshold(100_000)  # JAX makes many objects that stay, and looking through them takes time
     with process.safe_streams():
         app()
 

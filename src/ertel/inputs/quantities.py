@@ -1,6 +1,6 @@
 """Quantities as a user writes them, "10 mm", converted to SI: one, or several as a list or a range.
 
-Units are from pint, which is imported only if a unit differs from the SI unit.
+Units are from pint, which takes long to import: it reads all but the SI unit and the usual prefixes of that.
 """
 
 import re
@@ -16,7 +16,7 @@ import numpy as np
 from ertel.case.reading import parse_number
 from ertel.case.records import is_number, refusing, show, with_unit
 from ertel.physics.temperature_laws import ZERO_CELSIUS
-from ertel.physics.units import Bounds, Mark, Unit, reads_quantities
+from ertel.physics.units import PREFIXED, Bounds, Mark, Unit, reads_quantities
 
 NumberOrText = float | str  # in SI, or a text with a unit
 HOTTER_THAN_ANY = 1e4  # K
@@ -119,8 +119,9 @@ def number_or_quantity(value: object, unit: Unit) -> float:
 @lru_cache(maxsize=256)
 def _factor(written: str, unit: Unit) -> Decimal:
     """The number of SI units in one `written`."""
-    if written == unit.unit:
-        return Decimal(1)
+    power = 0 if written == unit.unit else PREFIXED.get((written.replace("1/ ", "1/"), unit.unit))
+    if power is not None:
+        return Decimal(10) ** power
     unknown = f'has an unknown unit "{written}"; write for example "{unit.example}"'
     if not _UNIT.fullmatch(written):
         raise ValueError(unknown)

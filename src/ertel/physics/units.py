@@ -94,6 +94,11 @@ LAYER = Unit("m", "2 um", scale="film", own="a^2/R", least=1e-9, most=1e6)
 HEIGHT = Unit("m", "20 nm", signed=True, scale="film", own="a^2/R", most=1e6)
 RMS = Unit("m", "50 nm", scale="film", own="a^2/R", least=1e-12, most=1e6)
 
+# the usual units with a prefix: the power of ten that one of them is, by its name and that of the SI unit
+_PREFIXES = {"n": -9, "u": -6, "m": -3, "k": 3, "M": 6, "G": 9}
+PREFIXED = {(p + unit, unit): n for unit in ("m", "s", "m/s", "N", "Pa", "Pa*s") for p, n in _PREFIXES.items()}
+PREFIXED |= {(f"1/{prefix}Pa", "1/Pa"): -power for prefix, power in _PREFIXES.items()}
+
 
 @dataclass(frozen=True)
 class Bounds:

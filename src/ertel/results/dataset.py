@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from ertel.case.case import Case
@@ -99,11 +100,14 @@ def assemble_steady(case: Case, grid: Grid, solutions: Sequence[SteadyGrid]) -> 
 
 def _dataset(case: Case, arrays: Arrays) -> xr.Dataset:
     """The Dataset of a run from its arrays, with the attributes of its variables and its own."""
-    described = {
-        name: (dims, values, variable_attributes(name, case.scales)) for name, (dims, values) in arrays.items()
-    }
+    described = {name: (*indexed(name, *each), variable_attributes(name, case.scales)) for name, each in arrays.items()}
     axes = {name: described.pop(name) for name in variables.AXES if name in described}
     return xr.Dataset({**described, **variables_of(case)}, axes, provenance(case))
+
+
+def indexed(name: str, dims: Sequence[str], values: Any) -> tuple[Sequence[str], Any]:
+    """The dimensions and values of a variable; those of an axis as an index, or xarray imports pint to look for its."""
+    return dims, pd.Index(values) if list(dims) == [name] else values
 
 
 # -- provenance -------------------------------------------------------------------------------------------------------

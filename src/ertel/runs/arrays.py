@@ -208,7 +208,8 @@ def _read(path: Path, advice: str) -> xr.Dataset:
             array = arrays[name]
             if missing := array.nchunks - array.nchunks_initialized:
                 raise ValueError(f"{missing} of {array.nchunks} chunks are missing")
-            variables[name] = (metadata["dimension_names"], np.asarray(array[...]), metadata["attributes"])
+            values = dataset.indexed(name, metadata["dimension_names"], np.asarray(array[...]))
+            variables[name] = (*values, metadata["attributes"])
     return xr.Dataset(variables, attrs=root["attributes"])
 
 

@@ -70,12 +70,8 @@ class GridStep:
 
     @property
     def record(self) -> Mapping[str, float]:
-        """The values on the finest grid so far, and the work on it."""
-        if not self.solutions:
-            return {}
-        s = self.solutions[-1]
-        work = {"newton_iterations": s.newton, "krylov_iterations": s.krylov, "residual": s.residual}
-        return {**s.measure(), **work, "nodes": s.grid.nodes_x, "nodes_y": s.grid.nodes_y}
+        """The numbers of the finest grid so far, and the work on it."""
+        return self.solutions[-1].record if self.solutions else {}
 
 
 StepResult = Step | GridStep  # an accepted time step, or the solution on a grid
@@ -98,10 +94,10 @@ class SteadyRun:
     def progress(self, result: GridStep) -> Progress:
         if not result.solutions:
             return Progress(None, 0, 0.0, "")
-        r = result.record
+        r, grid = result.record, result.solutions[-1].grid
         work = f"{r['newton_iterations']} Newton, {r['krylov_iterations']} Krylov"
-        message = f"{r['nodes']} x {r['nodes_y']}  residual {r['residual']:.1e}  H_c {r['H_c']:.5f}  {work}"
-        return Progress(None, len(result.solutions), (r["nodes"] / self.case.solver.nodes) ** 2, message)
+        message = f"{grid.nodes_x} x {grid.nodes_y}  residual {r['residual']:.1e}  H_c {r['H_c']:.5f}  {work}"
+        return Progress(None, len(result.solutions), (grid.nodes_x / self.case.solver.nodes) ** 2, message)
 
     def to_arrays(self, result: GridStep) -> dict[str, NDArray[Any]]:
         solutions = result.solutions

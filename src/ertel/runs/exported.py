@@ -11,7 +11,7 @@ import hashlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import fields, is_dataclass
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
 from types import FunctionType
 from typing import Any
@@ -121,20 +121,14 @@ def _exported(program: Program, arguments: Any) -> bytes:
 def _lowered(content: bytes) -> Any:
     """A program from its form in files, for JAX to compile."""
     exported = export.deserialize(bytearray(content))
-    if b"lapack" in content:
-        _prepare_lapack()
+    if b"lapack" in content:  # JAX loads LAPACK when it lowers a linear solve, but not with an exported program
+        jax.jit(jax.lax.linalg.lu).lower(np.eye(2))
 
     def call(*leaves: Any) -> Any:
         return exported.call(*leaves)
 
     call.__name__ = f"exported_{exported.fun_name}"
     return jax.jit(call).lower(*exported.in_avals)
-
-
-@cache
-def _prepare_lapack() -> None:
-    """Load LAPACK.  JAX does so when it lowers a linear solve, but not with an exported program."""
-    jax.jit(jax.lax.linalg.lu).lower(np.eye(2))
 
 
 # -- names ------------------------------------------------------------------------------------------------------------

@@ -18,7 +18,6 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 from numpy.typing import NDArray
-from scipy.special import ellipe, ellipkm1
 
 from ertel.case.case import Case
 from ertel.case.definition import radii
@@ -114,6 +113,8 @@ def disc(r: Floats, b: Floats) -> Floats:
     4 b E(r^2/b^2) inside, 4 r [E(b^2/r^2) - (1 - b^2/r^2) K(b^2/r^2)] outside, with the complete elliptic integrals of
     parameter k^2: uniform pressure on a circle, Johnson, Contact Mechanics (1985), section 3.4.
     """
+    from scipy.special import ellipe, ellipkm1  # here: the other methods do without them
+
     ratio = np.minimum(r, b) / np.maximum(r, b)
     complement = (1 - ratio) * (1 + ratio)
     touching = complement == 0  # there complement * K -> 0
@@ -333,23 +334,19 @@ def ring_oil(eq: Equations, P: Array, H: Array) -> Array:
 def ring_account(eq: Equations, P: Array, H: Array, oil: Array, approach: float) -> dict[str, Array]:
     """The account after a step, by name."""
     eps = Pair(eq.mesh.oil.mobility(P, H, eq.mesh.lambda_bar))
-    friction = ring_friction(eq.mesh, P, eps)
+    friction = ring_friction(eq.mesh, P, H)
     deformation = H + approach - CIRCLE.gap(eq.mesh.r, 0.0)
     growth = ring_residual(eq, P, H) - eq.rate * (eq.mesh.oil.density(P) * H - oil).at[-1].set(0.0)
     film = account.Film(P, H, oil, oil, eps, friction.loss, deformation, growth, 0.0, 0.0)
     return account.account_terms(eq.mesh.disc, eq.mesh.oil, film, friction)
 
 
-def ring_friction(mesh: Mesh, P: Array, eps: Pair) -> account.Friction:
+def ring_friction(mesh: Mesh, P: Array, H: Array) -> account.Friction:
     """The friction of a film in which nothing slides and nothing rolls: the heat of the pressure."""
+    eps = Pair(mesh.oil.mobility(P, H, mesh.lambda_bar))
     heat = mesh.disc.of_slopes(eps, P, mesh.oil.enthalpy(P))
     force = jnp.zeros(2)
     return account.Friction(jnp.zeros((2, *P.shape)), heat, force, force, mesh.disc.total(heat) / CIRCLE.hertz_load)
 
 
-@jax.jit
-def _friction(mesh: Mesh, P: Array, H: Array) -> account.Friction:
-    return ring_friction(mesh, P, Pair(mesh.oil.mobility(P, H, mesh.lambda_bar)))
-
-
-_friction_program = Program(_friction, ANY_SIZE)
+_friction_program = Program(jax.jit(ring_friction), ANY_SIZE)

@@ -24,7 +24,7 @@ from ertel.case.status import Status
 from ertel.equations import account, contact, discretise
 from ertel.equations.approach import balanced
 from ertel.equations.contact import Contact
-from ertel.equations.flow import OilContent, steady_rate, wedge
+from ertel.equations.flow import OilContent, Rate, steady_rate, wedge
 from ertel.equations.state import measure
 from ertel.numerics import multigrid, newton, stencils
 from ertel.numerics.grid import Grid, check_coarsening, expected_next
@@ -83,20 +83,14 @@ class GridSolution:
         return measure(self.grid, self.P, self.H)
 
     @property
-    def contact(self) -> Contact:
-        """The surfaces and the oil."""
-        return discretise.contact_of(self.case, self.grid)
-
-    @property
     def fields(self) -> dict[str, Array]:
         """P, H and the oil that is there, as mass, as in a `State`."""
         return {"P": self.P, "H": self.H, "mass": self.content.oil}
 
-    @cached_property
+    @property
     def content(self) -> OilContent:
         """The oil that is there."""
-        rate = steady_rate(self.case.motion.entrainment(0.0), discretise.layer_of(self.case, self.grid))
-        return _oil_program(self.contact, self.P, self.H, rate)
+        return self.account[2]
 
     @property
     def load(self) -> float:
@@ -104,16 +98,17 @@ class GridSolution:
         return self._values["load"]
 
     @cached_property
-    def account(self) -> tuple[dict[str, float], account.Friction]:
-        """The terms of its balances and the coefficients of its friction by name, and its friction."""
+    def account(self) -> tuple[dict[str, float], account.Friction, OilContent]:
+        """The terms of its balances and the coefficients of its friction by name, its friction, and its oil."""
         m, scale = self.case.motion, self.case.geometry.hertz_load
         U, load = m.entrainment(0.0), m.load(0.0)
         gap_change = discretise.gap_change(self.case, self.grid, 0.0)
         moment = account.Moment(self.approach, U, m.sliding(0.0), gap_change, load, scale)
-        terms, friction = _account_program(Plane.of(self.grid), self.contact, self.P, self.H, self.content, moment)
+        c, rate = discretise.contact_of(self.case, self.grid), steady_rate(U, discretise.layer_of(self.case, self.grid))
+        terms, friction, content = _account_program(Plane.of(self.grid), c, self.P, self.H, rate, moment)
         around = discretise.outside_of(self.case, self.grid).at(motion_of(self.case, self.approach))
         around = around._replace(load=self.outside)
-        return account.in_units(jax.device_get(terms), 0.0, around, scale), friction
+        return account.in_units(jax.device_get(terms), 0.0, around, scale), friction, content
 
     @cached_property
     def heat(self) -> Heated | None:
@@ -284,13 +279,13 @@ def problem_of(case: Case, grid: Grid, c: Contact, outside: float) -> nonlinear.
 
 
 def _account(
-    space: Plane, c: Contact, P: Array, H: Array, content: OilContent, m: account.Moment
-) -> tuple[dict[str, Array], account.Friction]:
+    space: Plane, c: Contact, P: Array, H: Array, rate: Rate, m: account.Moment
+) -> tuple[dict[str, Array], account.Friction, OilContent]:
+    content = contact.steady_oil(c, P, H, rate)
     change = wedge(content, m.U, c.spacing)
-    return account.account(space, c, P, H, m, content.oil, content.passing, change)
+    return *account.account(space, c, P, H, m, content.oil, content.passing, change), content
 
 
-_oil_program = Program(jax.jit(contact.steady_oil), ANY_SIZE)
 _account_program = Program(jax.jit(_account), ANY_SIZE)
 
 
