@@ -1,4 +1,4 @@
-"""The page of a new case: a form, or the text of a case file; beside it the answer of ertel, while it is written."""
+"""The first page, and that of a new case: a form or the text of a case file, beside it the answer of ertel to it."""
 
 import asyncio
 from collections.abc import Sequence
@@ -9,7 +9,9 @@ import tomli_w
 from nicegui import ui
 
 from ertel.apps.browser import form
+from ertel.apps.browser.folder import RUNS, command_in
 from ertel.apps.browser.form import DECIDE, FOLDED, Form
+from ertel.apps.browser.processes import Phase
 from ertel.apps.browser.site import Site, address_of, show_line, show_notes, told
 from ertel.apps.tables import needs
 from ertel.apps.terminal import reason_of
@@ -18,6 +20,11 @@ from ertel.inputs.case_files import parse_toml, read_text
 from ertel.results.variables import with_prefix
 from ertel.runs.directory import CASE
 
+LARGEST_UPLOAD = 200_000  # characters; a message of a browser has at most 1 MB
+UPLOAD = f"""async ({{ target }}) => {{
+    const file = target.files[0], isSmall = file.size <= {LARGEST_UPLOAD};
+    emit(file.name, isSmall ? await file.text() : null);
+}}"""
 PAUSE = 0.5  # seconds after the last change before ertel is asked
 SHOWN_SCALES = {  # of `parameter_summary`: key, label, unit
     "a_m": ("Hertz radius a", "m"),
@@ -29,6 +36,60 @@ SHOWN_SCALES = {  # of `parameter_summary`: key, label, unit
     "h_c_least_m": ("central film, at least about", "m"),
     "h_c_most_m": ("central film, at most about", "m"),
 }
+
+
+# -- the first page ---------------------------------------------------------------------------------------------------
+
+
+def home_page(site: Site) -> None:
+    """The first page: a choice of what can be done here, and the latest runs."""
+    with ui.element("div").classes("welcome"):
+        ui.label("Impact and rolling of lubricated point contacts").classes("title")
+        ui.label(
+            "Describe a contact, run it, and watch film and pressure form. Each run is a process of its own and an "
+            "ordinary directory in this folder: it goes on when this page or the app is closed, and ertel on the "
+            "command line reads it too."
+        ).classes("lead")
+        with ui.element("div").classes("offers"):
+            _offer("add_circle", "New case", "A form, or a case file", "/new")
+            with _offer("upload_file", "Add a file", "A case, a study or a fit"):
+                chosen = ui.element("input").props("type=file accept=.toml").mark("upload")
+                chosen.on("change", lambda event: take(site, *event.args), js_handler=UPLOAD)
+            for file in site.folder.case_files()[:4]:
+                _offer("description", file.stem, "Case file in this folder", address_of("/new", case=file.name))
+            runs = [entry for entry in site.entries() if entry.status.phase is not Phase.DAMAGED]
+            for entry in runs[:4]:
+                _offer("blur_circular", entry.path.name, entry.about or "Run in this folder", entry.address)
+            for study in site.studies()[:4]:
+                _offer("insights", study.path.name, f"Study in this folder, {study.status.phase.word}", study.address)
+            if len(runs) > 1:
+                _offer("vertical_split", "Compare", "Two runs side by side", "/compare")
+
+
+def _offer(icon: str, title: str, text: str, target: str = "") -> ui.element:
+    with (ui.link(target=target) if target else ui.element("label")).classes("card offer") as card:
+        ui.icon(icon)
+        ui.label(title).classes("name")
+        ui.label(text).classes("more")
+    return card
+
+
+def take(site: Site, name: str, text: str | None) -> None:
+    """Put a file that the user chose into the folder, where nothing is overwritten, and go to its page.
+
+    Neither is trusted: the name becomes a plain one, and a text that is too long or is not TOML is refused.
+    """
+    with told():
+        if not isinstance(text, str) or len(text) > LARGEST_UPLOAD:
+            raise ValueError(f"{name}: must be a text of at most {LARGEST_UPLOAD // 1000} kB; copy it into the folder")
+        command = command_in(parse_toml(text, name))
+        stem = plain_name(name.removesuffix(".toml")) or "case"
+        file, study = site.folder.write(stem, text, f"{command}s" if command else RUNS)
+        new = address_of("/new", case=file.name)
+        ui.navigate.to(address_of("/study", name=site.folder.name_of(study)) if command else new)
+
+
+# -- a new case --------------------------------------------------------------------------------------------------------
 
 
 class NewCase:

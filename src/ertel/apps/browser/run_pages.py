@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from time import monotonic
-from typing import ClassVar
 
 from nicegui import ui
 
@@ -28,24 +27,16 @@ WIDE = {name: FIGURES[name][0] for name in ("profiles", "history", "friction", I
 class RunPage(WatchedPage):
     """The page of a run, renewed each second."""
 
-    words: ClassVar = {Phase.FINISHED: ""}
-
     def __init__(self, site: Site, name: str = ""):
         try:
-            super().__init__(site, site.find(name))
+            super().__init__(site, site.find(name), {Phase.FINISHED: ""})
         except ValueError as error:
             ui.label(f"{error}.").classes("alert")  # begins with a name
             return
         self.name = site.folder.name_of(self.path)
         self._info = RunInfo()
         self._stamp, self._drawn, self._is_there = 0, 0.0, self.path.exists()
-        with ui.row().classes("head"):
-            with ui.element("div"):
-                ui.label(self.path.name).classes("title")
-                self._under = ui.label().classes("under")
-            ui.space()
-            self.show_phase()
-            self._downloads()
+        self._under = self.show_head("", self._downloads)
         self.show_progress()
         with ui.element("div").classes("numbers"):
             self._show_numbers()
