@@ -284,7 +284,19 @@ def test_a_session(server, driver, folder):
             ground = page.driver.execute_script("return getComputedStyle(document.body).backgroundColor")
             assert (min(map(int, re.findall(r"\d+", ground))) > 200) == (look == "light")
 
+            bar = page.driver.execute_script("return document.querySelector('.bar').offsetHeight")
+            assert bar < 60  # one line, of icons where it is narrow
+
     page.resize(LAPTOP)
+    page.open(address)
+    file = folder.with_name("speeds.toml")
+    file.write_text("[contact]\nM = [100, 200]\nL = 10\n[sweep]\n")
+    page.until(lambda: page.text(".welcome"))
+    page.driver.find_element("css selector", "input[type=file]").send_keys(str(file))
+    page.until(lambda: "not started" in page.text(".chip") and "M = [100, 200]" in page.text(".listing"))
+    page.keep("study")
+    assert (folder / "speeds.toml").read_text() == file.read_text()
+
     page.open(f"{address}/run?name=runs/before")
     (more,) = page.until(lambda: page.all("[aria-label=More]"))
     more.click()

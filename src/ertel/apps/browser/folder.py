@@ -179,7 +179,7 @@ def progress_of(path: Path) -> dict[str, Any] | None:
         if status is Status.INTERRUPTED and not TO_DO & {row["status"] for row in rows}:
             status = Status.CONVERGED
     done = sum(summary_of(run) is not None for run in find_runs(path))
-    return {"status": status.value, "done": 0.0, "message": f"{done} runs done"}
+    return {"status": status.value, "done": 0.0, "message": f"run {done + 1} of the study"}
 
 
 # -- the files of a run -----------------------------------------------------------------------------------------------

@@ -106,7 +106,7 @@ class NewCase:
         self._data: dict[str, Any] = {}
         with ui.row().classes("head"):
             ui.label("New case").classes("title")
-        with ui.element("div").classes("new"):
+        with ui.element("div").classes("new-case"):
             with ui.element("div").classes("left"):
                 self._tabs = ui.tabs().props("no-caps dense align=left")
                 with self._tabs:
