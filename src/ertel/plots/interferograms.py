@@ -97,12 +97,12 @@ def _between(x: Values, values: Values, places: Values, smooth: bool) -> Values:
 
 def _bend(values: Values) -> Values:
     """The second differences of a cubic spline through values on regular nodes, the first axis."""
-    matrix = sum(weight * np.eye(len(values), k=k) for k, weight in ((-1, 1.0), (0, 4.0), (1, 1.0)))
-    matrix[0], matrix[-1] = 0.0, 0.0
+    matrix = 4.0 * np.eye(len(values)) + np.eye(len(values), k=1) + np.eye(len(values), k=-1)
+    matrix[[0, -1]] = 0.0
     matrix[0, :3] = matrix[-1, -3:] = 1.0, -2.0, 1.0  # the third derivative does not jump at the nodes next to the ends
     jumps = np.zeros_like(values)
     jumps[1:-1] = 6.0 * np.diff(values, n=2, axis=0)
-    return np.linalg.solve(matrix, jumps)
+    return np.asarray(np.linalg.solve(matrix, jumps), dtype=float)
 
 
 # -- panels -----------------------------------------------------------------------------------------------------------

@@ -80,7 +80,7 @@ class Folder:
 
     def case_files(self) -> list[Path]:
         """The case files at the top of the folder, by name."""
-        return [path for path in self._toml_files() if not command_of(path)]
+        return [file for file, command in self._files().items() if not command]
 
     def studies(self) -> list[Path]:
         """The directories of studies, by name; one whose file is here may not exist yet."""
@@ -100,11 +100,13 @@ class Folder:
         return self._files_of_studies().get(study)
 
     def _files_of_studies(self) -> dict[Path, Path]:
-        files = [(file, command_of(file)) for file in self._toml_files()]
-        return {self.root / f"{command}s" / file.stem: file for file, command in files if command}
+        """The files of studies by the directories of these."""
+        return {self.root / f"{command}s" / file.stem: file for file, command in self._files().items() if command}
 
-    def _toml_files(self) -> list[Path]:
-        return sorted(path for path in self.root.glob("*.toml") if self._is_ours(path))
+    def _files(self) -> dict[Path, str]:
+        """The files at the top of the folder by name, with the commands that do their studies; none of a case."""
+        files = sorted(path for path in self.root.glob("*.toml") if self._is_ours(path))
+        return {file: _command_of(file, _stamp(file)) for file in files}
 
     def _is_ours(self, path: Path) -> bool:
         """True if a path is a regular file in the folder, with a name that pages can show."""
@@ -135,11 +137,6 @@ def _changed(run: Path) -> int:
 
 
 # -- studies ----------------------------------------------------------------------------------------------------------
-
-
-def command_of(file: Path) -> str:
-    """The command that does the study of a file; empty for that of a case."""
-    return _command_of(file, _stamp(file))
 
 
 @lru_cache(maxsize=MOST)

@@ -11,10 +11,8 @@ from nicegui import ui
 from ertel.apps.browser import form
 from ertel.apps.browser.folder import RUNS, command_in
 from ertel.apps.browser.form import DECIDE, FOLDED, Form
-from ertel.apps.browser.processes import Phase
 from ertel.apps.browser.site import Site, address_of, show_line, show_notes, told
 from ertel.apps.tables import needs
-from ertel.apps.terminal import reason_of
 from ertel.case.rules import plain_name
 from ertel.inputs.case_files import parse_toml, read_text
 from ertel.results.variables import with_prefix
@@ -42,7 +40,7 @@ SHOWN_SCALES = {  # of `parameter_summary`: key, label, unit
 
 
 def home_page(site: Site) -> None:
-    """The first page: a choice of what can be done here, and the latest runs."""
+    """The first page: a choice of what can be done here; runs and studies are in the list beside it."""
     with ui.element("div").classes("welcome"):
         ui.label("Impact and rolling of lubricated point contacts").classes("title")
         ui.label(
@@ -57,12 +55,7 @@ def home_page(site: Site) -> None:
                 chosen.on("change", lambda event: take(site, *event.args), js_handler=UPLOAD)
             for file in site.folder.case_files()[:4]:
                 _offer("description", file.stem, "Case file in this folder", address_of("/new", case=file.name))
-            runs = [entry for entry in site.entries() if entry.status.phase is not Phase.DAMAGED]
-            for entry in runs[:4]:
-                _offer("blur_circular", entry.path.name, entry.about or "Run in this folder", entry.address)
-            for study in site.studies()[:4]:
-                _offer("insights", study.path.name, f"Study in this folder, {study.status.phase.word}", study.address)
-            if len(runs) > 1:
+            if len(site.entries()) > 1:
                 _offer("vertical_split", "Compare", "Two runs side by side", "/compare")
 
 
@@ -242,12 +235,9 @@ class NewCase:
         if self._asked:
             self._asked.cancel()
         name = plain_name((self._name.value or "").strip()) or self._name.props["placeholder"]
-        try:
+        with told(f"cannot write to {self.site.folder.root}: "):
             path = self.site.processes.start(name, tomli_w.dumps({**self._data, "name": name}))
-        except OSError as error:
-            ui.notify(f"cannot write to {self.site.folder.root}: {reason_of(error)}")
-            return
-        ui.navigate.to(address_of("/run", name=self.site.folder.name_of(path)))
+            ui.navigate.to(address_of("/run", name=self.site.folder.name_of(path)))
 
 
 # -- the answer of ertel -----------------------------------------------------------------------------------------------

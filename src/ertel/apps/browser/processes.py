@@ -18,7 +18,7 @@ from time import monotonic
 from typing import IO, Any
 from uuid import uuid4
 
-from ertel.apps.browser.folder import RUNS, Folder, command_of, fault_of, progress_of, summary_of
+from ertel.apps.browser.folder import RUNS, Folder, fault_of, progress_of, summary_of
 from ertel.apps.terminal import capital
 from ertel.case.status import Status
 from ertel.results.numbers import duration
@@ -151,7 +151,7 @@ class Processes:
             raise ValueError(f"{self.folder.name_of(run)}: is running; there is nothing to resume")
         arguments = ["resume", str(run), *FLUSH]
         if file := self.folder.file_of(run):
-            arguments = [command_of(file), str(file), "--out", str(run)]
+            arguments = [run.parent.name.removesuffix("s"), str(file), "--out", str(run)]
         elif not run.exists() and run in self._started:
             arguments = [*self._started[run].arguments]
         self._launch(run, arguments)

@@ -13,7 +13,6 @@ from ertel.apps.browser.folder import summary_of
 from ertel.apps.browser.pictures import FIGURES, INTERFEROGRAM, PlotRequest, RunInfo, stamp_of
 from ertel.apps.browser.processes import Phase
 from ertel.apps.browser.site import Site, WatchedPage, address_of, show_line, show_notes, show_number, told
-from ertel.apps.terminal import reason_of
 from ertel.results.numbers import key_numbers
 from ertel.runs.directory import CASE
 from ertel.runs.files import content_of
@@ -78,12 +77,8 @@ class RunPage(WatchedPage):
             ui.download.content(picture.content, f"{self.path.name}-{request.figure}.{kind}")
 
     def _download_case(self) -> None:
-        try:
+        with told("There is no case file that can be read; it is written when the run begins: "):
             ui.download.content(content_of(self.path / CASE), f"{self.path.name}.toml")
-        except FileNotFoundError:
-            ui.notify("The case file is written when the run begins.")
-        except OSError as error:
-            ui.notify(f"The case file cannot be read: {reason_of(error)}.")
 
     def _download_summary(self) -> None:
         summary = summary_of(self.path)

@@ -87,12 +87,8 @@ class Site:
 
         def delete(place: Path) -> None:
             dialog.close()
-            try:
+            with told(f"{self.folder.name_of(place)} cannot be deleted: "):
                 self.processes.delete(place)
-            except ValueError as error:
-                ui.notify(sentence(str(error)))
-            except OSError as error:
-                ui.notify(f"{self.folder.name_of(place)} cannot be deleted: {reason_of(error)}.")
 
         name, study = self.folder.name_of(run), study_of(run, self.folder.root)
         with question(
@@ -326,12 +322,12 @@ def show_notes(warnings: Sequence[str]) -> None:
 
 
 @contextmanager
-def told() -> Iterator[None]:
-    """Tell the user of an error in this block."""
+def told(what: str = "") -> Iterator[None]:
+    """Tell the user of an error in this block.  what: the beginning, where the system refuses something."""
     try:
         yield
     except OSError as error:
-        ui.notify(reason_of(error))
+        ui.notify(f"{what}{reason_of(error)}")
     except ValueError as error:
         ui.notify(str(error))
 

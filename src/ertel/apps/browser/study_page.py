@@ -36,7 +36,7 @@ class StudyPage(WatchedPage):
     """The page of a study, renewed each second."""
 
     def __init__(self, site: Site, name: str = ""):
-        self._report, self._best = "", ""
+        self._report, self._best, self._is_read = "", "", False
         try:
             path = site.folder.study(name)
             self._file = site.folder.file_of(path)
@@ -46,33 +46,24 @@ class StudyPage(WatchedPage):
             return
         words = {Phase.NEW: "Start", Phase.FINISHED: "Start again"}
         super().__init__(site, path, words if self._file else dict.fromkeys(Phase, ""))  # or its command starts it
-        self.show_head(site.folder.name_of(path))
+        self._top = self.show_head(site.folder.name_of(path))
         self.show_progress()
         self._show_outcome()
-        with ui.element("div").classes("card") as card:
-            self._fold = ui.expansion(f"{path.name}.toml", value=self.status.phase is Phase.NEW).classes("fold")
-        card.set_visibility(bool(text))
-        with self._fold:
-            ui.label(text).classes("listing").mark("listing")
-        ui.timer(0.05, self._read, once=True)
-        ui.timer(1.0, self._renew)
+        if text:
+            with ui.expansion(f"{path.name}.toml", value=not path.exists()).classes("fold card"):
+                ui.label(text).classes("listing").mark("listing")
+        ui.timer(1.0, self._look)
 
-    async def _renew(self) -> None:
-        was_active = self.status.phase.is_active
-        if self.renew():
-            self._show_outcome.refresh()
-        if was_active and not self.status.phase.is_active:
-            await self._read()
-
-    async def _read(self) -> None:
-        """Show the outcome, where there is one."""
-        if not (kind := kind_of(self.path)):
-            return
-        try:
-            self._report, self._best = await self.site.worker.result_of(study_report, self.path, kind)
-        except ValueError as error:
-            self._report, self._best = escape(sentence(str(error))), ""
-        if not self._fold.is_deleted:  # the page was not left
+    async def _look(self) -> None:
+        """Show what has changed; the outcome is read when there is one and no process works on the study."""
+        changed, kind = self.renew(), kind_of(self.path)
+        if (is_read := bool(kind) and not self.status.phase.is_active) and not self._is_read:
+            try:
+                self._report, self._best = await self.site.worker.result_of(study_report, self.path, kind)
+            except ValueError as error:
+                self._report, self._best = escape(sentence(str(error))), ""
+        if (changed or is_read is not self._is_read) and not self._top.is_deleted:  # the page was not left
+            self._is_read = is_read
             self._show_outcome.refresh()
 
     def start(self) -> None:
