@@ -54,7 +54,7 @@ PICTURES = "/pictures"  # where pages get them
 MEMORY = {-3: 2**17, -1: 2**17, -8: 1}  # M_MMAP_THRESHOLD, M_TRIM_THRESHOLD, M_ARENA_MAX of glibc's malloc.h
 MOST_NODES = 128  # along a side of a map, of what is under the pointer
 NAMES = {"x": "X", "y": "X", "h": "H", "p": "P"}  # the variables that have the units of these
-KEPT = 24  # pictures, of some 0.4 MB each with the fields under the pointer
+KEPT = 16  # pictures, of some 0.4 MB each with the fields under the pointer
 KEPT_OPEN = 3  # Datasets
 
 
