@@ -88,11 +88,9 @@ def _between(x: Values, values: Values, places: Values, smooth: bool) -> Values:
     low = np.clip(((places - x[0]) / (x[1] - x[0])).astype(int), 0, len(x) - 2)
     after = ((places - x[low]) / (x[1] - x[0])).reshape(places.shape + (1,) * (values.ndim - 1))
     before = 1.0 - after
-    found: Values = before * values[low] + after * values[low + 1]
-    if smooth:
-        bend = _bend(values)
-        found += ((before**3 - before) * bend[low] + (after**3 - after) * bend[low + 1]) / 6.0
-    return found
+    bend = _bend(values) if smooth else np.zeros_like(values)
+    curved = (before**3 - before) * bend[low] + (after**3 - after) * bend[low + 1]
+    return np.asarray(before * values[low] + after * values[low + 1] + curved / 6.0)
 
 
 def _bend(values: Values) -> Values:

@@ -88,13 +88,6 @@ class Folder:
         found = sorted(others.union(self._files_of_studies()))
         return [path for path in found if not is_run(path) and os.path.realpath(path) == str(path)]
 
-    def study(self, name: str) -> Path:
-        """The directory of a study.  Raises Outside, and ValueError where there is none."""
-        path = self.inside(name)
-        if path not in self.studies():
-            raise ValueError(f"{name} is not a study, and there is no file with [unknowns] or [sweep] for it")
-        return path
-
     def file_of(self, study: Path) -> Path | None:
         """The file from which a study is started; None where there is none at the top of the folder."""
         return self._files_of_studies().get(study)

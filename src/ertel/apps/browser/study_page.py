@@ -38,7 +38,9 @@ class StudyPage(WatchedPage):
     def __init__(self, site: Site, name: str = ""):
         self._report, self._best, self._is_read = "", "", False
         try:
-            path = site.folder.study(name)
+            path = site.folder.inside(name)
+            if path not in site.folder.studies():
+                raise ValueError(f"{name} is not a study, and there is no file with [unknowns] or [sweep] for it")
             self._file = site.folder.file_of(path)
             text = read_text(self._file, self._file.name) if self._file else ""
         except ValueError as error:
