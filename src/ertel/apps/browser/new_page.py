@@ -19,10 +19,9 @@ from ertel.results.variables import with_prefix
 from ertel.runs.directory import CASE
 
 LARGEST_UPLOAD = 200_000  # characters; a message of a browser has at most 1 MB
-UPLOAD = f"""async ({{ target }}) => {{
-    const file = target.files[0], isSmall = file.size <= {LARGEST_UPLOAD};
-    emit(file.name, isSmall ? await file.text() : null);
-}}"""
+UPLOAD = (
+    f"({{target: {{files: [f]}}}}) => f.size > {LARGEST_UPLOAD} ? emit(f.name) : f.text().then(t => emit(f.name, t))"
+)
 PAUSE = 0.5  # seconds after the last change before ertel is asked
 SHOWN_SCALES = {  # of `parameter_summary`: key, label, unit
     "a_m": ("Hertz radius a", "m"),
@@ -76,10 +75,10 @@ def take(site: Site, name: str, text: str | None) -> None:
         if not isinstance(text, str) or len(text) > LARGEST_UPLOAD:
             raise ValueError(f"{name}: must be a text of at most {LARGEST_UPLOAD // 1000} kB; copy it into the folder")
         command = command_in(parse_toml(text, name))
-        stem = plain_name(name.removesuffix(".toml")) or "case"
-        file, study = site.folder.write(stem, text, f"{command}s" if command else RUNS)
-        new = address_of("/new", case=file.name)
-        ui.navigate.to(address_of("/study", name=site.folder.name_of(study)) if command else new)
+        name = plain_name(name.removesuffix(".toml")) or "case"
+        file, study = site.folder.write(name, text, f"{command}s" if command else RUNS)
+        study_name = site.folder.name_of(study)
+        ui.navigate.to(address_of("/study", name=study_name) if command else address_of("/new", case=file.name))
 
 
 # -- a new case --------------------------------------------------------------------------------------------------------

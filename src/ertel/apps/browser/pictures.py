@@ -14,7 +14,6 @@ from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
 from importlib import import_module
@@ -201,7 +200,8 @@ def draw_picture(request: PlotRequest) -> Picture:
     except Exception as error:  # of zarr, its codecs, the system
         raise _unreadable(request.run) from error
     del figure
-    _give_back()
+    gc.collect()  # it refers to itself, and its arrays are large
+    keep_small()
     return picture
 
 
@@ -280,17 +280,11 @@ def _begin() -> None:
 
 
 def keep_small() -> None:
-    """Give memory that is free back to the system at once, where the C library can be told to; glibc keeps a lot."""
-    with suppress(OSError, TypeError, AttributeError):  # another C library
+    """Give memory that is free back to the system, now and later at once, where the C library can; glibc keeps a lot."""
+    if os.name == "posix" and hasattr(library := ctypes.CDLL(None), "mallopt"):
         for option, value in MEMORY.items():
-            ctypes.CDLL(None).mallopt(option, value)
-
-
-def _give_back() -> None:
-    """Free what refers to itself, as figures do, and give it back, also from between what is in use."""
-    gc.collect()
-    with suppress(OSError, TypeError, AttributeError):
-        ctypes.CDLL(None).malloc_trim(0)
+            library.mallopt(option, value)
+        library.malloc_trim(0)
 
 
 def _end_with_the_app() -> None:

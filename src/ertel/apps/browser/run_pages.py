@@ -1,6 +1,5 @@
 """The pages of runs: of one, with its status, numbers, pictures and downloads, and of two side by side."""
 
-import json
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -14,7 +13,7 @@ from ertel.apps.browser.pictures import FIGURES, INTERFEROGRAM, PlotRequest, Run
 from ertel.apps.browser.processes import Phase
 from ertel.apps.browser.site import Site, WatchedPage, address_of, show_line, show_notes, show_number, told
 from ertel.results.numbers import key_numbers
-from ertel.runs.directory import CASE
+from ertel.runs.directory import CASE, SUMMARY
 from ertel.runs.files import content_of
 
 LIGHTS = {"mono": "green light, 532 nm", "two-beam": "two beams", "white": "white light"}
@@ -57,8 +56,8 @@ class RunPage(WatchedPage):
         with ui.button(icon="download").props("flat round aria-label='Download'").mark("download"):
             ui.tooltip("Download")
             with ui.menu():
-                ui.menu_item("Case file (TOML)", self._download_case).mark("download-case")
-                ui.menu_item("Summary (JSON)", self._download_summary)
+                ui.menu_item("Case file (TOML)", lambda: self._download_file(CASE, ".toml")).mark("download-case")
+                ui.menu_item("Summary (JSON)", lambda: self._download_file(SUMMARY, "-summary.json"))
                 for kind in ("png", "svg", "pdf"):
                     item = ui.menu_item(f"This picture ({kind.upper()})", lambda kind=kind: self._download(kind))
                     item.mark(f"download-{kind}")
@@ -76,16 +75,9 @@ class RunPage(WatchedPage):
             picture = await self.site.worker.draw(request)
             ui.download.content(picture.content, f"{self.path.name}-{request.figure}.{kind}")
 
-    def _download_case(self) -> None:
-        with told("There is no case file that can be read; it is written when the run begins: "):
-            ui.download.content(content_of(self.path / CASE), f"{self.path.name}.toml")
-
-    def _download_summary(self) -> None:
-        summary = summary_of(self.path)
-        if summary is None:
-            ui.notify("The summary is written when the run ends.")
-        else:
-            ui.download.content(json.dumps(summary, indent=2).encode(), f"{self.path.name}-summary.json")
+    def _download_file(self, name: str, ending: str) -> None:
+        with told(f"{name} cannot be read; it is written when the run begins or ends: "):
+            ui.download.content(content_of(self.path / name), f"{self.path.name}{ending}")
 
     # -- renewed ------------------------------------------------------------------------------------------------------
 

@@ -254,10 +254,6 @@ class WatchedPage:
         """Start or resume it."""
         self.site.processes.resume(self.path)
 
-    def stop(self) -> None:
-        """Stop it."""
-        self.site.processes.stop(self.path)
-
     def _order(self, order: Callable[[], None]) -> None:
         with told():
             order()
@@ -272,7 +268,9 @@ class WatchedPage:
             ui.label(phase.word).mark("phase")
         if phase.is_active:
             word = "Stop now" if phase is Phase.STOPPING else "Stop"
-            stop = ui.button(word, icon="stop", on_click=lambda: self._order(self.stop))
+            stop = ui.button(
+                word, icon="stop", on_click=lambda: self._order(partial(self.site.processes.stop, self.path))
+            )
             stop.props("outline color=accent").mark("stop")
         elif word := self._words.get(phase, "Resume"):
             start = ui.button(word, icon="play_arrow", on_click=lambda: self._order(self.start))
