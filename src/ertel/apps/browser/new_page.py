@@ -19,9 +19,8 @@ from ertel.results.variables import with_prefix
 from ertel.runs.directory import CASE
 
 LARGEST_UPLOAD = 200_000  # characters; a message of a browser has at most 1 MB
-UPLOAD = (
-    f"({{target: {{files: [f]}}}}) => f.size > {LARGEST_UPLOAD} ? emit(f.name) : f.text().then(t => emit(f.name, t))"
-)
+UPLOAD = f"({{target}}) => {{ const [f] = target.files; (f.size > {LARGEST_UPLOAD} ? Promise.resolve() : f.text())"
+UPLOAD += ".then(text => emit(f.name, text ?? null)) }"
 PAUSE = 0.5  # seconds after the last change before ertel is asked
 SHOWN_SCALES = {  # of `parameter_summary`: key, label, unit
     "a_m": ("Hertz radius a", "m"),

@@ -267,10 +267,11 @@ class WatchedPage:
             ui.icon(phase.icon)
             ui.label(phase.word).mark("phase")
         if phase.is_active:
-            word = "Stop now" if phase is Phase.STOPPING else "Stop"
-            stop = ui.button(
-                word, icon="stop", on_click=lambda: self._order(partial(self.site.processes.stop, self.path))
+            word, order = (
+                "Stop now" if phase is Phase.STOPPING else "Stop",
+                partial(self.site.processes.stop, self.path),
             )
+            stop = ui.button(word, icon="stop", on_click=lambda: self._order(order))
             stop.props("outline color=accent").mark("stop")
         elif word := self._words.get(phase, "Resume"):
             start = ui.button(word, icon="play_arrow", on_click=lambda: self._order(self.start))
