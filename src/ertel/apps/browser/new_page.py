@@ -41,11 +41,8 @@ def home_page(site: Site) -> None:
     """The first page: a choice of what can be done here; runs and studies are in the list beside it."""
     with ui.element("div").classes("welcome"):
         ui.label("Impact and rolling of lubricated point contacts").classes("title")
-        ui.label(
-            "Describe a contact, run it, and watch film and pressure form. Each run is a process of its own and an "
-            "ordinary directory in this folder: it goes on when this page or the app is closed, and ertel on the "
-            "command line reads it too."
-        ).classes("lead")
+        text = "Describe a contact, run it, and watch film and pressure form. Runs go on when the app is closed."
+        ui.label(text).classes("lead")
         with ui.element("div").classes("offers"):
             _offer("add_circle", "New case", "A form, or a case file", "/new")
             with _offer("upload_file", "Add a file", "A case, a study or a fit"):
@@ -53,8 +50,6 @@ def home_page(site: Site) -> None:
                 chosen.on("change", lambda event: take(site, *event.args), js_handler=UPLOAD)
             for file in site.folder.case_files()[:4]:
                 _offer("description", file.stem, "Case file in this folder", address_of("/new", case=file.name))
-            if len(site.entries()) > 1:
-                _offer("vertical_split", "Compare", "Two runs side by side", "/compare")
 
 
 def _offer(icon: str, title: str, text: str, target: str = "") -> ui.element:

@@ -333,9 +333,7 @@ class Worker:
             return await loop.run_in_executor(self._executor, _with_plain_errors, function, *arguments)
         except BrokenProcessPool as error:
             self._executor = self._make()
-            raise ValueError(
-                "the process that draws has ended, for want of memory perhaps; it was started again"
-            ) from error
+            raise ValueError("the process that draws has ended, perhaps for want of memory; it begins again") from error
 
     def close(self) -> None:
         """End the other process."""
