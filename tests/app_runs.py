@@ -170,7 +170,10 @@ def make_fit(folder: Path, fit: Path) -> None:
     found = np.array([0.0976, 22.3e-9])
     point = FitPoint(("eta0", "alpha"), ("Pa*s", "1/Pa"), found, ends, nothing, np.array([0.5, -0.3, 0.9]), jacobian)
     measured = np.array([1e-6, 0.9, 2e-6])
-    data = {"measured": (measured, ""), "sigma": (0.01 * measured, ""), "predicted": (measured, "")}
+    numbers = {"measurement": np.ones(3), "x": np.full(3, np.nan), "measured": measured, "sigma": 0.01 * measured}
+    words = {"x_unit": [""] * 3, "conditions": [""] * 3, "quantity": ["h_c", "restitution", "h_min"]}
+    columns = {**numbers, "predicted": measured, **{key: np.array(each, dtype=object) for key, each in words.items()}}
+    data = {key: (values, "") for key, values in columns.items()}
     fit_dataset(point, data, {"title": "film", "runs": 9, "best": "runs/best", "warnings": ["hardly decided"]}).to_zarr(
         fit / "fit.zarr", consolidated=False
     )

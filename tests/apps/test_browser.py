@@ -13,10 +13,10 @@ from cases import ertel_, python
 
 from ertel.apps import browser
 from ertel.apps.browser import form, pictures
-from ertel.apps.browser.folder import Folder, Outside
+from ertel.apps.browser.folder import Folder, Outside, study_of
 from ertel.apps.browser.form import OPTIONS, Form
 from ertel.apps.browser.pictures import PlotRequest, Worker, stamp_of
-from ertel.apps.browser.processes import Phase, Processes, study_of
+from ertel.apps.browser.processes import Phase, Processes
 from ertel.inputs.case_files import ConfigError, parse_case
 from ertel.results.variables import PREFIXES
 from ertel.runs.directory import is_asked_to_stop
@@ -40,7 +40,7 @@ def test_nothing_outside_the_folder(tmp_path):
             folder.inside(name)
     (inside / "film.toml").write_text("[unknowns]")
     (inside / "fits").symlink_to(tmp_path)
-    assert folder.runs() == folder.fits() == folder.case_files() == []
+    assert folder.runs() == folder.studies() == folder.case_files() == []
     for name in (".", "nothing", "x" * 5000):
         with pytest.raises(ValueError, match="is not a run"):
             folder.run(name)
@@ -83,7 +83,7 @@ def test_runs_are_found_at_any_depth_and_the_latest_first(tmp_path):
 def test_a_new_case_takes_no_name_twice(tmp_path):
     folder = Folder.at(tmp_path)
     (tmp_path / "runs" / "ball-2").mkdir(parents=True)
-    names = [folder.write_case("ball", "text")[0].name for _ in range(2)]
+    names = [folder.write("ball", "text")[0].name for _ in range(2)]
     assert names == ["ball.toml", "ball-3.toml"]
 
 

@@ -12,6 +12,7 @@ import pytest
 
 pytest.importorskip("nicegui")
 import pytest_asyncio
+from app_runs import CASE as BALL
 from app_runs import make_fit, make_run, stand_in
 from nicegui import ElementFilter, app, background_tasks, ui
 from nicegui.testing import user_simulation
@@ -22,7 +23,9 @@ from ertel.apps.browser.pictures import Picture, Readout, Worker
 from ertel.apps.browser.processes import Phase, Processes
 from ertel.apps.browser.site import Site, address_of
 from ertel.case.rules import plain_name
+from ertel.inputs.studies import parse_study
 from ertel.runs.directory import CASE
+from ertel.runs.studies import gather, write_study
 
 pytestmark = [
     pytest.mark.asyncio,
@@ -261,26 +264,32 @@ async def test_a_fit_is_started_stopped_and_goes_on_to_its_values(user, site, tm
     root = site.folder.root
     make_fit(root, tmp_path / "aside" / "fit")
     await user.open("/")
-    await user.should_see("not started · fit")
-    await user.open("/fit?name=fits/film")
+    await user.should_see("not started · study")
+    await user.open("/study?name=fits/film")
     assert "[[measurements]]" in one(user, "listing").text and one(user, "phase").text == "not started"
     user.find(marker="start").click()
     await until(lambda: one(user, "phase").text == "running")
     await user.should_see("point 2 of the search")
     user.find(marker="stop").click()
     await until(lambda: one(user, "phase").text == "interrupted")
-    await user.should_not_see(marker="values")
+    await user.should_not_see(marker="outcome")
     user.find(marker="start").click()
-    await until(lambda: all_of(user, "values"))
+    await until(lambda: all_of(user, "outcome"))
     assert one(user, "phase").text == "finished"
-    (eta0, alpha) = one(user, "values").rows
-    assert eta0["value"] == "97.6 mPa*s" and alpha["unknown"] == "alpha" and float(eta0["alpha"]) < -0.99
-    for text in ("The data fix alpha*eta0", "3 data, chi square", "Hardly decided"):
-        await user.should_see(text)
+    outcome = one(user, "outcome").content
+    for text in (
+        "<td>97.6 mPa*s</td>",
+        "<td>alpha</td>",
+        "the data fix alpha*eta0",
+        "3 data, chi square",
+        "hardly decided",
+        "<img",
+    ):
+        assert text in outcome
     assert site.folder.run("fits/film/runs/best") not in site.folder.runs()  # it is that of the fit
     (root / "fits" / "film" / "fit.zarr" / "zarr.json").write_text("{")
-    await user.open("/fit?name=fits/film")
-    await user.should_see("The outcome of this fit cannot be read", retries=50)
+    await user.open("/study?name=fits/film")
+    await user.should_see("The outcome of this study cannot be read", retries=50)
     fit = root / "fits" / "film"
     site.processes.delete(fit)
     assert not fit.exists() and site.processes.status(fit).phase is Phase.NEW
@@ -290,12 +299,56 @@ async def test_a_fit_of_files_outside_is_not_started(user, site, tmp_path):
     make_fit(site.folder.root, tmp_path / "aside" / "fit")
     file = site.folder.root / "film.toml"
     file.write_text(file.read_text().replace("film.csv", "../film.csv"))
-    await user.open("/fit?name=fits/film")
+    await user.open("/study?name=fits/film")
     user.find(marker="start").click()
     await user.should_see("../film.csv: lies outside")
     assert site.processes.ours() == []
-    await user.open("/fit?name=fits/ball")
-    await user.should_see("fits/ball is not a fit")
+    await user.open("/study?name=fits/ball")
+    await user.should_see("fits/ball is not a study")
+
+
+async def test_a_study_in_the_folder_has_a_page(user, site):
+    """One without a file is shown with its runs and their table, and is started by its command only."""
+    study = site.folder.root / "mine"
+    run = make_run(study / "runs" / "0123456789abcdef")
+    await user.open("/")
+    await user.should_see("0123456789abcdef")
+    assert site.folder.studies() == []
+    varied = parse_study({**BALL, "contact": {**BALL["contact"], "speed": ["0.1 m/s", "0.2 m/s"]}})
+    run.rename(run.with_name(varied.cases[0].digest))
+    write_study(gather(varied, study), study)
+    await user.open("/study?name=mine")
+    await until(lambda: all_of(user, "outcome"))
+    for text in ("speed (m/s)", "<td>0.2</td><td>missing</td>", "2 runs: 1 failed, 1 missing"):
+        assert text in one(user, "outcome").content
+    assert one(user, "phase").text == "interrupted" and not all_of(user, "start")
+    (study / "sweep.csv").write_text((study / "sweep.csv").read_text().replace("missing", "converged"))
+    await until(lambda: one(user, "phase").text == "finished")
+
+
+async def test_a_file_is_added_and_nothing_is_overwritten(user, site):
+    """The page of a fit, a study or a case follows; what is too long, or not TOML, is not written."""
+    root = site.folder.root
+    for name, text, page in (
+        ("film.toml", "[unknowns]\n", "fits/film"),
+        ("film.toml", "[unknowns]\n[measurements]\n", "fits/film-2"),
+        ("../speeds.toml", "[sweep]\n", "sweeps/_speeds"),
+    ):
+        await user.open("/")
+        user.find(marker="upload").trigger("change", [name, text])
+        await until(lambda text=text: text in {listing.text for listing in all_of(user, "listing")})
+        assert root / page in site.folder.studies()
+    assert (root / "film.toml").read_text() == "[unknowns]\n"
+    before = sorted(root.iterdir())
+    for name, text, message in (
+        ("long.toml", "#" * (new_page.LARGEST_UPLOAD + 1), "long.toml: must be a text of at most 200 kB"),
+        ("long.toml", None, "long.toml: must be a text of at most 200 kB"),
+        ("odd.toml", "[sweep", "odd.toml is not valid TOML"),
+    ):
+        await user.open("/")
+        user.find(marker="upload").trigger("change", [name, text])
+        await user.should_see(message)
+    assert sorted(root.iterdir()) == before
 
 
 # -- names ------------------------------------------------------------------------------------------------------------

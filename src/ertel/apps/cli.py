@@ -308,7 +308,8 @@ def browse(
     when the app is closed; its Close button can stop the runs, too. Ctrl-C closes the app.
     """
     try:
-        from ertel.apps.browser import server
+        with process.without("aiohttp", "requests", "tornado"):
+            from ertel.apps.browser import server
     except ModuleNotFoundError as error:
         if error.name != "nicegui":
             raise

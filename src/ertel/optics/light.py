@@ -215,12 +215,18 @@ FAINT = 3e-4  # share of the light: fainter orders of fringes beside air are lef
 BLUR = 0.8  # pixels: the standard deviation of a microscope's own blur
 
 
-def _between(channel: Array, places: Sequence[Array]) -> Array:
-    """A channel at places between its entries."""
-    from scipy.ndimage import map_coordinates  # here: other pictures do without it
+def _between(table: Array, row: Array, column: Array) -> Array:
+    """Entries of a table (rows, columns, channels) at places between them."""
+    (i, s), (j, t) = (_place(each, entries) for each, entries in zip((row, column), table.shape, strict=False))
+    found: Array = (1 - s) * ((1 - t) * table[i, j] + t * table[i, j + 1])
+    return found + s * ((1 - t) * table[i + 1, j] + t * table[i + 1, j + 1])
 
-    found: Array = map_coordinates(channel, places, order=1, mode="nearest")
-    return found
+
+def _place(place: Array, entries: int) -> tuple[Array, Array]:
+    """The entry before a place, and the share of the way to the next one, with a last axis of 1; inside the table."""
+    inside = np.clip(place, 0.0, entries - 1)
+    before = np.minimum(inside.astype(int), entries - 2)
+    return before, (inside - before)[..., None]
 
 
 @dataclass(frozen=True)
@@ -284,7 +290,7 @@ class Chart:
         light: Array = np.zeros(())
         for m, k, channels in self._beside_air:
             place = (m * path + (k - m) * air) / SPACING + channels.shape[1] // 2
-            order = [_between(channel, [place]) for channel in channels]
+            order = [np.interp(place, np.arange(channels.shape[1]), channel) for channel in channels]
             light = light + np.stack(order, axis=-1) * self._fading(m * change + (k - m) * air_change)
         return light
 
@@ -321,9 +327,7 @@ class Chart:
         n = self.rig.index(density)
         film, n = np.broadcast_arrays(np.asarray(film, dtype=float), n)
         first, last = self._indices[0], self._indices[-1]
-        places = [film * n / SPACING, (n - first) / (last - first) * (INDICES - 1)]
-        channels = np.moveaxis(self._colours, -1, 0)
-        seen = np.stack([_between(c, places) for c in channels], axis=-1)
+        seen = _between(self._colours, film * n / SPACING, (n - first) / (last - first) * (INDICES - 1))
         means = self.light.mean(self.rig, self._indices)  # of films without fringes
         mean: Array = np.stack([np.interp(n, self._indices, channel) for channel in means.T], axis=-1)
         light: Array = mean + (seen - mean) * self._fading(change)

@@ -94,7 +94,7 @@ class FitPoint:
     @property
     def warnings(self) -> list[str]:
         """The sentences on what the data do not decide, on bounds, and on a case that does not explain the data."""
-        from scipy.stats import chi2  # slow to import
+        from scipy.special import chdtrc  # the chi-square distribution; scipy.stats is slow to import, and large
 
         found = []
         for uncertainty, exponents in zip(*self.products, strict=True):
@@ -107,7 +107,7 @@ class FitPoint:
         for name, unit, value, ends in zip(self.names, self.units, self.values, self.bounds.T, strict=True):
             if near := [end for end in ends if abs(log(value / end)) < NEAR_BOUND]:
                 found.append(f"{name} ends at its bound, {amount(near[0], unit)}: widen it, or doubt the case")
-        if self.freedom > 0 and chi2.sf(self.chi_square, self.freedom) < UNLIKELY:
+        if self.freedom > 0 and chdtrc(self.freedom, self.chi_square) < UNLIKELY:
             factor = (self.chi_square / self.freedom) ** 0.5
             found.append(f"the case does not explain the data: the residuals are {factor:.2g} times their sigma")
         return found

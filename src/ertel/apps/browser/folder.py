@@ -1,20 +1,28 @@
-"""The folder that the app was opened in: runs, fits and their files.  Nothing outside is read, written or started.
+"""The folder that the app was opened in: runs, studies and their files.  Nothing outside is read, written or started.
 
 The case and the summary of a run are read again only when a file has changed, and never raise an error.
 """
 
+import csv
 import os
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from string import hexdigits
 from typing import Any
 
 from ertel.apps.terminal import reason_of
+from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case, read_toml
-from ertel.runs.directory import CASE, DATA, SUMMARY, find_runs, is_run, numbered, read_summary
+from ertel.runs.directory import CASE, DATA, SUMMARY, find_runs, is_run, numbered, read_progress, read_summary
+from ertel.runs.files import content_of, is_locked
 
-RUNS, FITS = "runs", "fits"  # where `ertel run` puts a run, and `ertel fit` a fit, too
+RUNS = "runs"  # where `ertel run` puts a run, too
+# the commands that do the study of a file, and the section by which it is one; they put it into fits/ and sweeps/
+STUDIES = {"fit": "unknowns", "sweep": "sweep"}
+TO_DO = {"missing", "interrupted", "running", "unfinished"}  # in the table of a sweep
 MOST_FOLDERS = 1000  # that are looked into
 MOST = 300  # runs that are listed
 Stamp = tuple[int, int] | None  # of a file: when it was changed, and its size
@@ -67,35 +75,31 @@ class Folder:
 
     def runs(self) -> list[Path]:
         """The runs in the folder, the latest first; without those of fits."""
-        found = [run for run in find_runs(self.root, MOST_FOLDERS) if not self.is_fit(run.parent.parent)]
+        found = [run for run in find_runs(self.root, MOST_FOLDERS) if run.parent.parent.parent != self.root / "fits"]
         return sorted(found, key=_changed, reverse=True)[:MOST]
 
     def case_files(self) -> list[Path]:
         """The case files at the top of the folder, by name."""
-        return [path for path in self._toml_files() if not _has_unknowns(path, _stamp(path))]
+        return [file for file, command in self._files().items() if not command]
 
-    def fits(self) -> list[Path]:
-        """The directories of the fits whose files are at the top of the folder, by name; they may not exist yet."""
-        files = [path for path in self._toml_files() if _has_unknowns(path, _stamp(path))]
-        return [fit for file in files if self.is_fit(fit := self.root / FITS / file.stem)]
+    def studies(self) -> list[Path]:
+        """The directories of studies, by name; one whose file is here may not exist yet."""
+        others = {study for run in self.runs() if (study := study_of(run, self.root)) and kind_of(study)}
+        found = sorted(others.union(self._files_of_studies()))
+        return [path for path in found if not is_run(path) and os.path.realpath(path) == str(path)]
 
-    def is_fit(self, path: Path) -> bool:
-        """True if a path is where a fit may be: not that of a run, and not a link."""
-        return path.parent == self.root / FITS and not is_run(path) and os.path.realpath(path) == str(path)
+    def file_of(self, study: Path) -> Path | None:
+        """The file from which a study is started; None where there is none at the top of the folder."""
+        return self._files_of_studies().get(study)
 
-    def fit(self, name: str) -> tuple[Path, Path]:
-        """The directory and the file of a fit.  Raises Outside, and ValueError where there is none."""
-        path = self.inside(name)
-        if path not in self.fits():
-            raise ValueError(f"{name} is not a fit of a file with [unknowns] in this folder")
-        return path, self.file_of(path)
+    def _files_of_studies(self) -> dict[Path, Path]:
+        """The files of studies by the directories of these."""
+        return {self.root / f"{command}s" / file.stem: file for file, command in self._files().items() if command}
 
-    def file_of(self, fit: Path) -> Path:
-        """The file of a fit."""
-        return self.root / f"{fit.name}.toml"
-
-    def _toml_files(self) -> list[Path]:
-        return sorted(path for path in self.root.glob("*.toml") if self._is_ours(path))
+    def _files(self) -> dict[Path, str]:
+        """The files at the top of the folder by name, with the commands that do their studies; none of a case."""
+        files = sorted(path for path in self.root.glob("*.toml") if self._is_ours(path))
+        return {file: _command_of(file, _stamp(file)) for file in files}
 
     def _is_ours(self, path: Path) -> bool:
         """True if a path is a regular file in the folder, with a name that pages can show."""
@@ -105,12 +109,12 @@ class Folder:
             return False
         return is_inside and in_unicode(path.name) == path.name
 
-    def write_case(self, name: str, text: str) -> tuple[Path, Path]:
-        """Write a new case file NAME.toml; its path, and that of its run, which does not exist yet.
+    def write(self, name: str, text: str, place: str = RUNS) -> tuple[Path, Path]:
+        """Write a new file NAME.toml; its path, and that of its run or study, in `place`, which does not exist yet.
 
         Where either is taken, the first of NAME-2, NAME-3, ... that is free.
         """
-        for run in numbered(self.root / RUNS / name):
+        for run in numbered(self.root / place / name):
             file = self.root / f"{run.name}.toml"
             with suppress(FileExistsError):
                 if not run.exists():
@@ -125,13 +129,47 @@ def _changed(run: Path) -> int:
     return max((stamp[0] for stamp in _stamps(run) if stamp), default=0)
 
 
+# -- studies ----------------------------------------------------------------------------------------------------------
+
+
 @lru_cache(maxsize=MOST)
-def _has_unknowns(path: Path, stamp: Stamp) -> bool:
-    """Whether a file was that of a fit at a time, see `inputs.fits`."""
-    try:
-        return "unknowns" in read_toml(path)
-    except ValueError:
-        return False
+def _command_of(file: Path, stamp: Stamp) -> str:
+    with suppress(ValueError):
+        return command_in(read_toml(file))
+    return ""
+
+
+def command_in(data: Mapping[str, Any]) -> str:
+    """The command that does the study in plain data; empty for a case."""
+    return next((command for command, section in STUDIES.items() if section in data), "")
+
+
+def kind_of(study: Path) -> str:
+    """The command that made the numbers of a study; empty where there are none yet."""
+    return next((command for command in STUDIES if (study / f"{command}.zarr").exists()), "")
+
+
+def study_of(run: Path, root: Path) -> Path | None:
+    """The directory of the study that has a run, which is named by the digest of its case; None of other runs.
+
+    root: the folder of the app, which is none.
+    """
+    study = run.parent.parent
+    is_in_study = run.parent.name == RUNS and len(run.name) == 16 and set(run.name) <= set(hexdigits)
+    return study if is_in_study and root in study.parents else None
+
+
+def progress_of(path: Path) -> dict[str, Any] | None:
+    """The progress of a run or a fit; a sweep keeps none, but has its runs, and its table when it has ended."""
+    if (found := read_progress(path)) or is_run(path) or not path.exists():
+        return found
+    status = Status.RUNNING if is_locked(path) else Status.INTERRUPTED
+    with suppress(OSError, ValueError, LookupError):
+        rows = csv.DictReader(content_of(path / "sweep.csv").decode().splitlines())
+        if status is Status.INTERRUPTED and not TO_DO & {row["status"] for row in rows}:
+            status = Status.CONVERGED
+    done = sum(summary_of(run) is not None for run in find_runs(path))
+    return {"status": status.value, "done": 0.0, "message": f"run {done + 1} of the study"}
 
 
 # -- the files of a run -----------------------------------------------------------------------------------------------

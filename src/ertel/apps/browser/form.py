@@ -6,7 +6,7 @@ values go to ertel as they are written, so that its own messages answer them: a 
 
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -77,6 +77,7 @@ ROWS = (  # group, the choices that show its fields, and these by their paths in
     ("Computation", "impact", "time.until"),
 )
 LABELS = {"eta0": "Viscosity", "alpha": "Pressure-viscosity coefficient", "law": "Shear thinning"}
+NAME_FILES = ("file", "oils", "case")  # keys of surfaces and measurements, of oils of one's own, of a fit
 EMPTY = ("radius_ratio", "entrainment_angle", "slide_to_roll", "layer", "layer_1", "layer_2")  # at first, of the rows
 ONE_OF = ("wavelength_x", "depth")  # keys of shapes that are filled at first besides those that are needed
 KEYS = {f"{name}.{key.name}": key for name in SECTIONS for key in section(name).keys} | {
@@ -216,24 +217,31 @@ class Form:
 
 def outlook_of(data: Mapping[str, Any], folder: Folder) -> dict[str, Any]:
     """The answer of `ertel check` to a case.  Raises ConfigError, and Outside for files outside the folder."""
-    for table, key in with_files(data):
-        folder.inside(table[key])
+    require_inside(data, folder, folder.root)
     return outlook(parse_case(data, folder.root))
+
+
+def require_inside(data: Mapping[str, Any], folder: Folder, place: Path) -> None:
+    """Refuse a case or a study that names files outside of the folder, from a place in it.  Raises Outside."""
+    for table, key in with_files(data):
+        for name in table[key] if isinstance(table[key], list) else [table[key]]:
+            folder.inside(str(place / str(name)))
 
 
 def relocated(data: Mapping[str, Any], before: Path, now: Path) -> dict[str, Any]:
     """The plain data of a case whose files were named relative to one folder: now relative to another."""
     moved = deepcopy(dict(data))
     for table, key in with_files(moved):
-        table[key] = os.path.relpath(os.path.realpath(before / table[key]), now)
+        if isinstance(table[key], str):
+            table[key] = os.path.relpath(os.path.realpath(before / table[key]), now)
     return moved
 
 
-def with_files(data: Mapping[str, Any]) -> list[tuple[dict[str, Any], str]]:
-    """The tables of a case that name a file, each with its key: roughness and oils of one's own."""
-    roughness = data.get("roughness")
-    tables = [
-        (data.get("lubricant"), "oils"),
-        *((one, "file") for one in (roughness if isinstance(roughness, list) else ())),
-    ]
-    return [(table, key) for table, key in tables if isinstance(table, dict) and isinstance(table.get(key), str)]
+def with_files(data: Any) -> Iterator[tuple[dict[str, Any], str]]:
+    """The tables of a case, a study or a fit that name a file or a list of files, each with its key."""
+    for key, value in data.items():
+        if key in NAME_FILES and isinstance(value, str | list):
+            yield data, key
+        for table in value if isinstance(value, list) else [value]:
+            if isinstance(table, dict):
+                yield from with_files(table)

@@ -1,4 +1,4 @@
-"""The page of a new case: a form, or the text of a case file; beside it the answer of ertel, while it is written."""
+"""The first page, and that of a new case: a form or the text of a case file, beside it the answer of ertel to it."""
 
 import asyncio
 from collections.abc import Sequence
@@ -9,15 +9,18 @@ import tomli_w
 from nicegui import ui
 
 from ertel.apps.browser import form
+from ertel.apps.browser.folder import RUNS, command_in
 from ertel.apps.browser.form import DECIDE, FOLDED, Form
 from ertel.apps.browser.site import Site, address_of, show_line, show_notes, told
 from ertel.apps.tables import needs
-from ertel.apps.terminal import reason_of
 from ertel.case.rules import plain_name
 from ertel.inputs.case_files import parse_toml, read_text
 from ertel.results.variables import with_prefix
 from ertel.runs.directory import CASE
 
+LARGEST_UPLOAD = 200_000  # characters; a message of a browser has at most 1 MB
+UPLOAD = f"({{target}}) => {{ const [f] = target.files; (f.size > {LARGEST_UPLOAD} ? Promise.resolve() : f.text())"
+UPLOAD += ".then(text => emit(f.name, text ?? null)) }"
 PAUSE = 0.5  # seconds after the last change before ertel is asked
 SHOWN_SCALES = {  # of `parameter_summary`: key, label, unit
     "a_m": ("Hertz radius a", "m"),
@@ -29,6 +32,50 @@ SHOWN_SCALES = {  # of `parameter_summary`: key, label, unit
     "h_c_least_m": ("central film, at least about", "m"),
     "h_c_most_m": ("central film, at most about", "m"),
 }
+
+
+# -- the first page ---------------------------------------------------------------------------------------------------
+
+
+def home_page(site: Site) -> None:
+    """The first page: a choice of what can be done here; runs and studies are in the list beside it."""
+    with ui.element("div").classes("welcome"):
+        ui.label("Impact and rolling of lubricated point contacts").classes("title")
+        text = "Describe a contact, run it, and watch film and pressure form. Runs go on when the app is closed."
+        ui.label(text).classes("lead")
+        with ui.element("div").classes("offers"):
+            _offer("add_circle", "New case", "A form, or a case file", "/new")
+            with _offer("upload_file", "Add a file", "A case, a study or a fit"):
+                chosen = ui.element("input").props("type=file accept=.toml").mark("upload")
+                chosen.on("change", lambda event: take(site, *event.args), js_handler=UPLOAD)
+            for file in site.folder.case_files()[:4]:
+                _offer("description", file.stem, "Case file in this folder", address_of("/new", case=file.name))
+
+
+def _offer(icon: str, title: str, text: str, target: str = "") -> ui.element:
+    with (ui.link(target=target) if target else ui.element("label")).classes("card offer") as card:
+        ui.icon(icon)
+        ui.label(title).classes("name")
+        ui.label(text).classes("more")
+    return card
+
+
+def take(site: Site, name: str, text: str | None) -> None:
+    """Put a file that the user chose into the folder, where nothing is overwritten, and go to its page.
+
+    Neither is trusted: the name becomes a plain one, and a text that is too long or is not TOML is refused.
+    """
+    with told():
+        if not isinstance(text, str) or len(text) > LARGEST_UPLOAD:
+            raise ValueError(f"{name}: must be a text of at most {LARGEST_UPLOAD // 1000} kB; copy it into the folder")
+        command = command_in(parse_toml(text, name))
+        name = plain_name(name.removesuffix(".toml")) or "case"
+        file, study = site.folder.write(name, text, f"{command}s" if command else RUNS)
+        study_name = site.folder.name_of(study)
+        ui.navigate.to(address_of("/study", name=study_name) if command else address_of("/new", case=file.name))
+
+
+# -- a new case --------------------------------------------------------------------------------------------------------
 
 
 class NewCase:
@@ -45,7 +92,7 @@ class NewCase:
         self._data: dict[str, Any] = {}
         with ui.row().classes("head"):
             ui.label("New case").classes("title")
-        with ui.element("div").classes("new"):
+        with ui.element("div").classes("new-case"):
             with ui.element("div").classes("left"):
                 self._tabs = ui.tabs().props("no-caps dense align=left")
                 with self._tabs:
@@ -181,12 +228,9 @@ class NewCase:
         if self._asked:
             self._asked.cancel()
         name = plain_name((self._name.value or "").strip()) or self._name.props["placeholder"]
-        try:
+        with told(f"cannot write to {self.site.folder.root}: "):
             path = self.site.processes.start(name, tomli_w.dumps({**self._data, "name": name}))
-        except OSError as error:
-            ui.notify(f"cannot write to {self.site.folder.root}: {reason_of(error)}")
-            return
-        ui.navigate.to(address_of("/run", name=self.site.folder.name_of(path)))
+            ui.navigate.to(address_of("/run", name=self.site.folder.name_of(path)))
 
 
 # -- the answer of ertel -----------------------------------------------------------------------------------------------

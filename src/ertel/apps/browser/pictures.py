@@ -54,7 +54,7 @@ PICTURES = "/pictures"  # where pages get them
 MEMORY = {-3: 2**17, -1: 2**17, -8: 1}  # M_MMAP_THRESHOLD, M_TRIM_THRESHOLD, M_ARENA_MAX of glibc's malloc.h
 MOST_NODES = 128  # along a side of a map, of what is under the pointer
 NAMES = {"x": "X", "y": "X", "h": "H", "p": "P"}  # the variables that have the units of these
-KEPT = 24  # pictures, of some 0.4 MB each with the fields under the pointer
+KEPT = 16  # pictures, of some 0.4 MB each with the fields under the pointer
 KEPT_OPEN = 3  # Datasets
 
 
@@ -201,6 +201,7 @@ def draw_picture(request: PlotRequest) -> Picture:
         raise _unreadable(request.run) from error
     del figure
     gc.collect()  # it refers to itself, and its arrays are large
+    keep_small()
     return picture
 
 
@@ -279,10 +280,11 @@ def _begin() -> None:
 
 
 def keep_small() -> None:
-    """Give memory that is free back to the system at once, where the C library can be told to; glibc keeps a lot."""
+    """Give memory that is free back to the system, now and at once later, where the C library can; glibc keeps much."""
     if os.name == "posix" and hasattr(library := ctypes.CDLL(None), "mallopt"):
         for option, value in MEMORY.items():
             library.mallopt(option, value)
+        library.malloc_trim(0)
 
 
 def _end_with_the_app() -> None:
@@ -331,9 +333,7 @@ class Worker:
             return await loop.run_in_executor(self._executor, _with_plain_errors, function, *arguments)
         except BrokenProcessPool as error:
             self._executor = self._make()
-            raise ValueError(
-                "the process that draws has ended, for want of memory perhaps; it was started again"
-            ) from error
+            raise ValueError("the process that draws has ended, perhaps for want of memory; it begins again") from error
 
     def close(self) -> None:
         """End the other process."""

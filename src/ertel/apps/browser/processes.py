@@ -14,17 +14,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from pathlib import Path
-from string import hexdigits
 from time import monotonic
 from typing import IO, Any
 from uuid import uuid4
 
-from ertel.apps.browser.folder import RUNS, Folder, fault_of, summary_of
+from ertel.apps.browser.folder import RUNS, Folder, fault_of, progress_of, summary_of
 from ertel.apps.terminal import capital
 from ertel.case.status import Status
 from ertel.results.numbers import duration
 from ertel.runs import files
-from ertel.runs.directory import ask_to_stop, find_runs, is_asked_to_stop, is_run, read_progress
+from ertel.runs.directory import ask_to_stop, find_runs, is_asked_to_stop, is_run
 
 ERTEL = (sys.executable, "-P", "-m", "ertel")  # -P: a file typer.py in the folder is none of ours
 STOPPED = (0, 130, 143, -signal.SIGTERM)  # exit codes of a run that ended or was asked to
@@ -41,7 +40,7 @@ COMPILING = (
 
 
 class Phase(Enum):
-    """The phases of a run, or of a fit: the word for each, and its icon."""
+    """The phases of a run, or of a study: the word for each, and its icon."""
 
     NEW = "not started", "insights"
     COMPILING = "compiling", "hourglass_top"
@@ -95,7 +94,8 @@ class RunStatus:
         seconds_left = progress.get("seconds_left")
         left = "" if seconds_left is None else f", about {duration(seconds_left)} left"
         share = f"{self.done:.0%} · " if self.done else ""  # which a fit does not know
-        return f"{share}{place} · {duration(progress.get('seconds', 0.0))}{left}"
+        took = f" · {duration(progress['seconds'])}" if "seconds" in progress else ""
+        return f"{share}{place}{took}{left}"
 
 
 @dataclass
@@ -138,20 +138,20 @@ class Processes:
 
         Raises OSError where the folder cannot be written.
         """
-        file, run = self.folder.write_case(name, case)
+        file, run = self.folder.write(name, case)
         self._launch(run, ["run", str(file), "--out", str(run), *FLUSH])
         return run
 
     def resume(self, run: Path) -> None:
-        """Continue a run, or begin again where it was stopped before it made its directory; begin or continue a fit.
+        """Continue a run, or begin again where it was stopped before it made its directory; begin or continue a study.
 
         Raises ValueError where a process works on it.
         """
         if self.status(run).phase.is_active:
             raise ValueError(f"{self.folder.name_of(run)}: is running; there is nothing to resume")
         arguments = ["resume", str(run), *FLUSH]
-        if self.folder.is_fit(run):
-            arguments = ["fit", str(self.folder.file_of(run)), "--out", str(run)]
+        if file := self.folder.file_of(run):
+            arguments = [run.parent.name.removesuffix("s"), str(file), "--out", str(run)]
         elif not run.exists() and run in self._started:
             arguments = [*self._started[run].arguments]
         self._launch(run, arguments)
@@ -223,10 +223,10 @@ class Processes:
         """The phase and the progress of a run."""
         if not run.exists() and run not in self._started:
             return RunStatus(Phase.NEW)
-        progress, ours, summary = read_progress(run), self._started.get(run), summary_of(run)
+        progress, ours, summary = progress_of(run), self._started.get(run), summary_of(run)
         outcome = str(summary["status"]) if summary else None
         if ours and ours.is_alive:
-            begun = progress is not None and progress["process"] == ours.process.pid
+            begun = progress is not None and progress.get("process", ours.process.pid) == ours.process.pid
             return RunStatus(_active(begun, ours.asked_to_stop), progress, seconds=monotonic() - ours.since)
         if outcome is None and files.is_locked(run):  # a process of another program, perhaps on another machine
             begun = progress is not None and progress["status"] == Status.RUNNING.value
@@ -236,16 +236,6 @@ class Processes:
         if fault := fault_of(run):
             return RunStatus(Phase.DAMAGED, progress, fault)
         return _ended(outcome or (progress or {}).get("status"), progress)
-
-
-def study_of(run: Path, root: Path) -> Path | None:
-    """The directory of the study that has a run, which is named by the digest of its case; None of other runs.
-
-    root: the folder of the app, which is none.
-    """
-    study = run.parent.parent
-    is_in_study = run.parent.name == RUNS and len(run.name) == 16 and set(run.name) <= set(hexdigits)
-    return study if is_in_study and root in study.parents else None
 
 
 def _active(begun: bool, asked_to_stop: bool) -> Phase:

@@ -1,11 +1,9 @@
 """The pages of runs: of one, with its status, numbers, pictures and downloads, and of two side by side."""
 
-import json
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from time import monotonic
-from typing import ClassVar
 
 from nicegui import ui
 
@@ -14,9 +12,8 @@ from ertel.apps.browser.folder import summary_of
 from ertel.apps.browser.pictures import FIGURES, INTERFEROGRAM, PlotRequest, RunInfo, stamp_of
 from ertel.apps.browser.processes import Phase
 from ertel.apps.browser.site import Site, WatchedPage, address_of, show_line, show_notes, show_number, told
-from ertel.apps.terminal import reason_of
 from ertel.results.numbers import key_numbers
-from ertel.runs.directory import CASE
+from ertel.runs.directory import CASE, SUMMARY
 from ertel.runs.files import content_of
 
 LIGHTS = {"mono": "green light, 532 nm", "two-beam": "two beams", "white": "white light"}
@@ -28,24 +25,16 @@ WIDE = {name: FIGURES[name][0] for name in ("profiles", "history", "friction", I
 class RunPage(WatchedPage):
     """The page of a run, renewed each second."""
 
-    words: ClassVar = {Phase.FINISHED: ""}
-
     def __init__(self, site: Site, name: str = ""):
         try:
-            super().__init__(site, site.find(name))
+            super().__init__(site, site.find(name), {Phase.FINISHED: ""})
         except ValueError as error:
             ui.label(f"{error}.").classes("alert")  # begins with a name
             return
         self.name = site.folder.name_of(self.path)
         self._info = RunInfo()
         self._stamp, self._drawn, self._is_there = 0, 0.0, self.path.exists()
-        with ui.row().classes("head"):
-            with ui.element("div"):
-                ui.label(self.path.name).classes("title")
-                self._under = ui.label().classes("under")
-            ui.space()
-            self.show_phase()
-            self._downloads()
+        self._under = self.show_head("", self._downloads)
         self.show_progress()
         with ui.element("div").classes("numbers"):
             self._show_numbers()
@@ -67,8 +56,8 @@ class RunPage(WatchedPage):
         with ui.button(icon="download").props("flat round aria-label='Download'").mark("download"):
             ui.tooltip("Download")
             with ui.menu():
-                ui.menu_item("Case file (TOML)", self._download_case).mark("download-case")
-                ui.menu_item("Summary (JSON)", self._download_summary)
+                ui.menu_item("Case file (TOML)", lambda: self._download_file(CASE, ".toml")).mark("download-case")
+                ui.menu_item("Summary (JSON)", lambda: self._download_file(SUMMARY, "-summary.json"))
                 for kind in ("png", "svg", "pdf"):
                     item = ui.menu_item(f"This picture ({kind.upper()})", lambda kind=kind: self._download(kind))
                     item.mark(f"download-{kind}")
@@ -86,20 +75,9 @@ class RunPage(WatchedPage):
             picture = await self.site.worker.draw(request)
             ui.download.content(picture.content, f"{self.path.name}-{request.figure}.{kind}")
 
-    def _download_case(self) -> None:
-        try:
-            ui.download.content(content_of(self.path / CASE), f"{self.path.name}.toml")
-        except FileNotFoundError:
-            ui.notify("The case file is written when the run begins.")
-        except OSError as error:
-            ui.notify(f"The case file cannot be read: {reason_of(error)}.")
-
-    def _download_summary(self) -> None:
-        summary = summary_of(self.path)
-        if summary is None:
-            ui.notify("The summary is written when the run ends.")
-        else:
-            ui.download.content(json.dumps(summary, indent=2).encode(), f"{self.path.name}-summary.json")
+    def _download_file(self, name: str, ending: str) -> None:
+        with told(f"{name} cannot be read; it is written when the run begins or ends: "):
+            ui.download.content(content_of(self.path / name), f"{self.path.name}{ending}")
 
     # -- renewed ------------------------------------------------------------------------------------------------------
 

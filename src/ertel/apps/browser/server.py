@@ -29,13 +29,13 @@ from starlette.requests import HTTPConnection
 from starlette.responses import HTMLResponse, PlainTextResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from ertel.apps.browser.fit_page import FitPage
 from ertel.apps.browser.folder import Folder
-from ertel.apps.browser.new_page import NewCase
+from ertel.apps.browser.new_page import NewCase, home_page
 from ertel.apps.browser.pictures import Worker, keep_small
 from ertel.apps.browser.processes import Processes
 from ertel.apps.browser.run_pages import Comparison, RunPage
-from ertel.apps.browser.site import LOGO, Site, frame, home_page
+from ertel.apps.browser.site import LOGO, Site, frame
+from ertel.apps.browser.study_page import StudyPage
 
 LOOPBACK = "127.0.0.1"
 OURS = (LOOPBACK, "localhost")
@@ -49,7 +49,7 @@ HEADERS = {
 # No redirection: browsers send no strict cookie after one that another page began, such as that of `doorway`.
 ENTRANCE = '<!doctype html><title>ertel</title><meta http-equiv="refresh" content="0; url=/"><a href="/">ertel</a>'
 DOORWAY = '<!doctype html><title>ertel</title><meta http-equiv="refresh" content="0; url={address}">'
-PAGES: dict[str, Any] = {"/": home_page, "/new": NewCase, "/run": RunPage, "/fit": FitPage, "/compare": Comparison}
+PAGES: dict[str, Any] = {"/": home_page, "/new": NewCase, "/run": RunPage, "/study": StudyPage, "/compare": Comparison}
 
 
 # -- who is answered --------------------------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""The parts that all pages share: the app, the frame with the list of runs, the first page, and elements of pages."""
+"""The parts that all pages share: the app, the frame with the list of runs and studies, and elements of pages."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -6,15 +6,15 @@ from dataclasses import dataclass
 from functools import partial
 from html import escape
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 from urllib.parse import quote, urlencode
 
 from fastapi import Response
 from nicegui import app, ui
 
-from ertel.apps.browser.folder import Folder, in_unicode, summary_of
+from ertel.apps.browser.folder import Folder, in_unicode, study_of, summary_of
 from ertel.apps.browser.pictures import PICTURES, Worker
-from ertel.apps.browser.processes import Phase, Processes, RunStatus, study_of
+from ertel.apps.browser.processes import Phase, Processes, RunStatus
 from ertel.apps.terminal import capital, reason_of
 from ertel.results.numbers import Number
 
@@ -33,7 +33,7 @@ ui.button.default_props("no-caps")
 
 @dataclass(frozen=True)
 class Entry:
-    """A run or a fit in the list.  about: kind, M and L, if they are known."""
+    """A run or a study in the list.  about: kind, M and L, if they are known."""
 
     name: str
     path: Path
@@ -67,15 +67,15 @@ class Site:
 
     def entries(self) -> list[Entry]:
         """The runs of the folder, those that go on first, then the latest."""
-        ours = [path for path in self.processes.ours() if not self.folder.is_fit(path)]
+        ours = [path for path in self.processes.ours() if not self.folder.file_of(path)]
         paths = dict.fromkeys([*ours, *self.folder.runs()])
         found = [Entry(self.folder.name_of(path), path, self.processes.status(path), _about(path)) for path in paths]
         return sorted(found, key=lambda entry: not entry.status.phase.is_active)
 
-    def fits(self) -> list[Entry]:
-        """The fits of the folder, by name."""
-        named = {path: self.folder.name_of(path) for path in self.folder.fits()}
-        return [Entry(name, path, self.processes.status(path), "fit", "/fit") for path, name in named.items()]
+    def studies(self) -> list[Entry]:
+        """The studies of the folder, by name."""
+        named = {path: self.folder.name_of(path) for path in self.folder.studies()}
+        return [Entry(name, path, self.processes.status(path), "study", "/study") for path, name in named.items()]
 
     def find(self, name: str) -> Path:
         """The directory of a run, which may not be there yet if it was just started.  Raises ValueError."""
@@ -87,23 +87,18 @@ class Site:
 
         def delete(place: Path) -> None:
             dialog.close()
-            try:
+            with told(f"{self.folder.name_of(place)} cannot be deleted: "):
                 self.processes.delete(place)
-            except ValueError as error:
-                ui.notify(sentence(str(error)))
-            except OSError as error:
-                ui.notify(f"{self.folder.name_of(place)} cannot be deleted: {reason_of(error)}.")
 
         name, study = self.folder.name_of(run), study_of(run, self.folder.root)
-        with ui.dialog(value=True) as dialog, ui.card().classes("dialog"):
-            ui.label(f"Delete {name}?").classes("title")
-            ui.label("Its data are removed from the disk for good. Case files outside of its directory stay.")
-            with ui.row().classes("actions"):
-                ui.button("Cancel", on_click=dialog.close).props("flat")
-                if study:
-                    text = f"Delete the study {self.folder.name_of(study)} with all its runs"
-                    ui.button(text, on_click=lambda: delete(study)).props("outline color=negative").mark("delete-study")
-                ui.button("Delete", on_click=lambda: delete(run)).props("unelevated color=negative").mark("delete-it")
+        with question(
+            f"Delete {name}?",
+            "Its data are removed from the disk for good. Case files outside of its directory stay.",
+        ) as dialog:
+            if study:
+                text = f"Delete the study {self.folder.name_of(study)} with all its runs"
+                ui.button(text, on_click=lambda: delete(study)).props("outline color=negative").mark("delete-study")
+            ui.button("Delete", on_click=lambda: delete(run)).props("unelevated color=negative").mark("delete-it")
 
 
 def _about(run: Path) -> str:
@@ -153,7 +148,7 @@ def frame(site: Site, pages: dict[str, Callable[..., Any]]) -> None:
 
 def _list(site: Site) -> None:
     """The list of runs, which is renewed when something changes."""
-    known = [*site.entries(), *site.fits()]
+    known = [*site.entries(), *site.studies()]
 
     @ui.refreshable
     def rows() -> None:
@@ -164,7 +159,7 @@ def _list(site: Site) -> None:
             _row(site, entry)
 
     def look() -> None:
-        found = [*site.entries(), *site.fits()]
+        found = [*site.entries(), *site.studies()]
         if found != known:
             known[:] = found
             rows.refresh()
@@ -200,66 +195,51 @@ def _closing(site: Site) -> None:
             ui.label("The app is closed. You can close this page.")
         app.shutdown()
 
-    with ui.dialog(value=True) as dialog, ui.card().classes("dialog"):
-        ui.label("Close the app?").classes("title")
+    text = "No run that was started here goes on."
+    if going:
+        names = ", ".join(site.folder.name_of(run) for run in going)
+        text = f"Still running: {names}. Runs go on without the app; open it again to watch them."
+    with question("Close the app?", text) as dialog:
         if going:
-            names = ", ".join(site.folder.name_of(run) for run in going)
-            ui.label(f"Still running: {names}. Runs go on without the app; open it again to watch them.")
-        else:
-            ui.label("No run that was started here goes on.")
+            ui.button("Stop the runs and close", on_click=lambda: close(True)).props("outline")
+        ui.button("Close", on_click=lambda: close(False)).props("unelevated")
+
+
+@contextmanager
+def question(title: str, text: str) -> Iterator[ui.dialog]:
+    """Open a dialog with a question; its block makes the answers beside "Cancel"."""
+    with ui.dialog(value=True) as dialog, ui.card().classes("dialog"):
+        ui.label(title).classes("title")
+        ui.label(text)
         with ui.row().classes("actions"):
             ui.button("Cancel", on_click=dialog.close).props("flat")
-            if going:
-                ui.button("Stop the runs and close", on_click=lambda: close(True)).props("outline")
-            ui.button("Close", on_click=lambda: close(False)).props("unelevated")
+            yield dialog
 
 
-# -- the first page ---------------------------------------------------------------------------------------------------
-
-
-def home_page(site: Site) -> None:
-    """The first page: a choice of what can be done here, and the latest runs."""
-    with ui.element("div").classes("welcome"):
-        ui.label("Impact and rolling of lubricated point contacts").classes("title")
-        ui.label(
-            "Describe a contact, run it, and watch film and pressure form. Each run is a process of its own and an "
-            "ordinary directory in this folder: it goes on when this page or the app is closed, and ertel on the "
-            "command line reads it too."
-        ).classes("lead")
-        with ui.element("div").classes("offers"):
-            _offer("add_circle", "New case", "A form, or a case file", "/new")
-            for file in site.folder.case_files()[:4]:
-                _offer("description", file.stem, "Case file in this folder", address_of("/new", case=file.name))
-            runs = [entry for entry in site.entries() if entry.status.phase is not Phase.DAMAGED]
-            for entry in runs[:4]:
-                _offer("blur_circular", entry.path.name, entry.about or "Run in this folder", entry.address)
-            for fit in site.fits()[:4]:
-                _offer("insights", fit.path.name, f"Fit in this folder, {fit.status.phase.word}", fit.address)
-            if len(runs) > 1:
-                _offer("vertical_split", "Compare", "Two runs side by side", "/compare")
-
-
-def _offer(icon: str, title: str, text: str, target: str) -> None:
-    with ui.link(target=target).classes("card offer"):
-        ui.icon(icon)
-        ui.label(title).classes("name")
-        ui.label(text).classes("more")
-
-
-# -- a run or a fit that is watched -----------------------------------------------------------------------------------
+# -- a run or a study that is watched ---------------------------------------------------------------------------------
 
 
 class WatchedPage:
-    """The parts that the pages of a run and of a fit share: its phase, what can be done in it, and its progress.
+    """The parts that the pages of a run and of a study share: its phase, what can be done in it, and its progress.
 
     words: of the button that starts or resumes it, in some phases; there is none where it is empty.
     """
 
-    words: ClassVar[Mapping[Phase, str]]
-
-    def __init__(self, site: Site, path: Path):
-        self.site, self.path = site, path
+    def __init__(self, site: Site, path: Path, words: Mapping[Phase, str]):
+        self.site, self.path, self._words = site, path, words
         self.status = site.processes.status(path)
+
+    def show_head(self, under: str, more: Callable[[], None] | None = None) -> ui.label:
+        """Show its name, what is told below it, its phase and more buttons."""
+        with ui.row().classes("head"):
+            with ui.element("div"):
+                ui.label(in_unicode(self.path.name)).classes("title")
+                line = ui.label(under).classes("under")
+            ui.space()
+            self.show_phase()
+            if more:
+                more()
+        return line
 
     def renew(self) -> bool:
         """Show what has changed; whether anything has."""
@@ -274,10 +254,6 @@ class WatchedPage:
         """Start or resume it."""
         self.site.processes.resume(self.path)
 
-    def stop(self) -> None:
-        """Stop it."""
-        self.site.processes.stop(self.path)
-
     def _order(self, order: Callable[[], None]) -> None:
         with told():
             order()
@@ -291,10 +267,13 @@ class WatchedPage:
             ui.icon(phase.icon)
             ui.label(phase.word).mark("phase")
         if phase.is_active:
-            word = "Stop now" if phase is Phase.STOPPING else "Stop"
-            stop = ui.button(word, icon="stop", on_click=lambda: self._order(self.stop))
+            word, order = (
+                "Stop now" if phase is Phase.STOPPING else "Stop",
+                partial(self.site.processes.stop, self.path),
+            )
+            stop = ui.button(word, icon="stop", on_click=lambda: self._order(order))
             stop.props("outline color=accent").mark("stop")
-        elif word := self.words.get(phase, "Resume"):
+        elif word := self._words.get(phase, "Resume"):
             start = ui.button(word, icon="play_arrow", on_click=lambda: self._order(self.start))
             start.props("unelevated").mark("start")
 
@@ -342,12 +321,12 @@ def show_notes(warnings: Sequence[str]) -> None:
 
 
 @contextmanager
-def told() -> Iterator[None]:
-    """Tell the user of an error in this block."""
+def told(what: str = "") -> Iterator[None]:
+    """Tell the user of an error in this block.  what: the beginning, where the system refuses something."""
     try:
         yield
     except OSError as error:
-        ui.notify(reason_of(error))
+        ui.notify(f"{what}{reason_of(error)}")
     except ValueError as error:
         ui.notify(str(error))
 
