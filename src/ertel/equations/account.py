@@ -71,7 +71,7 @@ from ertel.case.status import Status
 from ertel.equations.approach import rate_of_change
 from ertel.equations.contact import Contact, Details
 from ertel.equations.outside import Surroundings
-from ertel.equations.state import State, Work
+from ertel.equations.state import State, StepSolution, Work
 from ertel.numerics.bdf import Weights
 from ertel.numerics.integrals import Plane, Space
 from ertel.numerics.programs import ANY_SIZE, Program, exportable
@@ -237,44 +237,64 @@ def account_terms(space: Space, oil: Lubricant, film: Film, friction: Friction) 
 
 
 def in_units(
-    values: Mapping[str, Any], velocity: float, around: Surroundings, hertz_load: float, load_rate: float = 0.0
-) -> dict[str, float]:
-    """`MASSES`, `ENERGIES` and `FRICTION` in their units, with what the oil outside adds.
+    values: Mapping[str, Any], velocity: Any, around: Surroundings, hertz_load: FloatLike, load_rate: FloatLike = 0.0
+) -> dict[str, Any]:
+    """`MASSES`, `ENERGIES` and `FRICTION` in their units, with what the oil outside adds; traceable by JAX.
 
     values: from `account_terms`.  load_rate: the rate of change of the load on the grid.
     """
-    plain = {name: float(values[name]) for name in TERMS}
-    plain["elastic_energy"] += around.uplift * plain["load"] / 2
-    plain["outside_power"] += velocity * around.load - around.uplift * load_rate
-    energies = {name: plain[name] / hertz_load for name in ENERGIES}
-    return {name: value for name, value in (plain | energies).items() if name != "load"}
+    elastic = values["elastic_energy"] + around.uplift * values["load"] / 2
+    lost = values["outside_power"] + velocity * around.load - around.uplift * load_rate
+    complete = {**values, "elastic_energy": elastic, "outside_power": lost}
+    return {name: complete[name] / (hertz_load if name in ENERGIES else 1.0) for name in RECORD}
 
 
 # -- a step in time ----------------------------------------------------------------------------------------------------
 
-NUMBERS = ("approach", "converged", "newton", "krylov", "error", *TERMS)  # of a step
+RECORD = (*MASSES, *ENERGIES, *FRICTION)
+NUMBERS = ("approach", "velocity", "load", "outside", "error", "converged", "newton", "krylov")  # of a step, first
 
 
-def new_level(
-    T: float,
-    rates: Weights,
-    levels: Sequence[State],
-    fields: Mapping[str, Array],
-    numbers: Sequence[float],
+class Earlier(NamedTuple):
+    """The parts of the rates of Delta and of the load that come from the earlier levels, and the weight of the new."""
+
+    approach: FloatLike
+    load: FloatLike
+    new: FloatLike
+
+    @classmethod
+    def of(cls, rates: Weights, levels: Sequence[State]) -> "Earlier":
+        """From the weights of a rate, for the new level and the earlier ones, newest first."""
+        approach = rate_of_change(rates, 0.0, [level.approach for level in levels])
+        return cls(approach, rate_of_change(rates, 0.0, [level.load for level in levels]), rates[0])
+
+
+def step_numbers(
+    solved: Sequence[Any],
+    error: Array,
+    terms: Mapping[str, Array],
+    load: Array,
     around: Surroundings,
-    hertz_load: float,
-    load: float | None = None,
-) -> State:
-    """The state after a step, with its account as the record.
+    earlier: Earlier,
+    hertz_load: FloatLike,
+    others: Sequence[Array] = (),
+) -> Array:
+    """The numbers of `NUMBERS` after a step, others, and those of `RECORD`, in one array.
 
-    numbers: those of `NUMBERS`, then others.  load: the double integral of P, where it is not that of the account.
+    solved: Delta, whether the solve converged, its Newton and Krylov iterations.  load: the double integral of P.
     """
-    named = dict(zip(NUMBERS, numbers, strict=False))
-    approach, load = named["approach"], named["load"] if load is None else load
-    velocity = rate_of_change(rates, approach, [level.approach for level in levels])
-    load_rate = rate_of_change(rates, load, [level.load for level in levels])
-    beyond = around._replace(load=around.load + load - named["load"])  # half a cell around the grid counts as outside
-    record = in_units(named, velocity, beyond, hertz_load, load_rate)
-    status = Status.CONVERGED if named["converged"] else Status.NEWTON_STALLED  # stalled too if NaN
-    work = Work(int(named["newton"]), int(named["krylov"]))
-    return State(T, approach, velocity, fields, status, work, around.load, load, named["error"], record)
+    approach, *work = solved
+    velocity, load_rate = earlier.new * approach + earlier.approach, earlier.new * load + earlier.load
+    beyond = around._replace(load=around.load + load - terms["load"])  # half a cell around the grid counts as outside
+    record = in_units(terms, velocity, beyond, hertz_load, load_rate)
+    values = approach, velocity, load, around.load, error, *work, *others, *record.values()
+    return jnp.stack([jnp.asarray(value, load.dtype) for value in values])
+
+
+def new_level(T: float, solution: StepSolution, others: Sequence[str] = ()) -> State:
+    """The state after a step, with its numbers by name as its record.  others: the names of those before `RECORD`."""
+    approach, velocity, load, outside, error, converged, newton, krylov, *rest = np.asarray(solution.numbers).tolist()
+    record = dict(zip((*others, *RECORD), rest, strict=True))
+    status = Status.CONVERGED if converged else Status.NEWTON_STALLED  # stalled too if NaN
+    work = Work(int(newton), int(krylov))
+    return State(T, approach, velocity, solution.fields, status, work, outside, load, error, record)

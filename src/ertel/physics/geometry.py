@@ -180,6 +180,8 @@ class Geometry:
 
     def _axes(self, X: Array, Y: Array) -> tuple[Array, Array]:
         """Coordinates along the principal axes."""
+        if self.angle == 0.0:
+            return X, Y
         c, s = self._direction
         return c * X - s * Y, s * X + c * Y
 

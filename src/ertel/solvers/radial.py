@@ -85,6 +85,7 @@ class RadialProblem(NamedTuple):
     predict_mass: bdf.Weights
     rates: bdf.Weights
     line: ClosureLine
+    earlier: account.Earlier
     around: outside.Surroundings
     tolerance: float
     ring: Array
@@ -228,9 +229,9 @@ def solve_ring_step(p: RadialProblem) -> StepSolution:
     oil = ring_oil(eq, s.P, s.H)
     terms = ring_account(eq, s.P, s.H, oil, approach)
     error = ring_film_error(p.ring, p.mesh.volume, oil, jnp.tensordot(p.predict_mass, masses, axes=1), s.P)
-    values = approach, s.size <= tolerance, s.newton, 0, error, *(terms[name] for name in account.TERMS)
-    fields = {"P": s.P, "H": s.H, "mass": oil}
-    return StepSolution(fields, jnp.stack([jnp.asarray(value, s.P.dtype) for value in values]))
+    solved, load = (approach, s.size <= tolerance, s.newton, 0), terms["load"]
+    numbers = account.step_numbers(solved, error, terms, load, p.around, p.earlier, CIRCLE.hertz_load)
+    return StepSolution({"P": s.P, "H": s.H, "mass": oil}, numbers)
 
 
 _step_program = Program(solve_ring_step)
@@ -283,19 +284,19 @@ class RadialImpact(Method):
         # in the rebound the pressure collapses behind the receding edge, and a parabola overshoots
         past = times if levels[0].velocity > 0 else times[:2]
         around = self.outside.at(outside.predicted(levels, T, CIRCLE.hertz_load, 0.0))
-        solution: StepSolution = yield RadialProblem(
+        problem = RadialProblem(
             self.mesh,
             tuple(level.fields for level in padded(levels)),
             bdf.three(bdf.interpolation_weights(T, past)),
             bdf.three(bdf.interpolation_weights(T, times)),
             bdf.three(rates),
             self.closure.line(T, rates, approaches, [level.velocity for level in levels]),
+            account.Earlier.of(rates, levels),
             around,
             self.tolerance,
             jax.device_put(self.ring),
         )
-        numbers = np.asarray(solution.numbers).tolist()
-        new = account.new_level(T, rates, levels, solution.fields, numbers, around, CIRCLE.hertz_load)
+        new = account.new_level(T, (yield problem))
         return replace(new, record={**self.measure(new), **new.record})
 
     def solve(self, problem: RadialProblem) -> StepSolution:

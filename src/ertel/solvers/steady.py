@@ -113,7 +113,7 @@ class GridSolution:
         terms, friction = _account_program(Plane.of(self.grid), self.contact, self.P, self.H, self.content, moment)
         around = discretise.outside_of(self.case, self.grid).at(motion_of(self.case, self.approach))
         around = around._replace(load=self.outside)
-        return account.in_units(jax.device_get(terms), 0.0, around, scale), friction
+        return account.in_units(jax.tree.map(float, jax.device_get(terms)), 0.0, around, scale), friction
 
     @cached_property
     def heat(self) -> Heated | None:

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
+from math import hypot
 from typing import NamedTuple
 
 import jax
@@ -16,10 +17,11 @@ from numpy.typing import NDArray
 from ertel.case.case import Case
 from ertel.case.definition import coarsenings, grid_of
 from ertel.equations import account, contact, discretise, outside, state
-from ertel.equations.account import Friction, Moment
+from ertel.equations.account import Earlier, Friction, Moment
 from ertel.equations.approach import ClosureLine, NewtonsLaw
 from ertel.equations.contact import Contact
 from ertel.equations.flow import Flow, OilContent, Rate, rate_in_time
+from ertel.equations.outside import Surroundings
 from ertel.equations.state import Method, State, Stepping, StepSolution, Work, padded
 from ertel.numerics import bdf, halfspace, multigrid, newton, stencils
 from ertel.numerics.grid import Symmetry, check_coarsening
@@ -42,7 +44,7 @@ FALLING = Algorithms(nonlinear.eliminate_approach, nonlinear.point_preconditione
 SHARPER = replace(OPTIONS, krylov_limit=10, first_reduction=0.01)
 ROLLING = Algorithms(nonlinear.approach_as_unknown, nonlinear.point_preconditioner, SHARPER)
 
-CONVERGED = account.NUMBERS.index("converged")
+MEASURED = (*state.KEY_VALUES[:-1], "F")  # of a step, besides the numbers of the account
 SMALL = 512  # nodes a side of a grid on which one program more takes longer than it saves
 
 
@@ -75,6 +77,7 @@ class Known(NamedTuple):
     predict: bdf.Weights
     rates: bdf.Weights
     line: ClosureLine
+    earlier: Earlier
     approach: float
     sliding: float
     load_around: float
@@ -82,11 +85,11 @@ class Known(NamedTuple):
 
     def packed(self) -> bdf.Weights:
         """One array: each one that goes to the device costs the same time, however small."""
-        return np.hstack(self)
+        return np.array([*self.predict, *self.rates, *self.line, *self.earlier, *self[4:]])
 
     @classmethod
     def of(cls, packed: Array | bdf.Weights) -> "Known":
-        return cls(packed[:3], packed[3:6], ClosureLine(*packed[6:9]), *packed[9:])  # type: ignore[arg-type]
+        return cls(packed[:3], packed[3:6], ClosureLine(*packed[6:9]), Earlier(*packed[9:12]), *packed[12:])  # type: ignore[arg-type]
 
 
 @register_dataclass
@@ -201,7 +204,8 @@ class Transient2D(Method):
             motion = motion._replace(velocity=0.0)
         around, sliding = self.outside.at(motion), self.case.motion.sliding(T)
         ahead = float(predict @ approaches)
-        known = Known(bdf.three(predict), bdf.three(rates), line, ahead, sliding, around.load, around.uplift)
+        earlier = Earlier.of(rates, levels)
+        known = Known(bdf.three(predict), bdf.three(rates), line, earlier, ahead, sliding, around.load, around.uplift)
         # the Delta of a light ball that rolls is a small difference of large numbers, so it is not eliminated
         falls = self.case.starts_apart and line.approach_weight
         problem = StepProblem(
@@ -215,27 +219,24 @@ class Transient2D(Method):
             discretise.roughness_change(self.case, self.grid, T),
             FALLING if falls else ROLLING,
         )
-        solution: StepSolution = yield problem
-        numbers = np.asarray(solution.numbers).tolist()
-        convolutions = self._convolutions(numbers, in_the_middle=problem.middle is not None)
-        if problem.middle is not None and not numbers[CONVERGED]:  # P > 0 elsewhere too
-            solution = yield replace(problem, middle=None)
-            numbers = np.asarray(solution.numbers).tolist()
-            convolutions += self._convolutions(numbers)
-        extremes = state.named_numbers(self.grid, numbers[len(account.NUMBERS) :])
-        measured = self._named(extremes, around.load)
-        load = measured.pop("load")
-        new = account.new_level(T, rates, levels, solution.fields, numbers, around, self.geometry.hertz_load, load)
-        work = new.work._replace(convolutions=convolutions)
-        return replace(new, work=work, record={**measured, **new.record})
+        new = self._level(T, (yield problem), in_the_middle=problem.middle is not None)
+        if problem.middle is not None and not new.status.ok:  # P > 0 elsewhere too
+            tried = new.work.convolutions
+            new = self._level(T, (yield replace(problem, middle=None)))
+            new = replace(new, work=new.work._replace(convolutions=tried + new.work.convolutions))
+        return new
 
-    def _convolutions(self, numbers: Sequence[float], in_the_middle: bool = False) -> float:
-        """The work of a step in convolutions, from its numbers."""
-        newton, krylov = (int(numbers[account.NUMBERS.index(name)]) for name in ("newton", "krylov"))
-        if not in_the_middle:
-            return nonlinear.convolutions(self.grid, newton, krylov)
-        middle = self.grid.middle()
-        return 1 + nonlinear.convolutions(middle, newton, krylov) * middle.size / self.grid.size
+    def _level(self, T: float, solution: StepSolution, in_the_middle: bool = False) -> State:
+        """The state after a step with its work."""
+        new = account.new_level(T, solution, MEASURED)
+        newton, krylov, _ = new.work
+        if in_the_middle:
+            middle = self.grid.middle()
+            convolutions = 1 + nonlinear.convolutions(middle, newton, krylov) * middle.size / self.grid.size
+        else:
+            convolutions = nonlinear.convolutions(self.grid, newton, krylov)
+        record = self._on_rings(dict(new.record))
+        return replace(new, work=Work(newton, krylov, convolutions), record=record)
 
     def _middle_under(self, level: State, edge: NDArray[np.float64]) -> nonlinear.Middle | None:
         """The middle of the grid if a film has pressure nowhere else; None otherwise and on a small grid."""
@@ -257,16 +258,15 @@ class Transient2D(Method):
 
     def measure(self, level: State) -> dict[str, float]:
         """See `Method.measure`."""
-        values = self._named(state.measure(self.grid, level.P, level.H), level.outside)
-        del values["load"]
-        return values
+        values = state.measure(self.grid, level.P, level.H)
+        values["F"] = (values.pop("load") + level.outside) / self.geometry.hertz_load
+        return self._on_rings(values)
 
-    def _named(self, values: dict[str, float], outside: float) -> dict[str, float]:
-        """The values of `Method.measure`, and the load on the grid, from those of `state.measure`."""
-        values["F"] = (values["load"] + outside) / self.geometry.hertz_load
+    def _on_rings(self, values: dict[str, float]) -> dict[str, float]:
+        """The same with the places of the extremes as radii where the contact is axisymmetric."""
         if self.case.is_axisymmetric:
             for X, Y in (("X_min", "Y_min"), ("X_P_max", "Y_P_max")):
-                values |= {X: float(np.hypot(values[X], values[Y])), Y: 0.0}
+                values |= {X: hypot(values[X], values[Y]), Y: 0.0}
         return values
 
     def friction(self, level: State) -> Friction:
@@ -348,20 +348,22 @@ _step_program = Program(solve_step)
 def _numbers(
     p: StepProblem, known: Known, rate: Rate, s: newton.Solution, fields: Mapping[str, Array], approach: Array
 ) -> Array:
-    """The numbers of `account.NUMBERS` and of `state.extreme_numbers`."""
+    """The numbers of `account.step_numbers`, with those of `MEASURED`."""
     c, mass, setting = p.contact, fields["mass"], p.setting
     U = 0.0 if p.flow is None else p.flow.entrainment
-    load = (contact.pressure_load(c, s.P) + known.load_around) / setting.hertz_load
+    *measured, load = state.key_values(setting.space, s.P, s.H)
+    F = (load + known.load_around) / setting.hertz_load
     gap_change = U * setting.gap_slope - p.roughness_change
     passing = mass if p.flow is None else p.flow.passing(mass)
-    moment = Moment(approach, U, known.sliding, gap_change, load, setting.hertz_load)
+    moment = Moment(approach, U, known.sliding, gap_change, F, setting.hertz_load)
     terms, _ = account.account(setting.space, c, s.P, s.H, moment, mass, passing, rate.of(mass, c.spacing))
     predicted = _weighted(known.predict, [level["mass"] for level in p.past])
     weight = stencils.inside(s.P, c.even)  # the edge is given
     error = film_error(mass, predicted, weight, THIN * setting.film_scale, c.even, setting.coarsenings)
-    values = approach, s.converged, s.newton, s.krylov, error, *(terms[name] for name in account.TERMS)
-    stepped = jnp.stack([jnp.asarray(value, s.P.dtype) for value in values])
-    return jnp.concatenate([stepped, state.extreme_numbers(setting.space, s.P, s.H)])
+    solved = approach, s.converged, s.newton, s.krylov
+    around = Surroundings(p.edge, known.load_around, known.uplift)
+    others = *measured, F
+    return account.step_numbers(solved, error, terms, load, around, known.earlier, setting.hertz_load, others)
 
 
 def _weighted(weights: bdf.Weights, fields: Sequence[Array]) -> Array:
