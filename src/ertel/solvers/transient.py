@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 from math import hypot
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -22,11 +22,11 @@ from ertel.equations.approach import ClosureLine, NewtonsLaw
 from ertel.equations.contact import Contact
 from ertel.equations.flow import Flow, OilContent, Rate, rate_in_time
 from ertel.equations.outside import Surroundings
-from ertel.equations.state import Method, State, Stepping, StepSolution, Work, padded
+from ertel.equations.state import Method, State, Stepping, StepSolution, Work, combined, padded
 from ertel.numerics import bdf, halfspace, multigrid, newton, stencils
 from ertel.numerics.grid import Symmetry, check_coarsening
 from ertel.numerics.integrals import Plane
-from ertel.numerics.programs import Program
+from ertel.numerics.programs import Compiled, Program
 from ertel.numerics.stencils import total, unfolded
 from ertel.physics.geometry import ContactMotion
 from ertel.solvers import nonlinear, steady
@@ -152,6 +152,7 @@ class Transient2D(Method):
             coarsenings(case, self.grid.spacing, len(elastic) - 1),
         )
         self.setting: Setting = jax.device_put(setting)
+        self._programs: dict[Any, Compiled] = {}
 
     def start(self) -> State:
         """The separated bodies approaching with unit speed, the oil squeezed; or the steady film at T = 0."""
@@ -203,7 +204,7 @@ class Transient2D(Method):
             # with little or no inertia V follows from the film of the same step: extrapolating it is unstable
             motion = motion._replace(velocity=0.0)
         around, sliding = self.outside.at(motion), self.case.motion.sliding(T)
-        ahead = float(predict @ approaches)
+        ahead = combined(predict, approaches)
         earlier = Earlier.of(rates, levels)
         known = Known(bdf.three(predict), bdf.three(rates), line, earlier, ahead, sliding, around.load, around.uplift)
         # the Delta of a light ball that rolls is a small difference of large numbers, so it is not eliminated
@@ -254,7 +255,11 @@ class Transient2D(Method):
 
     def solve(self, problem: StepProblem) -> StepSolution:
         """The step's solution, on this device."""
-        return _step_program(problem)
+        # the steps of a run are of few kinds; to look the program up by all of their leaves takes longer than the rest
+        kind = problem.algorithms.close, problem.middle is None
+        if kind not in self._programs:
+            self._programs[kind] = _step_program.ready(problem)
+        return self._programs[kind](problem)
 
     def measure(self, level: State) -> dict[str, float]:
         """See `Method.measure`."""
