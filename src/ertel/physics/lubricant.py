@@ -34,7 +34,8 @@ ALPHA = 2.2e-8  # 1/Pa, pressure-viscosity coefficient of a typical mineral oil
 ETA0 = 0.04  # Pa s, viscosity at ambient pressure
 P0_ROELANDS = 1.96e8  # Pa, Roelands' pressure constant
 DENSITY_PRESSURE = 5.9e8  # Pa, Dowson and Higginson's constant
-_GAUSS = [((1 + x) / 2, w / 2) for x, w in zip(*np.polynomial.legendre.leggauss(8), strict=True)]  # on [0, 1]
+_points, _weights = np.polynomial.legendre.leggauss(8)
+PLACES, WEIGHTS = (1 + _points) / 2, _weights / 2  # of the Gauss rule on [0, 1]
 
 
 class Viscosity(Protocol):
@@ -230,7 +231,8 @@ class Lubricant:
 
     def enthalpy(self, P: Array) -> Array:
         """The integral of dP/(rho/rho0) from 0 to P, by the Gauss rule: the work that brings a unit of oil to P."""
-        return P * sum(weight / self.density(share * P) for share, weight in _GAUSS)
+        shares = PLACES.reshape(-1, *[1] * np.ndim(P)) * P  # all in one array: XLA makes a pass of each term of a sum
+        return P * arrays_of(P).tensordot(WEIGHTS, 1.0 / self.density(shares), 1)
 
     def compression(self, P: Array) -> Array:
         """The elastic energy of a unit of volume at P: density * enthalpy - P, zero for an incompressible oil."""
