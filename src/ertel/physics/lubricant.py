@@ -94,7 +94,7 @@ class Roelands:
 
     def viscosity(self, p: Array) -> Array:
         xp = arrays_of(p)
-        power = xp.exp(self.z * xp.log(1.0 + p / self.p0))  # the derivative of this form needs no second power
+        power = xp.exp(self.z * xp.log(1.0 + p * (1.0 / self.p0)))  # the derivative of this form needs no second power
         return xp.exp(self.alpha * self.p0 / self.z * (power - 1.0))
 
     @classmethod
@@ -124,7 +124,7 @@ class DowsonHigginson(OfAnyOil):
     reference: ClassVar[str] = "Dowson D, Higginson GR. Elasto-hydrodynamic lubrication. Pergamon Press; 1966"
 
     def density(self, p: Array) -> Array:
-        share = p / self.p1
+        share = p * (1.0 / self.p1)  # one division of numbers, because at each point it takes half of the time
         return (1.0 + 1.34 * share) / (1.0 + share)
 
 
