@@ -68,11 +68,9 @@ import numpy as np
 from jax import Array
 
 from ertel.case.status import Status
-from ertel.equations.approach import rate_of_change
 from ertel.equations.contact import Contact, Details
 from ertel.equations.outside import Surroundings
 from ertel.equations.state import State, StepSolution, Work
-from ertel.numerics.bdf import Weights
 from ertel.numerics.integrals import Plane, Space
 from ertel.numerics.programs import ANY_SIZE, Program, exportable
 from ertel.numerics.stencils import FloatLike, Pair, inside
@@ -243,10 +241,10 @@ def in_units(
 
     values: from `account_terms`.  load_rate: the rate of change of the load on the grid.
     """
-    elastic = values["elastic_energy"] + around.uplift * values["load"] / 2
-    lost = values["outside_power"] + velocity * around.load - around.uplift * load_rate
-    complete = {**values, "elastic_energy": elastic, "outside_power": lost}
-    return {name: complete[name] / (hertz_load if name in ENERGIES else 1.0) for name in RECORD}
+    complete = {name: values[name] / (hertz_load if name in ENERGIES else 1.0) for name in RECORD}
+    complete["elastic_energy"] += around.uplift * values["load"] / 2 / hertz_load
+    complete["outside_power"] += (velocity * around.load - around.uplift * load_rate) / hertz_load
+    return complete
 
 
 # -- a step in time ----------------------------------------------------------------------------------------------------
@@ -255,40 +253,9 @@ RECORD = (*MASSES, *ENERGIES, *FRICTION)
 NUMBERS = ("approach", "velocity", "load", "outside", "error", "converged", "newton", "krylov")  # of a step, first
 
 
-class Earlier(NamedTuple):
-    """The parts of the rates of Delta and of the load that come from the earlier levels, and the weight of the new."""
-
-    approach: FloatLike
-    load: FloatLike
-    new: FloatLike
-
-    @classmethod
-    def of(cls, rates: Weights, levels: Sequence[State]) -> "Earlier":
-        """From the weights of a rate, for the new level and the earlier ones, newest first."""
-        approach = rate_of_change(rates, 0.0, [level.approach for level in levels])
-        return cls(approach, rate_of_change(rates, 0.0, [level.load for level in levels]), rates[0])
-
-
-def step_numbers(
-    solved: Sequence[Any],
-    error: Array,
-    terms: Mapping[str, Array],
-    load: Array,
-    around: Surroundings,
-    earlier: Earlier,
-    hertz_load: FloatLike,
-    others: Sequence[Array] = (),
-) -> Array:
-    """The numbers of `NUMBERS` after a step, others, and those of `RECORD`, in one array.
-
-    solved: Delta, whether the solve converged, its Newton and Krylov iterations.  load: the double integral of P.
-    """
-    approach, *work = solved
-    velocity, load_rate = earlier.new * approach + earlier.approach, earlier.new * load + earlier.load
-    beyond = around._replace(load=around.load + load - terms["load"])  # half a cell around the grid counts as outside
-    record = in_units(terms, velocity, beyond, hertz_load, load_rate)
-    values = approach, velocity, load, around.load, error, *work, *others, *record.values()
-    return jnp.stack([jnp.asarray(value, load.dtype) for value in values])
+def step_numbers(values: Sequence[Any], record: Mapping[str, Any]) -> Array:
+    """The numbers of a step in one array: those of `NUMBERS` and others, and the record."""
+    return jnp.stack([jnp.asarray(value, float) for value in (*values, *record.values())])
 
 
 def new_level(T: float, solution: StepSolution, others: Sequence[str] = ()) -> State:

@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 from ertel.case.case import Case
 from ertel.case.definition import coarsenings, grid_of
 from ertel.equations import account, contact, discretise, outside, state
-from ertel.equations.account import Earlier, Friction, Moment
-from ertel.equations.approach import ClosureLine, NewtonsLaw
+from ertel.equations.account import Friction, Moment
+from ertel.equations.approach import ClosureLine, NewtonsLaw, rate_of_change
 from ertel.equations.contact import Contact
 from ertel.equations.flow import Flow, OilContent, Rate, rate_in_time
 from ertel.equations.outside import Surroundings
-from ertel.equations.state import Method, State, Stepping, StepSolution, Work, combined, padded
+from ertel.equations.state import Method, State, Stepping, StepSolution, Work, padded
 from ertel.numerics import bdf, halfspace, multigrid, newton, stencils
 from ertel.numerics.grid import Symmetry, check_coarsening
 from ertel.numerics.integrals import Plane
@@ -71,25 +71,26 @@ class Known(NamedTuple):
     """The numbers of a new level that are known before it is solved.
 
     predict, rates: weights of the prediction and of the time derivative (for the new level, and the last two), both of
-    shape (3,).  approach: the predicted Delta.  sliding: u1 - u2 in a/t0.  around: load and uplift of the oil outside.
+    shape (3,).  approaches, loads: of the last three levels.  sliding: u1 - u2 in a/t0.  load_around, uplift: of the
+    oil outside.
     """
 
     predict: bdf.Weights
     rates: bdf.Weights
     line: ClosureLine
-    earlier: Earlier
-    approach: float
+    approaches: Any
+    loads: Any
     sliding: float
     load_around: float
     uplift: float
 
     def packed(self) -> bdf.Weights:
         """One array: each one that goes to the device costs the same time, however small."""
-        return np.array([*self.predict, *self.rates, *self.line, *self.earlier, *self[4:]])
+        return np.array([*self.predict, *self.rates, *self.line, *self.approaches, *self.loads, *self[5:]])
 
     @classmethod
     def of(cls, packed: Array | bdf.Weights) -> "Known":
-        return cls(packed[:3], packed[3:6], ClosureLine(*packed[6:9]), Earlier(*packed[9:12]), *packed[12:])  # type: ignore[arg-type]
+        return cls(packed[:3], packed[3:6], ClosureLine(*packed[6:9]), packed[9:12], packed[12:15], *packed[15:])  # type: ignore[arg-type]
 
 
 @register_dataclass
@@ -196,23 +197,23 @@ class Transient2D(Method):
         T = levels[0].T + step
         times = [level.T for level in levels]
         rates = bdf.derivative_weights([T, *times[:2]])
-        approaches = [level.approach for level in levels]
-        line = self.closure.line(T, rates, approaches, [level.velocity for level in levels])
+        past = padded(levels)
+        approaches, velocities, loads = np.array([(level.approach, level.velocity, level.load) for level in past]).T
+        line = self.closure.line(T, rates, approaches, velocities)
         predict = bdf.interpolation_weights(T, times)
         motion = outside.predicted(levels, T, self.geometry.hertz_load, self.case.motion.entrainment(T))
         if not self.case.starts_apart:
             # with little or no inertia V follows from the film of the same step: extrapolating it is unstable
             motion = motion._replace(velocity=0.0)
         around, sliding = self.outside.at(motion), self.case.motion.sliding(T)
-        ahead = combined(predict, approaches)
-        earlier = Earlier.of(rates, levels)
-        known = Known(bdf.three(predict), bdf.three(rates), line, earlier, ahead, sliding, around.load, around.uplift)
+        weights = bdf.three(predict), bdf.three(rates)
+        known = Known(*weights, line, approaches, loads, sliding, around.load, around.uplift)
         # the Delta of a light ball that rolls is a small difference of large numbers, so it is not eliminated
         falls = self.case.starts_apart and line.approach_weight
         problem = StepProblem(
             self.setting,
             self.contact_at(T),
-            tuple(level.fields for level in padded(levels)),
+            tuple(level.fields for level in past),
             known.packed(),
             self._middle_under(levels[0], around.edge),
             around.edge,
@@ -228,14 +229,11 @@ class Transient2D(Method):
         return new
 
     def _level(self, T: float, solution: StepSolution, in_the_middle: bool = False) -> State:
-        """The state after a step with its work."""
+        """The state after a step with its work: in the middle, the film on the whole grid is one convolution more."""
         new = account.new_level(T, solution, MEASURED)
         newton, krylov, _ = new.work
-        if in_the_middle:
-            middle = self.grid.middle()
-            convolutions = 1 + nonlinear.convolutions(middle, newton, krylov) * middle.size / self.grid.size
-        else:
-            convolutions = nonlinear.convolutions(self.grid, newton, krylov)
+        grid = self.grid.middle() if in_the_middle else self.grid
+        convolutions = in_the_middle + nonlinear.convolutions(grid, newton, krylov) * grid.size / self.grid.size
         record = self._on_rings(dict(new.record))
         return replace(new, work=Work(newton, krylov, convolutions), record=record)
 
@@ -341,7 +339,7 @@ def solve_step(p: StepProblem) -> StepSolution:
         LOAD_TOLERANCE * s.tolerance,
         p.algorithms,
     )
-    solution, approach = (p.middle.solve if p.middle else nonlinear.solve)(problem, P, known.approach)
+    solution, approach = (p.middle.solve if p.middle else nonlinear.solve)(problem, P, known.predict @ known.approaches)
     P, H = solution.P, solution.H
     fields = {"P": P, "H": H, "mass": oil_there(p.contact, P, H, solution.left, rate)}
     return StepSolution(fields, _numbers(p, known, rate, solution, fields, approach))
@@ -353,7 +351,7 @@ _step_program = Program(solve_step)
 def _numbers(
     p: StepProblem, known: Known, rate: Rate, s: newton.Solution, fields: Mapping[str, Array], approach: Array
 ) -> Array:
-    """The numbers of `account.step_numbers`, with those of `MEASURED`."""
+    """The numbers of the step, see `account.step_numbers`, with those of `MEASURED`."""
     c, mass, setting = p.contact, fields["mass"], p.setting
     U = 0.0 if p.flow is None else p.flow.entrainment
     *measured, load = state.key_values(setting.space, s.P, s.H)
@@ -365,10 +363,13 @@ def _numbers(
     predicted = _weighted(known.predict, [level["mass"] for level in p.past])
     weight = stencils.inside(s.P, c.even)  # the edge is given
     error = film_error(mass, predicted, weight, THIN * setting.film_scale, c.even, setting.coarsenings)
-    solved = approach, s.converged, s.newton, s.krylov
-    around = Surroundings(p.edge, known.load_around, known.uplift)
-    others = *measured, F
-    return account.step_numbers(solved, error, terms, load, around, known.earlier, setting.hertz_load, others)
+    velocity = rate_of_change(known.rates, approach, known.approaches)
+    # half a cell around the grid counts as outside
+    beyond = Surroundings(p.edge, known.load_around + load - terms["load"], known.uplift)
+    load_rate = rate_of_change(known.rates, load, known.loads)
+    record = account.in_units(terms, velocity, beyond, setting.hertz_load, load_rate)
+    values = approach, velocity, load, known.load_around, error, s.converged, s.newton, s.krylov, *measured, F
+    return account.step_numbers(values, record)
 
 
 def _weighted(weights: bdf.Weights, fields: Sequence[Array]) -> Array:
