@@ -68,11 +68,9 @@ import numpy as np
 from jax import Array
 
 from ertel.case.status import Status
-from ertel.equations.approach import rate_of_change
 from ertel.equations.contact import Contact, Details
 from ertel.equations.outside import Surroundings
-from ertel.equations.state import State, Work
-from ertel.numerics.bdf import Weights
+from ertel.equations.state import State, StepSolution, Work
 from ertel.numerics.integrals import Plane, Space
 from ertel.numerics.programs import ANY_SIZE, Program, exportable
 from ertel.numerics.stencils import FloatLike, Pair, inside
@@ -237,44 +235,33 @@ def account_terms(space: Space, oil: Lubricant, film: Film, friction: Friction) 
 
 
 def in_units(
-    values: Mapping[str, Any], velocity: float, around: Surroundings, hertz_load: float, load_rate: float = 0.0
-) -> dict[str, float]:
-    """`MASSES`, `ENERGIES` and `FRICTION` in their units, with what the oil outside adds.
+    values: Mapping[str, Any], velocity: Any, around: Surroundings, hertz_load: FloatLike, load_rate: FloatLike = 0.0
+) -> dict[str, Any]:
+    """`MASSES`, `ENERGIES` and `FRICTION` in their units, with what the oil outside adds; traceable by JAX.
 
     values: from `account_terms`.  load_rate: the rate of change of the load on the grid.
     """
-    plain = {name: float(values[name]) for name in TERMS}
-    plain["elastic_energy"] += around.uplift * plain["load"] / 2
-    plain["outside_power"] += velocity * around.load - around.uplift * load_rate
-    energies = {name: plain[name] / hertz_load for name in ENERGIES}
-    return {name: value for name, value in (plain | energies).items() if name != "load"}
+    complete = {name: values[name] / (hertz_load if name in ENERGIES else 1.0) for name in RECORD}
+    complete["elastic_energy"] += around.uplift * values["load"] / 2 / hertz_load
+    complete["outside_power"] += (velocity * around.load - around.uplift * load_rate) / hertz_load
+    return complete
 
 
 # -- a step in time ----------------------------------------------------------------------------------------------------
 
-NUMBERS = ("approach", "converged", "newton", "krylov", "error", *TERMS)  # of a step
+RECORD = (*MASSES, *ENERGIES, *FRICTION)
+NUMBERS = ("approach", "velocity", "load", "outside", "error", "converged", "newton", "krylov")  # of a step, first
 
 
-def new_level(
-    T: float,
-    rates: Weights,
-    levels: Sequence[State],
-    fields: Mapping[str, Array],
-    numbers: Sequence[float],
-    around: Surroundings,
-    hertz_load: float,
-    load: float | None = None,
-) -> State:
-    """The state after a step, with its account as the record.
+def step_numbers(values: Sequence[Any], record: Mapping[str, Any]) -> Array:
+    """The numbers of a step in one array: those of `NUMBERS` and others, and the record."""
+    return jnp.stack([jnp.asarray(value, float) for value in (*values, *record.values())])
 
-    numbers: those of `NUMBERS`, then others.  load: the double integral of P, where it is not that of the account.
-    """
-    named = dict(zip(NUMBERS, numbers, strict=False))
-    approach, load = named["approach"], named["load"] if load is None else load
-    velocity = rate_of_change(rates, approach, [level.approach for level in levels])
-    load_rate = rate_of_change(rates, load, [level.load for level in levels])
-    beyond = around._replace(load=around.load + load - named["load"])  # half a cell around the grid counts as outside
-    record = in_units(named, velocity, beyond, hertz_load, load_rate)
-    status = Status.CONVERGED if named["converged"] else Status.NEWTON_STALLED  # stalled too if NaN
-    work = Work(int(named["newton"]), int(named["krylov"]))
-    return State(T, approach, velocity, fields, status, work, around.load, load, named["error"], record)
+
+def new_level(T: float, solution: StepSolution, others: Sequence[str] = ()) -> State:
+    """The state after a step, with its numbers by name as its record.  others: the names of those before `RECORD`."""
+    approach, velocity, load, outside, error, converged, newton, krylov, *rest = np.asarray(solution.numbers).tolist()
+    record = dict(zip((*others, *RECORD), rest, strict=True))
+    status = Status.CONVERGED if converged else Status.NEWTON_STALLED  # stalled too if NaN
+    work = Work(int(newton), int(krylov))
+    return State(T, approach, velocity, solution.fields, status, work, outside, load, error, record)

@@ -32,9 +32,9 @@ class ClosureLine(NamedTuple):
         return (self.value - self.load_weight * load) / self.approach_weight
 
 
-def rate_of_change(rates: Weights, new: float, earlier: Sequence[float]) -> float:
+def rate_of_change(rates: Any, new: Any, earlier: Any) -> Any:
     """The rate of a number by backward differences, from its new value and the earlier ones, newest first."""
-    return float(rates[0] * new + sum(w * y for w, y in zip(rates[1:], earlier, strict=False)))
+    return rates[0] * new + sum(w * y for w, y in zip(rates[1:], earlier, strict=False))
 
 
 def balanced(load: float = 1.0, hertz_load: float = HERTZ_LOAD) -> ClosureLine:

@@ -1,14 +1,15 @@
 """The oil outside the grid: the pressure at the grid's edge, and its load and deformation, from `physics.geometry`."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ertel.equations.state import State, interpolated
+from ertel.equations.state import State
+from ertel.numerics import bdf
 from ertel.numerics.grid import Grid
 from ertel.physics.geometry import CIRCLE, NEAREST, ContactMotion, Geometry, far_pressure, rigid_pressure
 
@@ -27,9 +28,9 @@ class Surroundings(NamedTuple):
     it causes at the centre, taken as uniform.
     """
 
-    edge: Floats
-    load: float
-    uplift: float
+    edge: Any
+    load: Any
+    uplift: Any
 
 
 @dataclass(frozen=True)
@@ -49,11 +50,11 @@ class Outside:
 
     def at(self, motion: ContactMotion) -> Surroundings:
         """The oil around the grid for a given motion."""
-        X, Y, area = self.far
-        edge = self._pressure(self._edge, motion)
-        forces = area * far_pressure(X, Y, motion, self.lambda_bar, self.geometry)
-        uplift = self.geometry.compliance * float((forces / np.hypot(X, Y)).sum())
-        return Surroundings(edge, float(forces.sum()), uplift)
+        nodes, X, Y, areas = self._around
+        P = far_pressure(X, Y, motion, self.lambda_bar, self.geometry)
+        edge, outside = np.zeros(self.is_edge.shape), areas.shape[1]
+        edge[nodes] = P[:-outside]
+        return Surroundings(edge, *(areas @ P[-outside:]).tolist())
 
     def at_first(self, motion: ContactMotion) -> Floats:
         """P on the grid while the surfaces are apart."""
@@ -61,17 +62,19 @@ class Outside:
 
     def guess(self, motion: ContactMotion) -> Floats:
         """A guess of P on the grid where it is far from the contact, zero elsewhere."""
-        return self._pressure(self.is_edge | (self.geometry.distance(self.X, self.Y) >= NEAREST), motion)
-
-    @cached_property
-    def _edge(self) -> tuple[NDArray[np.int64], ...]:
-        """The indices of the edge nodes: at each step they are found much faster than by a mask of the whole grid."""
-        return np.nonzero(self.is_edge)
-
-    def _pressure(self, where: Any, motion: ContactMotion) -> Floats:
-        P = np.zeros(self.is_edge.shape)
+        where, P = self.is_edge | (self.geometry.distance(self.X, self.Y) >= NEAREST), np.zeros(self.is_edge.shape)
         P[where] = far_pressure(self.X[where], self.Y[where], motion, self.lambda_bar, self.geometry)
         return P
+
+    @cached_property
+    def _around(self) -> tuple[tuple[NDArray[np.int64], ...], Floats, Floats, Floats]:
+        """What every step needs: the indices of the edge nodes; X and Y of these and of the points outside, one array.
+
+        And for the points outside the weights of their pressure in the load and in the uplift, shape (2, n).
+        """
+        edge, (X, Y, area) = np.nonzero(self.is_edge), self.far
+        weights = np.stack([area, self.geometry.compliance * area / np.hypot(X, Y)])
+        return edge, np.append(self.X[edge], X), np.append(self.Y[edge], Y), weights
 
 
 def around_grid(grid: Grid, lambda_bar: float, geometry: Geometry = CIRCLE) -> Outside:
@@ -112,6 +115,8 @@ def beyond_rectangle(left: float, right: float, low: float, high: float) -> Floa
 
 def predicted(levels: Sequence[State], T: float, hertz_load: float, entrainment: float) -> ContactMotion:
     """The motion at the next level, from the last levels (newest first); hertz_load: F* in a^2 p_h."""
-    newest = [replace(level, fields={}, load=(level.load + level.outside) / hertz_load) for level in levels[:NEWEST]]
-    ahead = interpolated(newest, T)
-    return ContactMotion(ahead.approach, ahead.velocity, ahead.load, entrainment)
+    newest = levels[:NEWEST]
+    weights = bdf.interpolation_weights(T, [level.T for level in newest])
+    numbers = [(level.approach, level.velocity, (level.load + level.outside) / hertz_load) for level in newest]
+    approach, velocity, load = (weights @ numbers).tolist()
+    return ContactMotion(approach, velocity, load, entrainment)

@@ -15,11 +15,12 @@ from ertel.numerics import bdf
 from ertel.numerics.grid import Grid
 from ertel.numerics.integrals import Plane
 from ertel.numerics.programs import ANY_SIZE, Program, exportable
-from ertel.numerics.stencils import extended, total
+from ertel.numerics.stencils import total
 
 Field = Any  # an array of NumPy or of JAX
 Outcome = TypeVar("Outcome")
 TIE = 1e-6  # relative difference of two extremes that mirror each other
+KEY_VALUES = ("H_c", "H_min", "X_min", "Y_min", "P_c", "P_max", "X_P_max", "Y_P_max", "P_fall", "load")
 
 
 class Work(NamedTuple):
@@ -97,7 +98,7 @@ def measure(grid: Grid, P: Array, H: Array) -> dict[str, float]:
     much lower the mean of the four next nodes is, as a share of it.  load: integral of P.  Of two extremes that mirror
     each other about an axis, the one on its positive side is named.
     """
-    return named_numbers(grid, np.asarray(_numbers(Plane.of(grid), P, H)).tolist())
+    return dict(zip(KEY_VALUES, np.asarray(_numbers(Plane.of(grid), P, H)).tolist(), strict=True))
 
 
 def lowest_point(r: NDArray[np.float64], H: NDArray[np.float64]) -> tuple[float, float]:
@@ -109,36 +110,34 @@ def lowest_point(r: NDArray[np.float64], H: NDArray[np.float64]) -> tuple[float,
     return float(r[i] - slope / (2 * curvature)), float(value - slope**2 / (4 * curvature))
 
 
-def named_numbers(grid: Grid, numbers: Sequence[float]) -> dict[str, float]:
-    """The key values from those of `extreme_numbers`."""
-    H_c, H_min, thin, P_c, P_max, high, fall, load = numbers
-    X_min, Y_min = _place(grid, int(thin))
-    X_P_max, Y_P_max = _place(grid, int(high))
-    films = {"H_c": H_c, "H_min": H_min, "X_min": X_min, "Y_min": Y_min}
-    peak = {"P_max": P_max, "X_P_max": X_P_max, "Y_P_max": Y_P_max, "P_fall": fall}
-    return {**films, "P_c": P_c, **peak, "load": load * grid.spacing**2}
-
-
-def _place(grid: Grid, index: int) -> tuple[float, float]:
-    i, j = divmod(index, grid.shape[1])
-    return float(grid.kept_x[j]), float(grid.kept_y[i])
-
-
-def extreme_numbers(plane: Plane, P: Array, H: Array) -> Array:
-    """The key values in one array, from which `named_numbers` makes them; traceable by JAX."""
+def key_values(plane: Plane, P: Array, H: Array) -> Array:
+    """The values of `KEY_VALUES` in one array; traceable by JAX."""
     pressed = jnp.where((P > 0.0) | (P.max() <= 0.0), H, jnp.inf)
     H_min, P_max = pressed.min(), P.max()
     negative = TIE * ((plane.y < 0).astype(P.dtype) + (plane.x < 0))
-    thin, high = jnp.argmin(pressed + jnp.abs(H_min) * negative), jnp.argmax(P - P_max * negative)
-    p = extended(P, plane.even)
-    around = (p[:-2, 1:-1] + p[2:, 1:-1] + p[1:-1, :-2] + p[1:-1, 2:]) / 4
-    fall = jnp.where(P_max > 0, 1 - around.ravel()[high] / P_max, 0.0)
+    thin, high = _lowest(pressed + jnp.abs(H_min) * negative), _lowest(P_max * negative - P)
+    around = sum(_beside(*line) for line in zip((P[:, high[1]], P[high[0]]), high, plane.even, strict=True)) / 4
+    fall = jnp.where(P_max > 0, 1 - around / P_max, 0.0)
+    (X_min, Y_min), (X_P_max, Y_P_max) = ((plane.x[j], plane.y[i, 0]) for i, j in (thin, high))
     H_c, P_c = H.ravel()[plane.centre], P.ravel()[plane.centre]
-    numbers = H_c, H_min, thin, P_c, P_max, high, fall, total(P, plane.even)
-    return jnp.stack([number.astype(P.dtype) for number in numbers])
+    load = total(P, plane.even) * plane.spacing**2
+    return jnp.stack([H_c, H_min, X_min, Y_min, P_c, P_max, X_P_max, Y_P_max, fall, load])
 
 
-_numbers = Program(jax.jit(extreme_numbers), ANY_SIZE)
+def _lowest(field: Array) -> tuple[Array, Array]:
+    """Row and column of the first lowest value: along the rows first, because XLA searches a whole field slowly."""
+    row = jnp.argmin(field.min(axis=1))
+    return row, jnp.argmin(field[row])
+
+
+def _beside(line: Array, node: Array, even: bool) -> Array:
+    """The sum of the values on either side of a node; zero beyond an end that is no axis of symmetry."""
+    p = jnp.pad(line, 1)
+    before = p.at[0].set(p[2]) if even else p
+    return before[node] + p[node + 2]
+
+
+_numbers = Program(jax.jit(key_values), ANY_SIZE)
 
 
 # -- the interface of a solution method -------------------------------------------------------------------------------

@@ -28,19 +28,16 @@ def interpolation_weights(t: float, times: Sequence[float]) -> Weights:
 def derivative_weights(times: Sequence[float]) -> Weights:
     """Weights w with y'(times[0]) = sum_k w[k] y(times[k]): two times give BDF1 (Euler), three BDF2."""
     t0, *earlier = times
-    w = np.zeros(len(times))
-    w[0] = sum(1.0 / (t0 - t) for t in earlier)
-    for k, tk in enumerate(earlier, start=1):
+    w = [sum(1.0 / (t0 - t) for t in earlier)]
+    for tk in earlier:
         others = [t for t in earlier if t != tk]
-        w[k] = prod(t0 - t for t in others) / prod(tk - t for t in [t0, *others])
-    return w
+        w.append(prod(t0 - t for t in others) / prod(tk - t for t in [t0, *others]))
+    return np.array(w)
 
 
 def three(weights: Weights) -> Weights:
     """At most three weights as three, the missing ones zero: one shape, whatever the history."""
-    padded = np.zeros(3)
-    padded[: len(weights)] = weights
-    return padded
+    return np.array([*weights, 0.0, 0.0][:3])
 
 
 def error_factor(times: Sequence[float]) -> float:

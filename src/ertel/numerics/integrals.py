@@ -45,8 +45,8 @@ class Plane:
         return cls(x, y, row * grid.shape[1] + column, wx, wy, grid.spacing, grid.even)
 
     def total(self, f: Array) -> Array:
-        """The double integral of a field."""
-        return jnp.sum(self.wy[:, None] * f * self.wx)
+        """The double integral of a field, by products: XLA sums a whole field in three times as long."""
+        return self.wy @ (f @ self.wx)
 
     def of_slopes(self, c: Pair, f: Array, g: Array) -> Array:
         """c_x df/dX dg/dX + c_y df/dY dg/dY at the nodes; its `total` is the sum over the faces between the nodes."""

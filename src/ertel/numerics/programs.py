@@ -87,7 +87,6 @@ class Program:
 
     def ready(self, *arguments: Any) -> Compiled:
         """The compiled function for arguments of this kind.  Threads that ask for the same one share it."""
-        require_double()
         leaves, structure = tree.flatten(arguments)
         kind = structure, tuple(leaf.aval if isinstance(leaf, jax.Array) else jax.typeof(leaf) for leaf in leaves)
         with self._lock:
@@ -95,6 +94,7 @@ class Program:
             compiled = self._compiled.setdefault(kind, Future())
         if is_new:
             try:
+                require_double()
                 compiled.set_result(_build(self, arguments))
             except BaseException as error:
                 del self._compiled[kind]

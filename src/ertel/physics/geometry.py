@@ -186,7 +186,7 @@ class Geometry:
     def _axes(self, X: Array, Y: Array) -> tuple[Array, Array]:
         """Coordinates along the principal axes."""
         c, s = self._direction
-        return c * X - s * Y, s * X + c * Y
+        return (c * X - s * Y, s * X + c * Y) if s else (c * X, c * Y)
 
     @property
     def _direction(self) -> tuple[float, float]:

@@ -60,13 +60,14 @@ class Polyline(Signal):
             if not second > first:
                 raise ValueError(f"points: {x} = {second} comes after {x} = {first}; {needed}")
 
-    @property
+    @cached_property
     def _plain(self) -> tuple[tuple[float, float], ...]:
         return tuple((plain(T), plain(value)) for T, value in self.points)
 
     def __call__(self, T: float) -> float:
+        (_, first), *others = self._plain
         times, values = zip(*self._plain, strict=True)
-        return float(np.interp(T, times, values))
+        return float(np.interp(T, times, values)) if others else first
 
     def integral(self, T: float) -> float:
         # the trapezium rule is exact between 0, the points and T

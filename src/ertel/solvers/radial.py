@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from ertel.case.case import Case
 from ertel.case.definition import radii
 from ertel.equations import account, outside
-from ertel.equations.approach import ClosureLine, NewtonsLaw
+from ertel.equations.approach import ClosureLine, NewtonsLaw, rate_of_change
 from ertel.equations.contact import traceable
 from ertel.equations.state import Method, State, Stepping, StepSolution, lowest_point, padded
 from ertel.numerics import bdf
@@ -75,7 +75,7 @@ class RadialProblem(NamedTuple):
     """One BDF step, ready to be solved; see `transient.StepProblem`.
 
     predict_P, predict_mass: weights of the predicted pressure and oil.  tolerance: of the film left over in a step.
-    ring: that of each node, on which the error is taken.
+    approaches, loads: of the past levels.  ring: that of each node, on which the error is taken.
     """
 
     mesh: Mesh
@@ -84,6 +84,8 @@ class RadialProblem(NamedTuple):
     predict_mass: bdf.Weights
     rates: bdf.Weights
     line: ClosureLine
+    approaches: Floats
+    loads: Floats
     around: outside.Surroundings
     tolerance: float
     ring: Array
@@ -229,9 +231,11 @@ def solve_ring_step(p: RadialProblem) -> StepSolution:
     oil = ring_oil(eq, s.P, s.H)
     terms = ring_account(eq, s.P, s.H, oil, approach)
     error = ring_film_error(p.ring, p.mesh.volume, oil, jnp.tensordot(p.predict_mass, masses, axes=1), s.P)
-    values = approach, s.size <= tolerance, s.newton, 0, error, *(terms[name] for name in account.TERMS)
-    fields = {"P": s.P, "H": s.H, "mass": oil}
-    return StepSolution(fields, jnp.stack([jnp.asarray(value, s.P.dtype) for value in values]))
+    velocity = rate_of_change(p.rates, approach, p.approaches)
+    load_rate = rate_of_change(p.rates, terms["load"], p.loads)
+    record = account.in_units(terms, velocity, p.around, CIRCLE.hertz_load, load_rate)
+    values = approach, velocity, terms["load"], p.around.load, error, s.size <= tolerance, s.newton, 0
+    return StepSolution({"P": s.P, "H": s.H, "mass": oil}, account.step_numbers(values, record))
 
 
 _step_program = Program(solve_ring_step)
@@ -262,7 +266,7 @@ class RadialImpact(Method):
         self.start_approach = case.schedule.start_approach
         self.coordinates = {"r": np.asarray(self.mesh.r)}
         nodes, rings = case.solver.nodes, RINGS if self.layer is None else RINGS_BESIDE_A_MENISCUS
-        self.ring = np.arange(nodes) // -(-nodes // rings)
+        self.ring = jax.device_put(np.arange(nodes) // -(-nodes // rings))
 
     def start(self) -> State:
         """The separated ball approaching with unit speed, under the pressure of the oil that it squeezes."""
@@ -280,23 +284,25 @@ class RadialImpact(Method):
         T = levels[0].T + step
         times = [level.T for level in levels]
         rates = bdf.derivative_weights([T, *times[:2]])
-        approaches = [level.approach for level in levels]
+        past = padded(levels)
+        approaches, velocities, loads = np.array([(level.approach, level.velocity, level.load) for level in past]).T
         # in the rebound the pressure collapses behind the receding edge, and a parabola overshoots
-        past = times if levels[0].velocity > 0 else times[:2]
+        recent = times if levels[0].velocity > 0 else times[:2]
         around = self.outside.at(outside.predicted(levels, T, CIRCLE.hertz_load, 0.0))
-        solution: StepSolution = yield RadialProblem(
+        problem = RadialProblem(
             self.mesh,
-            tuple(level.fields for level in padded(levels)),
-            bdf.three(bdf.interpolation_weights(T, past)),
+            tuple(level.fields for level in past),
+            bdf.three(bdf.interpolation_weights(T, recent)),
             bdf.three(bdf.interpolation_weights(T, times)),
             bdf.three(rates),
-            self.closure.line(T, rates, approaches, [level.velocity for level in levels]),
+            self.closure.line(T, rates, approaches, velocities),
+            approaches,
+            loads,
             around,
             self.tolerance,
-            jax.device_put(self.ring),
+            self.ring,
         )
-        numbers = np.asarray(solution.numbers).tolist()
-        new = account.new_level(T, rates, levels, solution.fields, numbers, around, CIRCLE.hertz_load)
+        new = account.new_level(T, (yield problem))
         return replace(new, record={**self.measure(new), **new.record})
 
     def solve(self, problem: RadialProblem) -> StepSolution:

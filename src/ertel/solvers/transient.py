@@ -4,7 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import NamedTuple
+from math import hypot
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -17,14 +18,15 @@ from ertel.case.case import Case
 from ertel.case.definition import coarsenings, grid_of
 from ertel.equations import account, contact, discretise, outside, state
 from ertel.equations.account import Friction, Moment
-from ertel.equations.approach import ClosureLine, NewtonsLaw
+from ertel.equations.approach import ClosureLine, NewtonsLaw, rate_of_change
 from ertel.equations.contact import Contact
 from ertel.equations.flow import Flow, OilContent, Rate, rate_in_time
+from ertel.equations.outside import Surroundings
 from ertel.equations.state import Method, State, Stepping, StepSolution, Work, padded
 from ertel.numerics import bdf, halfspace, multigrid, newton, stencils
 from ertel.numerics.grid import Symmetry, check_coarsening
 from ertel.numerics.integrals import Plane
-from ertel.numerics.programs import Program
+from ertel.numerics.programs import Compiled, Program
 from ertel.numerics.stencils import total, unfolded
 from ertel.physics.geometry import ContactMotion
 from ertel.solvers import nonlinear, steady
@@ -42,7 +44,7 @@ FALLING = Algorithms(nonlinear.eliminate_approach, nonlinear.point_preconditione
 SHARPER = replace(OPTIONS, krylov_limit=10, first_reduction=0.01)
 ROLLING = Algorithms(nonlinear.approach_as_unknown, nonlinear.point_preconditioner, SHARPER)
 
-CONVERGED = account.NUMBERS.index("converged")
+MEASURED = (*state.KEY_VALUES[:-1], "F")  # of a step, besides the numbers of the account
 SMALL = 512  # nodes a side of a grid on which one program more takes longer than it saves
 
 
@@ -69,24 +71,26 @@ class Known(NamedTuple):
     """The numbers of a new level that are known before it is solved.
 
     predict, rates: weights of the prediction and of the time derivative (for the new level, and the last two), both of
-    shape (3,).  approach: the predicted Delta.  sliding: u1 - u2 in a/t0.  around: load and uplift of the oil outside.
+    shape (3,).  approaches, loads: of the last three levels.  sliding: u1 - u2 in a/t0.  load_around, uplift: of the
+    oil outside.
     """
 
     predict: bdf.Weights
     rates: bdf.Weights
     line: ClosureLine
-    approach: float
+    approaches: Any
+    loads: Any
     sliding: float
     load_around: float
     uplift: float
 
     def packed(self) -> bdf.Weights:
         """One array: each one that goes to the device costs the same time, however small."""
-        return np.hstack(self)
+        return np.array([*self.predict, *self.rates, *self.line, *self.approaches, *self.loads, *self[5:]])
 
     @classmethod
     def of(cls, packed: Array | bdf.Weights) -> "Known":
-        return cls(packed[:3], packed[3:6], ClosureLine(*packed[6:9]), *packed[9:])  # type: ignore[arg-type]
+        return cls(packed[:3], packed[3:6], ClosureLine(*packed[6:9]), packed[9:12], packed[12:15], *packed[15:])  # type: ignore[arg-type]
 
 
 @register_dataclass
@@ -149,6 +153,7 @@ class Transient2D(Method):
             coarsenings(case, self.grid.spacing, len(elastic) - 1),
         )
         self.setting: Setting = jax.device_put(setting)
+        self._programs: dict[Any, Compiled] = {}
 
     def start(self) -> State:
         """The separated bodies approaching with unit speed, the oil squeezed; or the steady film at T = 0."""
@@ -192,22 +197,23 @@ class Transient2D(Method):
         T = levels[0].T + step
         times = [level.T for level in levels]
         rates = bdf.derivative_weights([T, *times[:2]])
-        approaches = [level.approach for level in levels]
-        line = self.closure.line(T, rates, approaches, [level.velocity for level in levels])
+        past = padded(levels)
+        approaches, velocities, loads = np.array([(level.approach, level.velocity, level.load) for level in past]).T
+        line = self.closure.line(T, rates, approaches, velocities)
         predict = bdf.interpolation_weights(T, times)
         motion = outside.predicted(levels, T, self.geometry.hertz_load, self.case.motion.entrainment(T))
         if not self.case.starts_apart:
             # with little or no inertia V follows from the film of the same step: extrapolating it is unstable
             motion = motion._replace(velocity=0.0)
         around, sliding = self.outside.at(motion), self.case.motion.sliding(T)
-        ahead = float(predict @ approaches)
-        known = Known(bdf.three(predict), bdf.three(rates), line, ahead, sliding, around.load, around.uplift)
+        weights = bdf.three(predict), bdf.three(rates)
+        known = Known(*weights, line, approaches, loads, sliding, around.load, around.uplift)
         # the Delta of a light ball that rolls is a small difference of large numbers, so it is not eliminated
         falls = self.case.starts_apart and line.approach_weight
         problem = StepProblem(
             self.setting,
             self.contact_at(T),
-            tuple(level.fields for level in padded(levels)),
+            tuple(level.fields for level in past),
             known.packed(),
             self._middle_under(levels[0], around.edge),
             around.edge,
@@ -215,27 +221,21 @@ class Transient2D(Method):
             discretise.roughness_change(self.case, self.grid, T),
             FALLING if falls else ROLLING,
         )
-        solution: StepSolution = yield problem
-        numbers = np.asarray(solution.numbers).tolist()
-        convolutions = self._convolutions(numbers, in_the_middle=problem.middle is not None)
-        if problem.middle is not None and not numbers[CONVERGED]:  # P > 0 elsewhere too
-            solution = yield replace(problem, middle=None)
-            numbers = np.asarray(solution.numbers).tolist()
-            convolutions += self._convolutions(numbers)
-        extremes = state.named_numbers(self.grid, numbers[len(account.NUMBERS) :])
-        measured = self._named(extremes, around.load)
-        load = measured.pop("load")
-        new = account.new_level(T, rates, levels, solution.fields, numbers, around, self.geometry.hertz_load, load)
-        work = new.work._replace(convolutions=convolutions)
-        return replace(new, work=work, record={**measured, **new.record})
+        new = self._level(T, (yield problem), in_the_middle=problem.middle is not None)
+        if problem.middle is not None and not new.status.ok:  # P > 0 elsewhere too
+            tried = new.work.convolutions
+            new = self._level(T, (yield replace(problem, middle=None)))
+            new = replace(new, work=new.work._replace(convolutions=tried + new.work.convolutions))
+        return new
 
-    def _convolutions(self, numbers: Sequence[float], in_the_middle: bool = False) -> float:
-        """The work of a step in convolutions, from its numbers."""
-        newton, krylov = (int(numbers[account.NUMBERS.index(name)]) for name in ("newton", "krylov"))
-        if not in_the_middle:
-            return nonlinear.convolutions(self.grid, newton, krylov)
-        middle = self.grid.middle()
-        return 1 + nonlinear.convolutions(middle, newton, krylov) * middle.size / self.grid.size
+    def _level(self, T: float, solution: StepSolution, in_the_middle: bool = False) -> State:
+        """The state after a step with its work: in the middle, the film on the whole grid is one convolution more."""
+        new = account.new_level(T, solution, MEASURED)
+        newton, krylov, _ = new.work
+        grid = self.grid.middle() if in_the_middle else self.grid
+        convolutions = in_the_middle + nonlinear.convolutions(grid, newton, krylov) * grid.size / self.grid.size
+        record = self._on_rings(dict(new.record))
+        return replace(new, work=Work(newton, krylov, convolutions), record=record)
 
     def _middle_under(self, level: State, edge: NDArray[np.float64]) -> nonlinear.Middle | None:
         """The middle of the grid if a film has pressure nowhere else; None otherwise and on a small grid."""
@@ -253,20 +253,23 @@ class Transient2D(Method):
 
     def solve(self, problem: StepProblem) -> StepSolution:
         """The step's solution, on this device."""
-        return _step_program(problem)
+        # the steps of a run are of few kinds; to look the program up by all of their leaves takes longer than the rest
+        kind = problem.algorithms.close, problem.middle is None
+        if kind not in self._programs:
+            self._programs[kind] = _step_program.ready(problem)
+        return self._programs[kind](problem)
 
     def measure(self, level: State) -> dict[str, float]:
         """See `Method.measure`."""
-        values = self._named(state.measure(self.grid, level.P, level.H), level.outside)
-        del values["load"]
-        return values
+        values = state.measure(self.grid, level.P, level.H)
+        values["F"] = (values.pop("load") + level.outside) / self.geometry.hertz_load
+        return self._on_rings(values)
 
-    def _named(self, values: dict[str, float], outside: float) -> dict[str, float]:
-        """The values of `Method.measure`, and the load on the grid, from those of `state.measure`."""
-        values["F"] = (values["load"] + outside) / self.geometry.hertz_load
+    def _on_rings(self, values: dict[str, float]) -> dict[str, float]:
+        """The same with the places of the extremes as radii where the contact is axisymmetric."""
         if self.case.is_axisymmetric:
             for X, Y in (("X_min", "Y_min"), ("X_P_max", "Y_P_max")):
-                values |= {X: float(np.hypot(values[X], values[Y])), Y: 0.0}
+                values |= {X: hypot(values[X], values[Y]), Y: 0.0}
         return values
 
     def friction(self, level: State) -> Friction:
@@ -336,7 +339,7 @@ def solve_step(p: StepProblem) -> StepSolution:
         LOAD_TOLERANCE * s.tolerance,
         p.algorithms,
     )
-    solution, approach = (p.middle.solve if p.middle else nonlinear.solve)(problem, P, known.approach)
+    solution, approach = (p.middle.solve if p.middle else nonlinear.solve)(problem, P, known.predict @ known.approaches)
     P, H = solution.P, solution.H
     fields = {"P": P, "H": H, "mass": oil_there(p.contact, P, H, solution.left, rate)}
     return StepSolution(fields, _numbers(p, known, rate, solution, fields, approach))
@@ -348,20 +351,25 @@ _step_program = Program(solve_step)
 def _numbers(
     p: StepProblem, known: Known, rate: Rate, s: newton.Solution, fields: Mapping[str, Array], approach: Array
 ) -> Array:
-    """The numbers of `account.NUMBERS` and of `state.extreme_numbers`."""
+    """The numbers of the step, see `account.step_numbers`, with those of `MEASURED`."""
     c, mass, setting = p.contact, fields["mass"], p.setting
     U = 0.0 if p.flow is None else p.flow.entrainment
-    load = (contact.pressure_load(c, s.P) + known.load_around) / setting.hertz_load
+    *measured, load = state.key_values(setting.space, s.P, s.H)
+    F = (load + known.load_around) / setting.hertz_load
     gap_change = U * setting.gap_slope - p.roughness_change
     passing = mass if p.flow is None else p.flow.passing(mass)
-    moment = Moment(approach, U, known.sliding, gap_change, load, setting.hertz_load)
+    moment = Moment(approach, U, known.sliding, gap_change, F, setting.hertz_load)
     terms, _ = account.account(setting.space, c, s.P, s.H, moment, mass, passing, rate.of(mass, c.spacing))
     predicted = _weighted(known.predict, [level["mass"] for level in p.past])
     weight = stencils.inside(s.P, c.even)  # the edge is given
     error = film_error(mass, predicted, weight, THIN * setting.film_scale, c.even, setting.coarsenings)
-    values = approach, s.converged, s.newton, s.krylov, error, *(terms[name] for name in account.TERMS)
-    stepped = jnp.stack([jnp.asarray(value, s.P.dtype) for value in values])
-    return jnp.concatenate([stepped, state.extreme_numbers(setting.space, s.P, s.H)])
+    velocity = rate_of_change(known.rates, approach, known.approaches)
+    # half a cell around the grid counts as outside
+    beyond = Surroundings(p.edge, known.load_around + load - terms["load"], known.uplift)
+    load_rate = rate_of_change(known.rates, load, known.loads)
+    record = account.in_units(terms, velocity, beyond, setting.hertz_load, load_rate)
+    values = approach, velocity, load, known.load_around, error, s.converged, s.newton, s.krylov, *measured, F
+    return account.step_numbers(values, record)
 
 
 def _weighted(weights: bdf.Weights, fields: Sequence[Array]) -> Array:
