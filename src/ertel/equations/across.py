@@ -164,22 +164,6 @@ def _products(t: Vector, g: Vector) -> Sequence[Tensor]:
     return dyad(t, t), dyad(t, 2.0 * g), dyad(g, g)
 
 
-def secant_by_nodes(law: Fluidity, across: int, pressure: Array, t: Vector, g: Vector) -> Tensor:
-    """The tensor of `shear.secant_mobility`."""
-    # where the nodes lie has no influence
-    zeta, weight = nodes = jax.lax.stop_gradient(gauss_nodes(law, across, pressure, t, g))
-    phi, slope = with_slope(law, pressure, _sizes(t, g, zeta))
-    # |tau+|^2 - |tau-|^2 = 4 zeta tau_m . g; where it is too small for a quotient, the mean slope by |tau|^2 serves
-    difference = 4.0 * zeta * dot(t, g)
-    size = square(t)[None] + zeta**2 * square(g)[None]
-    apart = jnp.abs(difference) > 1e-6 * size
-    quotient = (phi[0] - phi[1]) / jnp.where(apart, difference, 1.0)
-    by_square = jnp.where(apart, quotient, 0.25 * (slope[0] + slope[1]))
-    along = jnp.sum(weight * 4.0 * zeta**2 * by_square, axis=0)
-    (S_2,) = _sums(nodes, phi, [2])
-    return _tensor(S_2, [along], [dyad(t, t)])
-
-
 # -- where the oil hardly thins ---------------------------------------------------------------------------------------
 
 
@@ -226,11 +210,3 @@ def series_moments(series: Series, of_stress: Sequence[Sequence[Array | float]],
     s = [one + rest for one, rest in zip(ones, series_sums(series, of_stress), strict=False)]
     r = [2.0 * series.first * one + 4.0 * series.second * square for one, square in zip(ones, squares, strict=True)]
     return _assembled(s, r, t, g)
-
-
-def series_secant(series: Series, t: Vector, g: Vector) -> Tensor:
-    """As `secant_by_nodes`."""
-    a, c = square(t), square(g)
-    along = (series.first + 2.0 * series.second * a) / 6.0 + series.second * c / 20.0
-    S_2 = OF_POWERS[2] + series_sums(series, integrals_of_stress(t, g))[2]
-    return _tensor(S_2, [along], [dyad(t, t)])

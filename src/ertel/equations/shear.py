@@ -47,6 +47,15 @@ CLOSE = 1e-3  # a change after which the next one is the last
 LIMIT = 40  # of Newton iterations
 
 
+class Film(NamedTuple):
+    """What the flow depends on: the law, the pressure, the sliding and the gradient, as in `shear`."""
+
+    law: Fluidity
+    pressure: Array
+    sliding: Vector
+    gradient: Vector
+
+
 class Shear(NamedTuple):
     """The flow across the film.
 
@@ -68,33 +77,24 @@ def shear(law: Fluidity, pressure: Array, sliding: Array, gradient: Array, point
     (2, ...).  gradient: g = h grad p in Pa, shape (2, ...).  All finite; differentiable (forward and reverse) in all of
     them and in the numbers of the law, which must be a JAX pytree (`contact.traceable`).
     """
-    given = law, pressure, Vector(*sliding), Vector(*gradient)
-    law_, p, s, g = jax.lax.stop_gradient(given)
-    series, change = _with_change(lambda p: across.series_of(law_, p, s, g), p)
-    simple = _of_series(series, change, s, g)
-    solution = in_blocks(partial(_solved, law_, points), ~series.holds, simple, p, s, g)
-    stress, flux = (jnp.stack([of.x, of.y]) for of in _attached(given[:2], *given[2:], solution))
+    film = Film(law, pressure, Vector(*sliding), Vector(*gradient))
+    solution = solved(film, points)
+    stress, flux = (jnp.stack([of.x, of.y]) for of in attached(film, solution))
     return Shear(stress, flux, solution.by_gradient, jnp.max(solution.iterations))
 
 
-def secant_mobility(law: Fluidity, pressure: Array, stress: Array, gradient: Array, points: int = NODES) -> Tensor:
-    """The tensor K with Q = K g and the axes of the stress: smaller across tau_m, larger along it.
-
-        K = S_2 + tau_m tau_m S_1/(tau_m . g)                                                     Newtonian: 1/12
-
-    It has a limit where tau_m . g = 0.  In a small gradient it is phi across and d(phi tau)/dtau along tau_m.  The
-    off-diagonal part is small where sliding is along an axis; a preconditioner for fluxes along X and Y uses xx and yy.
-    """
-    t, g = Vector(*stress), Vector(*gradient)
-    series = across.series_of(law, pressure, t, g)
-    simple, exact = across.series_secant(series, t, g), partial(across.secant_by_nodes, law, points)
-    return in_blocks(exact, ~series.holds, simple, pressure, t, g)
+def solved(film: "Film", points: int = NODES) -> "Solution":
+    """The flow across a film and its derivatives, all held when they are differentiated (see `attached`)."""
+    law, p, s, g = jax.lax.stop_gradient(film)
+    series, change = _with_change(lambda p: across.series_of(law, p, s, g), p)
+    simple = _of_series(series, change, s, g)
+    return in_blocks(partial(_solved, law, points), ~series.holds, simple, p, s, g)
 
 
 # -- where the oil hardly thins ---------------------------------------------------------------------------------------
 
 
-def _of_series(series: Series, change: Series, sliding: Vector, gradient: Vector) -> "_Solution":
+def _of_series(series: Series, change: Series, sliding: Vector, gradient: Vector) -> "Solution":
     """The solution by the series: two iterations from the stress of a Newtonian oil.  change: by the pressure."""
     t = sliding
     for _ in range(2):
@@ -121,7 +121,7 @@ class _Iterate(NamedTuple):
     iterations: Array
 
 
-def _solved(law: Fluidity, points: int, pressure: Array, sliding: Vector, gradient: Vector) -> "_Solution":
+def _solved(law: Fluidity, points: int, pressure: Array, sliding: Vector, gradient: Vector) -> "Solution":
     """The solution, with the number of iterations, the same at each point.
 
     With the fluidity F of the film without sliding, measured along the gradient, and psi(v) = stress(|v|) v/|v|, the
@@ -184,7 +184,7 @@ def _bent(law: Fluidity, pressure: Array, v: Vector) -> tuple[Vector, Any]:
 # -- its derivative ---------------------------------------------------------------------------------------------------
 
 
-class _Solution(NamedTuple):
+class Solution(NamedTuple):
     """tau_m, Q and the iterations; A, the rows of C A^-1, and D - C A^-1 C; the derivatives by the pressure."""
 
     stress: Vector
@@ -196,7 +196,7 @@ class _Solution(NamedTuple):
     by_pressure: tuple[Vector, Vector]
 
 
-def _solution(m: Moments, by_pressure: Sequence[Array], t: Vector, g: Vector, iterations: Array) -> _Solution:
+def _solution(m: Moments, by_pressure: Sequence[Array], t: Vector, g: Vector, iterations: Array) -> Solution:
     """by_pressure: the changes of S_0, S_1 and S_2 for the middle stress t."""
     (_, flux), (slid, extra) = _flow(m.s, t, g), _flow(by_pressure, t, g)
     of_x, of_y = Vector(*m.C[:2]), Vector(*m.C[1:])
@@ -204,7 +204,7 @@ def _solution(m: Moments, by_pressure: Sequence[Array], t: Vector, g: Vector, it
     xx, yy = m.D[0] - dot(by_sliding[0], of_x), m.D[2] - dot(by_sliding[1], of_y)
     by_gradient = xx, m.D[1] - dot(by_sliding[0], of_y), yy
     stress_and_flux = divided(m.A, -1.0 * slid), extra - product(by_sliding, slid)
-    return _Solution(t, flux, iterations, m.A, by_sliding, by_gradient, by_pressure=stress_and_flux)
+    return Solution(t, flux, iterations, m.A, by_sliding, by_gradient, by_pressure=stress_and_flux)
 
 
 def _flow(s: Sequence[Array], t: Vector, g: Vector) -> tuple[Vector, Vector]:
@@ -218,15 +218,15 @@ def _with_change(function: Callable[[Array], Any], pressure: Array) -> Any:
 
 
 @jax.custom_jvp
-def _attached(oil: Any, sliding: Vector, gradient: Vector, solution: _Solution) -> tuple[Vector, Vector]:
-    """tau_m and Q.  oil: the law and the pressure.  solution: for these arguments; its changes follow."""
+def attached(film: Film, solution: Solution) -> tuple[Vector, Vector]:
+    """tau_m and Q of the solution for this film; they change with the film when they are differentiated."""
     return solution.stress, solution.flux
 
 
-@partial(_attached.defjvp, symbolic_zeros=True)
+@partial(attached.defjvp, symbolic_zeros=True)
 def _change(primals: Any, tangents: Any) -> Any:
-    (law, pressure), _, gradient, solution = primals
-    (d_law, dp), ds, dg, _ = tangents
+    (law, pressure, _, gradient), solution = primals
+    (d_law, dp, ds, dg), _ = tangents
     ds, dg, dp = tree.map(_given, (ds, dg, dp), is_leaf=_is_zero)
     stress_by_pressure, flux_by_pressure = solution.by_pressure
     slid, extra = _by_law(law, d_law, pressure, gradient, solution.stress)

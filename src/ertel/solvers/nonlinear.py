@@ -49,7 +49,8 @@ class Problem:
     algorithms: "Algorithms" = field(metadata={"static": True})
 
 
-Preconditioner = Callable[[Problem, Array, Array, Array], newton.Map]  # from P, H and the free nodes
+# from P, H, the free nodes and what the flow there shares with the residual (`PressureFlow.sheared`)
+Preconditioner = Callable[[Problem, Array, Array, Array, Any], newton.Map]
 CloseSystem = Callable[[Problem, Array, FloatLike], "ClosedSystem"]  # from the first guess of P and Delta
 
 
@@ -81,17 +82,28 @@ def solve(problem: Problem, P: Array, approach: FloatLike) -> tuple[newton.Solut
     how = problem.algorithms
     closed = how.close(problem, P, approach)
 
-    def residual(P: Array, H: Array) -> Array:
-        return contact.residual(problem.contact, P, H, problem.rate)
+    c = problem.contact
+
+    def residual(P: Array, H: Array, sheared: Any) -> Array:
+        return contact.residual(c, P, H, problem.rate, sheared)
 
     inverse = partial(how.preconditioner, problem)
     fill = partial(filled, problem)
     system = newton.NewtonKrylov(
-        residual, closed.film_change, inverse, problem.tolerance, how.options, closed.border, fill
+        residual,
+        closed.film_change,
+        inverse,
+        problem.tolerance,
+        how.options,
+        closed.border,
+        fill,
+        partial(c.flow.sheared, c),
     )
     solution = system.solve(P, closed.H)
-    fields = {name: turned(getattr(solution, name)) for name in ("P", "H", "left")}
-    return solution._replace(**fields), closed.approach(solution)
+    if problem.rate.wedge is not None:  # what is shared stays along the flow
+        fields = {name: turned(getattr(solution, name)) for name in ("P", "H", "left")}
+        solution = solution._replace(**fields, shared=None)
+    return solution, closed.approach(solution)
 
 
 class Middle(NamedTuple):
@@ -117,9 +129,10 @@ class Middle(NamedTuple):
         solution, found = solve(inner, P[middle], approach)
         P = jnp.zeros_like(P).at[middle].set(solution.P)
         H = contact.film_thickness(c, P, found)
-        left = contact.residual(c, P, H, rate)
+        sheared = c.flow.sheared(c, P, H)
+        left = contact.residual(c, P, H, rate, sheared)
         residual = jnp.maximum(solution.residual, newton.largest_residual(P, left, problem.tolerance))
-        return solution._replace(P=P, H=H, left=left, residual=residual), found
+        return solution._replace(P=P, H=H, left=left, shared=sheared, residual=residual), found
 
 
 def filled(problem: Problem, r: Array) -> Array:
@@ -196,18 +209,19 @@ def approach_as_unknown(problem: Problem, P: Array, approach: FloatLike) -> Clos
 # because the Krylov iteration keeps its residual in double precision (`newton.gcr`).
 
 
-def point_preconditioner(problem: Problem, P: Array, H: Array, free: Array) -> newton.Map:
+def point_preconditioner(problem: Problem, P: Array, H: Array, free: Array, sheared: Any) -> newton.Map:
     """V-cycle with the point smoother, for a rate without a wedge: every step in time."""
     return partial(
-        multigrid.precondition, multigrid_levels(problem, P, H, free, problem.rate.new, multigrid.point_smoother)
+        multigrid.precondition,
+        multigrid_levels(problem, P, H, free, sheared, problem.rate.new, multigrid.point_smoother),
     )
 
 
-def line_preconditioner(problem: Problem, P: Array, H: Array, free: Array) -> newton.Map:
+def line_preconditioner(problem: Problem, P: Array, H: Array, free: Array, sheared: Any) -> newton.Map:
     """V-cycle with the line smoother along the direction of entrainment, for a film with a wedge."""
     drift = 0.0 if problem.rate.wedge is None else problem.rate.wedge
     smoother = partial(line_smoother, rate=problem.rate.new, drift=drift)
-    return partial(multigrid.precondition, multigrid_levels(problem, P, H, free, 1.0, smoother))
+    return partial(multigrid.precondition, multigrid_levels(problem, P, H, free, sheared, 1.0, smoother))
 
 
 def multigrid_levels(
@@ -215,6 +229,7 @@ def multigrid_levels(
     P: Array,
     H: Array,
     free: Array,
+    sheared: Any,
     rate: Array | float,
     smoother: Callable[[multigrid.DeformationOperator, multigrid.Coefficients], multigrid.Smoother],
 ) -> tuple[multigrid.GridLevel, ...]:
@@ -223,7 +238,7 @@ def multigrid_levels(
     rate: of the mass, where the smoother adds none of its own.
     """
     precision, c = problem.elastic[0].spectrum.dtype, problem.contact
-    film = linear_film(c, P, H).in_precision(precision)
+    film = linear_film(c, P, H, sheared).in_precision(precision)
     single = partial(jnp.asarray, dtype=precision)
     free = single(stencils.inside(free, c.even))
     rate, new, wedge = tree.map(single, (rate, problem.rate.new, problem.rate.wedge))

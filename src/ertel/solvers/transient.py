@@ -355,7 +355,7 @@ def _numbers(
     gap_change = U * setting.gap_slope - p.roughness_change
     passing = mass if p.flow is None else p.flow.passing(mass)
     moment = Moment(approach, U, known.sliding, gap_change, load, setting.hertz_load)
-    terms, _ = account.account(setting.space, c, s.P, s.H, moment, mass, passing, rate.of(mass, c.spacing))
+    terms, _ = account.account(setting.space, c, s.P, s.H, moment, mass, passing, rate.of(mass, c.spacing), s.shared)
     predicted = _weighted(known.predict, [level["mass"] for level in p.past])
     weight = stencils.inside(s.P, c.even)  # the edge is given
     error = film_error(mass, predicted, weight, THIN * setting.film_scale, c.even, setting.coarsenings)
