@@ -200,22 +200,13 @@ class Moment(NamedTuple):
 
 
 def account(
-    space: Plane,
-    c: Contact,
-    P: Array,
-    H: Array,
-    m: Moment,
-    oil: Array,
-    passing: Array,
-    change: Array,
-    sheared: Any = None,
+    space: Plane, c: Contact, P: Array, H: Array, m: Moment, oil: Array, passing: Array, change: Array
 ) -> tuple[dict[str, Array], Friction]:
     """The terms of the account of a film on the 2-D grid by name, and its friction.
 
     oil: what is there, as mass.  passing: what passes with the flow.  change: the rate of the oil, following the flow.
-    sheared: from `Contact.flow`.
     """
-    details = c.flow.details(c, P, H, m.sliding, space, sheared)
+    details = c.flow.details(c, P, H, m.sliding, space)
     growth = change - inside(details.gain, c.even)
     film = Film(P, H, oil, passing, details.mobility, details.heat, H + m.approach - c.gap, growth, m.U, m.gap_change)
     forces = friction_of_details(space, details, P, H, m.sliding, m.load, m.hertz_load)

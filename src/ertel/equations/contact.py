@@ -62,26 +62,21 @@ class PressureFlow:
     An oil that thins has the same methods, each its own (`thinning`).
     """
 
-    def sheared(self, contact: "Contact", P: Array, H: Array) -> Any:
-        """What takes long to find in this film; the other methods find it themselves where it is not given."""
-        return None
+    def at(self, contact: "Contact", P: Array, H: Array) -> "PressureFlow":
+        """The same with what takes long to find in this film, for the other methods there."""
+        return self
 
-    def gain(self, contact: "Contact", P: Array, H: Array, sheared: Any = None) -> Array:
+    def gain(self, contact: "Contact", P: Array, H: Array) -> Array:
         """- div(Poiseuille flux): what the flow brings to each node; without meaning on the edge.  Shape (n, n)."""
         return diffusion(Pair(mobility(contact, P, H)), P, contact.even) / contact.spacing**2
 
-    def mobilities(self, contact: "Contact", P: Array, H: Array, sheared: Any = None) -> Mobilities:
+    def mobilities(self, contact: "Contact", P: Array, H: Array) -> Mobilities:
         """The mobilities at the nodes; the gradient itself is held when they are differentiated."""
         eps = Pair(mobility(contact, P, H))
         return Mobilities(eps, eps)
 
-    def details(
-        self, contact: "Contact", P: Array, H: Array, sliding: FloatLike, plane: Plane, sheared: Any = None
-    ) -> Details:
-        """The flow at every node when the surfaces slide by U S along X, which may differ from that of the film.
-
-        sheared: for this sliding.
-        """
+    def details(self, contact: "Contact", P: Array, H: Array, sliding: FloatLike, plane: Plane) -> Details:
+        """The flow at every node when the surfaces slide by U S along X, which may differ from that of the film."""
         oil, eps = contact.lubricant, Pair(mobility(contact, P, H))
         along_x = contact.lambda_bar * oil.viscosity(P) * sliding / (12.0 * opened(H))
         heat = plane.of_slopes(eps, P, oil.enthalpy(P))
@@ -146,12 +141,12 @@ def mobility(contact: Contact, P: Array, H: Array) -> Array:
     return contact.lubricant.mobility(P, H, contact.lambda_bar)
 
 
-def residual(contact: Contact, P: Array, H: Array, rate: Rate, sheared: Any = None) -> Array:
+def residual(contact: Contact, P: Array, H: Array, rate: Rate) -> Array:
     """Reynolds' equation, eq. (1): rate of change following the flow + div(Poiseuille flux), zero on the edge.
 
     Where P = 0 it is the rate at which a void grows.  In a starved film the flow also brings void from upstream.
     """
-    r = _of_a_full_gap(contact, P, H, rate, sheared)
+    r = _of_a_full_gap(contact, P, H, rate)
     if rate.layer is not None and rate.wedge is not None:
         void = _void(contact, P, H, rate.wedge, rate.layer, r)
         r = r + rate.wedge / contact.spacing * upstream_of(void)
@@ -173,10 +168,10 @@ def steady_oil(contact: Contact, P: Array, H: Array, rate: Rate) -> OilContent:
     return OilContent(turned(oil), turned(full), turned(void), turned(passing), rate.wedge)
 
 
-def _of_a_full_gap(contact: Contact, P: Array, H: Array, rate: Rate, sheared: Any = None) -> Array:
+def _of_a_full_gap(contact: Contact, P: Array, H: Array, rate: Rate) -> Array:
     """The residual of a gap that is full of oil; on the edge only the rate of change following the flow."""
     change = rate.of(mass(contact, P, H), contact.spacing)
-    return change - inside(contact.flow.gain(contact, P, H, sheared), contact.even)
+    return change - inside(contact.flow.gain(contact, P, H), contact.even)
 
 
 def _void(contact: Contact, P: Array, H: Array, speed: FloatLike, layer: FloatLike | None, r: Array) -> Array:

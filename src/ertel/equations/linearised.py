@@ -67,14 +67,14 @@ class LinearFilm:
         return tree.map(lambda values: jnp.asarray(values, in_precision(precision, values)), self)
 
 
-def linear_film(c: Contact, P: Array, H: Array, sheared: Any = None) -> LinearFilm:
+def linear_film(c: Contact, P: Array, H: Array) -> LinearFilm:
     """The linearisation about the film with P and H, both of the grid's shape.
 
     In double precision: of a thick oil the viscosity is beyond single, its inverse and their derivatives are not.
     """
 
     def laws(P: Array, H: Array) -> tuple[Change, Pair]:
-        mobility = c.flow.mobilities(c, P, H, sheared)
+        mobility = c.flow.mobilities(c, P, H)
         return Change(contact.mass(c, P, H), mobility.secant), mobility.tangent
 
     def change(dP: Array, dH: Array) -> Any:

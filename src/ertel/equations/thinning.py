@@ -12,7 +12,7 @@ across the face is their difference, the slope along the face is the mean of the
 """
 
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -30,7 +30,7 @@ LARGEST_FACTOR = 1e9  # of a mobility by thinning, in the preconditioner, which 
 
 
 class Sheared(NamedTuple):
-    """The flow across the film at the faces around the nodes (`_Faces`), and at the nodes, both in one line."""
+    """The flow across a film at the faces around the nodes (`_Faces`), and at the nodes, both in one line."""
 
     faces: Solution
     nodes: Solution
@@ -43,55 +43,61 @@ class ThinningFlow(PressureFlow):
 
     law: registered as a pytree (`contact.traceable`).  p_h, unit: one unit of pressure and one of shear stress,
     p_h a/R, in Pa.  sliding: U S, the difference of the surfaces' speeds along X in a/t0; its sign has no influence.
+    sheared: the flow across the film, None where the methods are to find it.
     """
 
     law: Fluidity
     p_h: Array | float
     unit: Array | float
     sliding: Array | float
+    sheared: Sheared | None = None
 
-    def sheared(self, contact: Contact, P: Array, H: Array) -> Sheared:
+    def at(self, contact: Contact, P: Array, H: Array) -> "ThinningFlow":
+        """The same with the flow across this film."""
+        return replace(self, sheared=self._solved(contact, P, H))
+
+    def gain(self, contact: Contact, P: Array, H: Array) -> Array:
+        """- div(Poiseuille flux), shape (n, n)."""
+        sheared = self.sheared or self._solved(contact, P, H)
+        return divergence(*self._fluxes(contact, P, H, sheared)) / contact.spacing
+
+    def details(self, contact: Contact, P: Array, H: Array, sliding: Array | float, plane: Plane) -> Details:
+        """The flow at every node when the surfaces slide by U S; what is known of the flow is for that sliding."""
+        flow = replace(self, sliding=sliding)
+        sheared = self.sheared or flow._solved(contact, P, H)
+        in_X, in_Y = flow._fluxes(contact, P, H, sheared)
+        nodes = sheared.nodes
+        stress = jnp.stack([along.reshape(P.shape) for along in (nodes.stress.x, nodes.stress.y)])
+        return Details(
+            limited_stress(self.law, stress, self.p_h * P) / self.unit,
+            plane.across_faces(in_X[:, 1:-1], in_Y[1:-1], contact.lubricant.enthalpy(P)),
+            divergence(in_X, in_Y) / contact.spacing,
+            _tangent(mobility(contact, P, H), nodes),
+        )
+
+    def mobilities(self, contact: Contact, P: Array, H: Array) -> Mobilities:
+        """The mobilities at the nodes for the preconditioner: what couples X and Y is left out.
+
+        The secant one is that along the gradient, in all directions.
+        """
+        nodes = (self.sheared or self._solved(contact, P, H)).nodes
+        points, eps = _nodes(contact, P, H), mobility(contact, P, H)
+        points = points._replace(slope=jax.lax.stop_gradient(points.slope))
+        slope, force = points.slope, self._force(contact, points, nodes)
+        square = dot(slope, slope)
+        steep = square > 0.0
+        factor = jnp.where(steep, dot(force, slope) / jnp.where(steep, square, 1.0), 1.0).reshape(P.shape)
+        return Mobilities(Pair(eps * jnp.minimum(factor, LARGEST_FACTOR)), _tangent(eps, nodes))
+
+    def _solved(self, contact: Contact, P: Array, H: Array) -> Sheared:
         """The flow across the film at all faces and nodes, in one iteration."""
         faces, nodes = _faces(contact, P, H).points, _nodes(contact, P, H)
         points = tree.map(lambda *parts: jnp.concatenate(parts), faces, nodes)
         found, m = solved(self._film(contact, points)), faces.P.size
         return Sheared(tree.map(lambda field: field[:m], found), tree.map(lambda field: field[m:], found))
 
-    def gain(self, contact: Contact, P: Array, H: Array, sheared: Any = None) -> Array:
-        """- div(Poiseuille flux), shape (n, n)."""
-        return divergence(*self._fluxes(contact, P, H, sheared)) / contact.spacing
-
-    def details(
-        self, contact: Contact, P: Array, H: Array, sliding: Array | float, plane: Plane, sheared: Any = None
-    ) -> Details:
-        """The flow at every node when the surfaces slide by U S."""
-        sheared = sheared or replace(self, sliding=sliding).sheared(contact, P, H)
-        in_X, in_Y = self._fluxes(contact, P, H, sheared)
-        stress = jnp.stack([along.reshape(P.shape) for along in (sheared.nodes.stress.x, sheared.nodes.stress.y)])
-        return Details(
-            limited_stress(self.law, stress, self.p_h * P) / self.unit,
-            plane.across_faces(in_X[:, 1:-1], in_Y[1:-1], contact.lubricant.enthalpy(P)),
-            divergence(in_X, in_Y) / contact.spacing,
-            _tangent(mobility(contact, P, H), sheared.nodes),
-        )
-
-    def mobilities(self, contact: Contact, P: Array, H: Array, sheared: Any = None) -> Mobilities:
-        """The mobilities at the nodes for the preconditioner: what couples X and Y is left out.
-
-        The secant one is that along the gradient, in all directions.
-        """
-        sheared = sheared or self.sheared(contact, P, H)
-        points, eps = _nodes(contact, P, H), mobility(contact, P, H)
-        points = points._replace(slope=jax.lax.stop_gradient(points.slope))
-        slope, force = points.slope, self._force(contact, points, sheared.nodes)
-        square = dot(slope, slope)
-        steep = square > 0.0
-        factor = jnp.where(steep, dot(force, slope) / jnp.where(steep, square, 1.0), 1.0).reshape(P.shape)
-        return Mobilities(Pair(eps * jnp.minimum(factor, LARGEST_FACTOR)), _tangent(eps, sheared.nodes))
-
-    def _fluxes(self, contact: Contact, P: Array, H: Array, sheared: Sheared | None) -> tuple[Array, Array]:
+    def _fluxes(self, contact: Contact, P: Array, H: Array, sheared: Sheared) -> tuple[Array, Array]:
         """Minus the flux through the faces across X, shape (n, n + 1), and across Y, shape (n + 1, n)."""
-        sheared = sheared or self.sheared(contact, P, H)
         points, (eps_x, eps_y) = _faces(contact, P, H)
         force = self._force(contact, points, sheared.faces)
         return eps_x * force.x[: eps_x.size].reshape(eps_x.shape), eps_y * force.y[eps_x.size :].reshape(eps_y.shape)

@@ -17,7 +17,7 @@ from jax.tree_util import register_dataclass
 
 from ertel.equations import contact
 from ertel.equations.approach import ClosureLine
-from ertel.equations.contact import Contact
+from ertel.equations.contact import Contact, PressureFlow
 from ertel.equations.flow import Rate, downstream, flow_aligned, upstream_of, void_change
 from ertel.equations.linearised import linear_film
 from ertel.numerics import multigrid, newton, stencils
@@ -49,8 +49,7 @@ class Problem:
     algorithms: "Algorithms" = field(metadata={"static": True})
 
 
-# from P, H, the free nodes and what the flow there shares with the residual (`PressureFlow.sheared`)
-Preconditioner = Callable[[Problem, Array, Array, Array, Any], newton.Map]
+Preconditioner = Callable[[Problem, Array, Array, Array], newton.Map]  # from P, H and the free nodes
 CloseSystem = Callable[[Problem, Array, FloatLike], "ClosedSystem"]  # from the first guess of P and Delta
 
 
@@ -76,33 +75,29 @@ class ClosedSystem(NamedTuple):
 
 @jax.jit
 def solve(problem: Problem, P: Array, approach: FloatLike) -> tuple[newton.Solution, Array]:
-    """P, H and Delta from a first guess of P and Delta (which is not used where Delta follows from P)."""
+    """P, H and Delta from a first guess of P and Delta (which is not used where Delta follows from P).
+
+    The solution shares the flow by the pressure gradient in its film.
+    """
     turned = partial(flow_aligned, problem.rate)
     problem, P = _flow_aligned(problem), turned(P)
-    how = problem.algorithms
+    how, c = problem.algorithms, problem.contact
     closed = how.close(problem, P, approach)
 
-    c = problem.contact
+    def residual(P: Array, H: Array, flow: PressureFlow) -> Array:
+        return contact.residual(replace(c, flow=flow), P, H, problem.rate)
 
-    def residual(P: Array, H: Array, sheared: Any) -> Array:
-        return contact.residual(c, P, H, problem.rate, sheared)
+    def inverse(P: Array, H: Array, free: Array, flow: PressureFlow) -> newton.Map:
+        return how.preconditioner(replace(problem, contact=replace(c, flow=flow)), P, H, free)
 
-    inverse = partial(how.preconditioner, problem)
-    fill = partial(filled, problem)
+    fill, flow = partial(filled, problem), partial(c.flow.at, c)
     system = newton.NewtonKrylov(
-        residual,
-        closed.film_change,
-        inverse,
-        problem.tolerance,
-        how.options,
-        closed.border,
-        fill,
-        partial(c.flow.sheared, c),
+        residual, closed.film_change, inverse, problem.tolerance, how.options, closed.border, fill, flow
     )
     solution = system.solve(P, closed.H)
-    if problem.rate.wedge is not None:  # what is shared stays along the flow
+    if problem.rate.wedge is not None:
         fields = {name: turned(getattr(solution, name)) for name in ("P", "H", "left")}
-        solution = solution._replace(**fields, shared=None)
+        solution = solution._replace(**fields, shared=c.flow)
     return solution, closed.approach(solution)
 
 
@@ -129,10 +124,10 @@ class Middle(NamedTuple):
         solution, found = solve(inner, P[middle], approach)
         P = jnp.zeros_like(P).at[middle].set(solution.P)
         H = contact.film_thickness(c, P, found)
-        sheared = c.flow.sheared(c, P, H)
-        left = contact.residual(c, P, H, rate, sheared)
+        flow = c.flow.at(c, P, H)
+        left = contact.residual(replace(c, flow=flow), P, H, rate)
         residual = jnp.maximum(solution.residual, newton.largest_residual(P, left, problem.tolerance))
-        return solution._replace(P=P, H=H, left=left, shared=sheared, residual=residual), found
+        return solution._replace(P=P, H=H, left=left, shared=flow, residual=residual), found
 
 
 def filled(problem: Problem, r: Array) -> Array:
@@ -209,19 +204,18 @@ def approach_as_unknown(problem: Problem, P: Array, approach: FloatLike) -> Clos
 # because the Krylov iteration keeps its residual in double precision (`newton.gcr`).
 
 
-def point_preconditioner(problem: Problem, P: Array, H: Array, free: Array, sheared: Any) -> newton.Map:
+def point_preconditioner(problem: Problem, P: Array, H: Array, free: Array) -> newton.Map:
     """V-cycle with the point smoother, for a rate without a wedge: every step in time."""
     return partial(
-        multigrid.precondition,
-        multigrid_levels(problem, P, H, free, sheared, problem.rate.new, multigrid.point_smoother),
+        multigrid.precondition, multigrid_levels(problem, P, H, free, problem.rate.new, multigrid.point_smoother)
     )
 
 
-def line_preconditioner(problem: Problem, P: Array, H: Array, free: Array, sheared: Any) -> newton.Map:
+def line_preconditioner(problem: Problem, P: Array, H: Array, free: Array) -> newton.Map:
     """V-cycle with the line smoother along the direction of entrainment, for a film with a wedge."""
     drift = 0.0 if problem.rate.wedge is None else problem.rate.wedge
     smoother = partial(line_smoother, rate=problem.rate.new, drift=drift)
-    return partial(multigrid.precondition, multigrid_levels(problem, P, H, free, sheared, 1.0, smoother))
+    return partial(multigrid.precondition, multigrid_levels(problem, P, H, free, 1.0, smoother))
 
 
 def multigrid_levels(
@@ -229,7 +223,6 @@ def multigrid_levels(
     P: Array,
     H: Array,
     free: Array,
-    sheared: Any,
     rate: Array | float,
     smoother: Callable[[multigrid.DeformationOperator, multigrid.Coefficients], multigrid.Smoother],
 ) -> tuple[multigrid.GridLevel, ...]:
@@ -238,7 +231,7 @@ def multigrid_levels(
     rate: of the mass, where the smoother adds none of its own.
     """
     precision, c = problem.elastic[0].spectrum.dtype, problem.contact
-    film = linear_film(c, P, H, sheared).in_precision(precision)
+    film = linear_film(c, P, H).in_precision(precision)
     single = partial(jnp.asarray, dtype=precision)
     free = single(stencils.inside(free, c.even))
     rate, new, wedge = tree.map(single, (rate, problem.rate.new, problem.rate.wedge))

@@ -349,13 +349,13 @@ def _numbers(
     p: StepProblem, known: Known, rate: Rate, s: newton.Solution, fields: Mapping[str, Array], approach: Array
 ) -> Array:
     """The numbers of `account.NUMBERS` and of `state.extreme_numbers`."""
-    c, mass, setting = p.contact, fields["mass"], p.setting
+    c, mass, setting = replace(p.contact, flow=s.shared), fields["mass"], p.setting
     U = 0.0 if p.flow is None else p.flow.entrainment
     load = (contact.pressure_load(c, s.P) + known.load_around) / setting.hertz_load
     gap_change = U * setting.gap_slope - p.roughness_change
     passing = mass if p.flow is None else p.flow.passing(mass)
     moment = Moment(approach, U, known.sliding, gap_change, load, setting.hertz_load)
-    terms, _ = account.account(setting.space, c, s.P, s.H, moment, mass, passing, rate.of(mass, c.spacing), s.shared)
+    terms, _ = account.account(setting.space, c, s.P, s.H, moment, mass, passing, rate.of(mass, c.spacing))
     predicted = _weighted(known.predict, [level["mass"] for level in p.past])
     weight = stencils.inside(s.P, c.even)  # the edge is given
     error = film_error(mass, predicted, weight, THIN * setting.film_scale, c.even, setting.coarsenings)
