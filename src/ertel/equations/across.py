@@ -178,7 +178,8 @@ class Series(NamedTuple):
 def series_of(law: Fluidity, pressure: Array, stress: Vector, gradient: Vector) -> Series:
     """The series through phi at the largest stress T that there can be, and at T/sqrt(2); it is checked at T/2."""
     T = jax.lax.stop_gradient(jnp.maximum(length(stress) + 0.5 * length(gradient), NO_STRESS))  # without influence
-    end, middle, check = (law.fluidity(T * share**0.5, pressure) - 1.0 for share in (1.0, 0.5, 0.25))
+    shares = np.sqrt([1.0, 0.5, 0.25]).reshape(-1, *[1] * T.ndim)
+    end, middle, check = law.fluidity(T * shares, pressure) - 1.0
     second = 2.0 * end - 4.0 * middle
     first = end - second
     holds = (jnp.abs(first / 4.0 + second / 16.0 - check) <= SERIES_ERROR) & (end <= SERIES_END)

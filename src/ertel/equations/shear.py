@@ -83,12 +83,15 @@ def shear(law: Fluidity, pressure: Array, sliding: Array, gradient: Array, point
     return Shear(stress, flux, solution.by_gradient, jnp.max(solution.iterations))
 
 
-def solved(film: "Film", points: int = NODES) -> "Solution":
-    """The flow across a film and its derivatives, all held when they are differentiated (see `attached`)."""
+def solved(film: "Film", points: int = NODES, guess: Vector | None = None) -> "Solution":
+    """The flow across a film and its derivatives, all held when they are differentiated (see `attached`).
+
+    guess: of the stress in the middle, which saves iterations.
+    """
     law, p, s, g = jax.lax.stop_gradient(film)
     series, change = _with_change(lambda p: across.series_of(law, p, s, g), p)
     simple = _of_series(series, change, s, g)
-    return in_blocks(partial(_solved, law, points), ~series.holds, simple, p, s, g)
+    return in_blocks(partial(_solved, law, points), ~series.holds, simple, p, s, g, jax.lax.stop_gradient(guess))
 
 
 # -- where the oil hardly thins ---------------------------------------------------------------------------------------
@@ -121,7 +124,9 @@ class _Iterate(NamedTuple):
     iterations: Array
 
 
-def _solved(law: Fluidity, points: int, pressure: Array, sliding: Vector, gradient: Vector) -> "Solution":
+def _solved(
+    law: Fluidity, points: int, pressure: Array, sliding: Vector, gradient: Vector, guess: Vector | None
+) -> "Solution":
     """The solution, with the number of iterations, the same at each point.
 
     With the fluidity F of the film without sliding, measured along the gradient, and psi(v) = stress(|v|) v/|v|, the
@@ -152,7 +157,7 @@ def _solved(law: Fluidity, points: int, pressure: Array, sliding: Vector, gradie
         return _Iterate(stress, change, jnp.where(better, residual, it.residual), left, it.iterations + 1)
 
     far = jnp.full_like(pressure, jnp.inf)
-    first = _Iterate(aim, 0.0 * aim, far, jnp.max(far), jnp.zeros((), jnp.int32))
+    first = _Iterate(guess or aim, 0.0 * aim, far, jnp.max(far), jnp.zeros((), jnp.int32))
     last = jax.lax.while_loop(unsolved, improve, first)
     t = last.stress + last.change
     count = jnp.full(pressure.shape, last.iterations)

@@ -53,7 +53,7 @@ class ThinningFlow(PressureFlow):
     sheared: Sheared | None = None
 
     def at(self, contact: Contact, P: Array, H: Array) -> "ThinningFlow":
-        """The same with the flow across this film."""
+        """The same with the flow across this film; its search begins with the stress that is known."""
         return replace(self, sheared=self._solved(contact, P, H))
 
     def gain(self, contact: Contact, P: Array, H: Array) -> Array:
@@ -93,7 +93,8 @@ class ThinningFlow(PressureFlow):
         """The flow across the film at all faces and nodes, in one iteration."""
         faces, nodes = _faces(contact, P, H).points, _nodes(contact, P, H)
         points = tree.map(lambda *parts: jnp.concatenate(parts), faces, nodes)
-        found, m = solved(self._film(contact, points)), faces.P.size
+        known = self.sheared and tree.map(lambda *parts: jnp.concatenate(parts), *(of.stress for of in self.sheared))
+        found, m = solved(self._film(contact, points), guess=known), faces.P.size
         return Sheared(tree.map(lambda field: field[:m], found), tree.map(lambda field: field[m:], found))
 
     def _fluxes(self, contact: Contact, P: Array, H: Array, sheared: Sheared) -> tuple[Array, Array]:

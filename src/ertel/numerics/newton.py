@@ -95,7 +95,8 @@ class NewtonKrylov:
     partner_change maps a change of P to the change of H.  preconditioner(P, H, free, shared) returns an approximate
     inverse of the Jacobian on the free nodes.  tolerance bounds |r| at every free node.
 
-    shared: from P and H to what the residual, its derivative and the preconditioner share there.
+    shared: from P, H and what it gave last (None at first) to what the residual, its derivative and the preconditioner
+    share there.
 
     filled: from r where P = 0 (0 elsewhere) to a field that is negative at the nodes which the next iteration frees;
     it may free more nodes than those with r < 0, since the iteration holds them again if P < 0 follows.
@@ -108,7 +109,7 @@ class NewtonKrylov:
     options: Options = Options()
     border: Border = NO_BORDER
     filled: Map = lambda r: r
-    shared: Callable[[Array, Array], Any] = lambda P, H: None
+    shared: Callable[[Array, Array, Any], Any] = lambda P, H, last: None
 
     def solve(self, P: Array, H: Array) -> Solution:
         """The solution from the first guess P and the matching H = H(P), both of shape (n, n)."""
@@ -117,7 +118,7 @@ class NewtonKrylov:
         history = jnp.full(self.options.newton_limit + 1, jnp.nan)
         infinite, forcing = (jnp.asarray(value, P.dtype) for value in (jnp.inf, self.options.first_reduction))
         # no residual is needed yet: the first iteration is always done, and begins with it
-        first = Solution(P, H, s, jnp.zeros_like(P), self.shared(P, H), infinite, zero, zero, history, forcing)
+        first = Solution(P, H, s, jnp.zeros_like(P), self.shared(P, H, None), infinite, zero, zero, history, forcing)
         return jax.lax.while_loop(self.is_unsolved, self.improve, first)
 
     def size(self, P: Array, s: Array, r: Array) -> Array:
@@ -138,7 +139,7 @@ class NewtonKrylov:
         share = jnp.minimum(1.0, self.options.largest_change / jnp.maximum(largest, jnp.finfo(dP.dtype).tiny))
         P, s = jnp.maximum(it.P + share * dP, 0.0), it.s + share * ds
         H = it.H + self.change_of_H((P - it.P, s - it.s))
-        shared, count = self.shared(P, H), it.newton + 1
+        shared, count = self.shared(P, H, it.shared), it.newton + 1
         left = self.residual(P, H, shared)
         size, reached = self.size(it.P, it.s, r), self.size(P, s, left)
         history = it.history.at[it.newton].set(size).at[count].set(reached)

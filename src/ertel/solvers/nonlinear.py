@@ -90,7 +90,10 @@ def solve(problem: Problem, P: Array, approach: FloatLike) -> tuple[newton.Solut
     def inverse(P: Array, H: Array, free: Array, flow: PressureFlow) -> newton.Map:
         return how.preconditioner(replace(problem, contact=replace(c, flow=flow)), P, H, free)
 
-    fill, flow = partial(filled, problem), partial(c.flow.at, c)
+    def flow(P: Array, H: Array, last: PressureFlow | None) -> PressureFlow:
+        return (last or c.flow).at(c, P, H)
+
+    fill = partial(filled, problem)
     system = newton.NewtonKrylov(
         residual, closed.film_change, inverse, problem.tolerance, how.options, closed.border, fill, flow
     )
