@@ -131,13 +131,6 @@ def moments_by_nodes(law: Fluidity, pressure: Array, t: Vector, g: Vector, nodes
     return _assembled(_sums(nodes, phi, range(3)), _sums(nodes, slope, range(5)), t, g)
 
 
-def sliding_moments(law: Fluidity, pressure: Array, t: Vector, g: Vector, nodes: Nodes) -> tuple[Array, Array, Tensor]:
-    """The moments that the sliding needs: S_0, S_1 and A."""
-    phi, slope = with_slope(law, pressure, _sizes(t, g, nodes[0]))
-    s0, s1 = _sums(nodes, phi, range(2))
-    return s0, s1, _tensor(s0, _sums(nodes, slope, range(3)), _products(t, g))
-
-
 def _sums(nodes: Nodes, values: Array, powers: Sequence[int]) -> Sequence[Array]:
     """The integrals of zeta^k times the values on both sides."""
     zeta, weight = nodes
@@ -178,8 +171,7 @@ class Series(NamedTuple):
 def series_of(law: Fluidity, pressure: Array, stress: Vector, gradient: Vector) -> Series:
     """The series through phi at the largest stress T that there can be, and at T/sqrt(2); it is checked at T/2."""
     T = jax.lax.stop_gradient(jnp.maximum(length(stress) + 0.5 * length(gradient), NO_STRESS))  # without influence
-    shares = np.sqrt([1.0, 0.5, 0.25]).reshape(-1, *[1] * T.ndim)
-    end, middle, check = law.fluidity(T * shares, pressure) - 1.0
+    end, middle, check = law.fluidity(jnp.stack([T, 0.5**0.5 * T, 0.5 * T]), pressure) - 1.0
     second = 2.0 * end - 4.0 * middle
     first = end - second
     holds = (jnp.abs(first / 4.0 + second / 16.0 - check) <= SERIES_ERROR) & (end <= SERIES_END)

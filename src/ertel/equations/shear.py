@@ -144,12 +144,12 @@ def _solved(
     def improve(it: _Iterate) -> _Iterate:
         """Try the change; where it does not reduce the residual, try half of it next."""
         t = it.stress + it.change
-        s0, s1, A = across.sliding_moments(law, pressure, t, gradient, nodes)
-        now, unbent = _bent(law, pressure, (s0 * t + s1 * gradient) / resting)
+        m = across.moments_by_nodes(law, pressure, t, gradient, nodes)
+        now, unbent = _bent(law, pressure, _flow(m.s, t, gradient)[0] / resting)
         residual = length(aim - now)
         better = residual < it.residual
         either = partial(jnp.where, better)
-        change = tree.map(either, divided(A, resting * unbent(aim - now)), 0.5 * it.change)
+        change = tree.map(either, divided(m.A, resting * unbent(aim - now)), 0.5 * it.change)
         stress = tree.map(either, t, it.stress)
         wall = length(stress) + length(gradient)
         tried = jnp.where(better & (it.iterations > 0), length(it.change), jnp.inf)

@@ -30,7 +30,7 @@ LARGEST_FACTOR = 1e9  # of a mobility by thinning, in the preconditioner, which 
 
 
 class Sheared(NamedTuple):
-    """The flow across a film at the faces around the nodes (`_Faces`), and at the nodes, both in one line."""
+    """The flow across a film at the faces around the nodes (`_faces`), and at the nodes, both in one line."""
 
     faces: Solution
     nodes: Solution
@@ -58,15 +58,14 @@ class ThinningFlow(PressureFlow):
 
     def gain(self, contact: Contact, P: Array, H: Array) -> Array:
         """- div(Poiseuille flux), shape (n, n)."""
-        sheared = self.sheared or self._solved(contact, P, H)
-        return divergence(*self._fluxes(contact, P, H, sheared)) / contact.spacing
+        fluxes = self._fluxes(contact, P, H, self.sheared or self._solved(contact, P, H))
+        return divergence(*fluxes) / contact.spacing
 
     def details(self, contact: Contact, P: Array, H: Array, sliding: Array | float, plane: Plane) -> Details:
         """The flow at every node when the surfaces slide by U S; what is known of the flow is for that sliding."""
         flow = replace(self, sliding=sliding)
         sheared = self.sheared or flow._solved(contact, P, H)
-        in_X, in_Y = flow._fluxes(contact, P, H, sheared)
-        nodes = sheared.nodes
+        (in_X, in_Y), nodes = flow._fluxes(contact, P, H, sheared), sheared.nodes
         stress = jnp.stack([along.reshape(P.shape) for along in (nodes.stress.x, nodes.stress.y)])
         return Details(
             limited_stress(self.law, stress, self.p_h * P) / self.unit,
@@ -82,16 +81,14 @@ class ThinningFlow(PressureFlow):
         """
         nodes = (self.sheared or self._solved(contact, P, H)).nodes
         points, eps = _nodes(contact, P, H), mobility(contact, P, H)
-        points = points._replace(slope=jax.lax.stop_gradient(points.slope))
-        slope, force = points.slope, self._force(contact, points, nodes)
-        square = dot(slope, slope)
-        steep = square > 0.0
-        factor = jnp.where(steep, dot(force, slope) / jnp.where(steep, square, 1.0), 1.0).reshape(P.shape)
+        slope = jax.lax.stop_gradient(points.slope)
+        along, square = dot(self._force(contact, points._replace(slope=slope), nodes), slope), dot(slope, slope)
+        factor = jnp.where(square > 0.0, along / jnp.where(square > 0.0, square, 1.0), 1.0).reshape(P.shape)
         return Mobilities(Pair(eps * jnp.minimum(factor, LARGEST_FACTOR)), _tangent(eps, nodes))
 
     def _solved(self, contact: Contact, P: Array, H: Array) -> Sheared:
         """The flow across the film at all faces and nodes, in one iteration."""
-        faces, nodes = _faces(contact, P, H).points, _nodes(contact, P, H)
+        faces, nodes = _faces(contact, P, H)[0], _nodes(contact, P, H)
         points = tree.map(lambda *parts: jnp.concatenate(parts), faces, nodes)
         known = self.sheared and tree.map(lambda *parts: jnp.concatenate(parts), *(of.stress for of in self.sheared))
         found, m = solved(self._film(contact, points), guess=known), faces.P.size
@@ -112,9 +109,8 @@ class ThinningFlow(PressureFlow):
         """What the flow depends on, in Pa."""
         H = opened(points.film)
         along_x = contact.lambda_bar * points.viscosity * self.sliding / (12.0 * H) * self.unit
-        return Film(
-            self.law, self.p_h * points.P, Vector(along_x, jnp.zeros_like(along_x)), points.slope * (H * self.unit)
-        )
+        sliding = Vector(along_x, jnp.zeros_like(along_x))
+        return Film(self.law, self.p_h * points.P, sliding, points.slope * (H * self.unit))
 
 
 class _Points(NamedTuple):
@@ -126,23 +122,16 @@ class _Points(NamedTuple):
     slope: Vector
 
 
-class _Faces(NamedTuple):
-    """The faces around the nodes, those across X before those across Y, in one line.
-
-    One program for both kinds takes half as long to compile.  eps: the mean mobility without thinning, shapes
-    (n, n + 1) and (n + 1, n).
-    """
-
-    points: _Points
-    eps: tuple[Array, Array]
-
-
 def _nodes(contact: Contact, P: Array, H: Array) -> _Points:
     slope = Vector(*node_slopes(P, contact.spacing, contact.even))
     return tree.map(jnp.ravel, _Points(P, H, contact.lubricant.viscosity(P), slope))
 
 
-def _faces(contact: Contact, P: Array, H: Array) -> _Faces:
+def _faces(contact: Contact, P: Array, H: Array) -> tuple[_Points, tuple[Array, Array]]:
+    """The faces around the nodes, those across X before those across Y, and the mean mobility there without thinning.
+
+    One program for both kinds takes half as long to compile.  The mobilities have the shapes (n, n + 1) and (n + 1, n).
+    """
     p = extended(P, contact.even)
     eps = extended(mobility(contact, P, H), contact.even, "edge")
     film = extended(jnp.maximum(H, 0.0), contact.even, "edge")
@@ -156,7 +145,7 @@ def _faces(contact: Contact, P: Array, H: Array) -> _Faces:
     )
     flows = mean_eps > 0.0
     viscosity = jnp.where(flows, mean_conductance, 1.0) / jnp.where(flows, contact.lambda_bar * mean_eps, 1.0)
-    return _Faces(_Points(mean_P, mean_film, viscosity, slope), (to_x_faces(eps), to_y_faces(eps)))
+    return _Points(mean_P, mean_film, viscosity, slope), (to_x_faces(eps), to_y_faces(eps))
 
 
 def _tangent(eps: Array, nodes: Solution) -> Pair:

@@ -98,10 +98,9 @@ def solve(problem: Problem, P: Array, approach: FloatLike) -> tuple[newton.Solut
         residual, closed.film_change, inverse, problem.tolerance, how.options, closed.border, fill, flow
     )
     solution = system.solve(P, closed.H)
-    if problem.rate.wedge is not None:
-        fields = {name: turned(getattr(solution, name)) for name in ("P", "H", "left")}
-        solution = solution._replace(**fields, shared=c.flow)
-    return solution, closed.approach(solution)
+    fields = {name: turned(getattr(solution, name)) for name in ("P", "H", "left")}
+    flow_there = solution.shared if problem.rate.wedge is None else c.flow  # that of a steady film is not needed
+    return solution._replace(**fields, shared=flow_there), closed.approach(solution)
 
 
 class Middle(NamedTuple):
