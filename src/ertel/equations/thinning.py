@@ -9,6 +9,9 @@ mean of their mobilities eps, as for a Newtonian oil (`stencils.diffusion`), so 
 that of the mean P and H of the two nodes, and of their mean fluidity with the weights that it has in eps: where sliding
 thins the oil by powers of ten, the flux is almost the same for any viscosity, and the two must cancel.  The slope of P
 across the face is their difference, the slope along the face is the mean of the central differences at the two nodes.
+
+What takes long is Q.  It is found once for each film (`ThinningFlow.at`), at all faces and nodes: the residual and its
+derivative take it at the faces, the preconditioner and the account at the nodes too.
 """
 
 from dataclasses import dataclass, replace
