@@ -47,7 +47,7 @@ CLOSE = 1e-3  # a change after which the next one is the last
 LIMIT = 40  # of Newton iterations
 
 
-class Film(NamedTuple):
+class ShearedFilm(NamedTuple):
     """What the flow depends on: the law, the pressure, the sliding and the gradient, as in `shear`."""
 
     law: Fluidity
@@ -77,13 +77,13 @@ def shear(law: Fluidity, pressure: Array, sliding: Array, gradient: Array, point
     (2, ...).  gradient: g = h grad p in Pa, shape (2, ...).  All finite; differentiable (forward and reverse) in all of
     them and in the numbers of the law, which must be a JAX pytree (`contact.traceable`).
     """
-    film = Film(law, pressure, Vector(*sliding), Vector(*gradient))
+    film = ShearedFilm(law, pressure, Vector(*sliding), Vector(*gradient))
     solution = solved(film, points)
     stress, flux = (jnp.stack([of.x, of.y]) for of in attached(film, solution))
     return Shear(stress, flux, solution.by_gradient, jnp.max(solution.iterations))
 
 
-def solved(film: "Film", points: int = NODES, guess: Vector | None = None) -> "Solution":
+def solved(film: "ShearedFilm", points: int = NODES, guess: Vector | None = None) -> "SolvedFilm":
     """The flow across a film and its derivatives, all held when they are differentiated (see `attached`).
 
     guess: of the stress in the middle, which saves iterations.
@@ -97,7 +97,7 @@ def solved(film: "Film", points: int = NODES, guess: Vector | None = None) -> "S
 # -- where the oil hardly thins ---------------------------------------------------------------------------------------
 
 
-def _of_series(series: Series, change: Series, sliding: Vector, gradient: Vector) -> "Solution":
+def _of_series(series: Series, change: Series, sliding: Vector, gradient: Vector) -> "SolvedFilm":
     """The solution by the series: two iterations from the stress of a Newtonian oil.  change: by the pressure."""
     t = sliding
     for _ in range(2):
@@ -126,7 +126,7 @@ class _Iterate(NamedTuple):
 
 def _solved(
     law: Fluidity, points: int, pressure: Array, sliding: Vector, gradient: Vector, guess: Vector | None
-) -> "Solution":
+) -> "SolvedFilm":
     """The solution, with the number of iterations, the same at each point.
 
     With the fluidity F of the film without sliding, measured along the gradient, and psi(v) = stress(|v|) v/|v|, the
@@ -189,7 +189,7 @@ def _bent(law: Fluidity, pressure: Array, v: Vector) -> tuple[Vector, Any]:
 # -- its derivative ---------------------------------------------------------------------------------------------------
 
 
-class Solution(NamedTuple):
+class SolvedFilm(NamedTuple):
     """tau_m, Q and the iterations; A, the rows of C A^-1, and D - C A^-1 C; the derivatives by the pressure."""
 
     stress: Vector
@@ -201,7 +201,7 @@ class Solution(NamedTuple):
     by_pressure: tuple[Vector, Vector]
 
 
-def _solution(m: Moments, by_pressure: Sequence[Array], t: Vector, g: Vector, iterations: Array) -> Solution:
+def _solution(m: Moments, by_pressure: Sequence[Array], t: Vector, g: Vector, iterations: Array) -> SolvedFilm:
     """by_pressure: the changes of S_0, S_1 and S_2 for the middle stress t."""
     (_, flux), (slid, extra) = _flow(m.s, t, g), _flow(by_pressure, t, g)
     of_x, of_y = Vector(*m.C[:2]), Vector(*m.C[1:])
@@ -209,7 +209,7 @@ def _solution(m: Moments, by_pressure: Sequence[Array], t: Vector, g: Vector, it
     xx, yy = m.D[0] - dot(by_sliding[0], of_x), m.D[2] - dot(by_sliding[1], of_y)
     by_gradient = xx, m.D[1] - dot(by_sliding[0], of_y), yy
     stress_and_flux = divided(m.A, -1.0 * slid), extra - product(by_sliding, slid)
-    return Solution(t, flux, iterations, m.A, by_sliding, by_gradient, by_pressure=stress_and_flux)
+    return SolvedFilm(t, flux, iterations, m.A, by_sliding, by_gradient, by_pressure=stress_and_flux)
 
 
 def _flow(s: Sequence[Array], t: Vector, g: Vector) -> tuple[Vector, Vector]:
@@ -223,7 +223,7 @@ def _with_change(function: Callable[[Array], Any], pressure: Array) -> Any:
 
 
 @jax.custom_jvp
-def attached(film: Film, solution: Solution) -> tuple[Vector, Vector]:
+def attached(film: ShearedFilm, solution: SolvedFilm) -> tuple[Vector, Vector]:
     """tau_m and Q of the solution for this film; they change with the film when they are differentiated."""
     return solution.stress, solution.flux
 

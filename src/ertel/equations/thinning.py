@@ -24,7 +24,7 @@ from jax.tree_util import register_dataclass
 
 from ertel.equations.across import Vector, dot
 from ertel.equations.contact import Contact, Details, Mobilities, PressureFlow, mobility, opened
-from ertel.equations.shear import Film, Solution, attached, solved
+from ertel.equations.shear import ShearedFilm, SolvedFilm, attached, solved
 from ertel.numerics.integrals import Plane
 from ertel.numerics.stencils import Pair, central_slopes, divergence, extended, node_slopes, to_x_faces, to_y_faces
 from ertel.physics.fluidity import Fluidity, limited_stress
@@ -35,8 +35,8 @@ LARGEST_FACTOR = 1e9  # of a mobility by thinning, in the preconditioner, which 
 class Sheared(NamedTuple):
     """The flow across a film at the faces around the nodes (`_faces`), and at the nodes, both in one line."""
 
-    faces: Solution
-    nodes: Solution
+    faces: SolvedFilm
+    nodes: SolvedFilm
 
 
 @register_dataclass
@@ -103,17 +103,17 @@ class ThinningFlow(PressureFlow):
         force = self._force(contact, points, sheared.faces)
         return eps_x * force.x[: eps_x.size].reshape(eps_x.shape), eps_y * force.y[eps_x.size :].reshape(eps_y.shape)
 
-    def _force(self, contact: Contact, points: "_Points", solution: Solution) -> Vector:
+    def _force(self, contact: Contact, points: "_Points", solution: SolvedFilm) -> Vector:
         """G from the flow across the film."""
         _, flux = attached(self._film(contact, points), solution)
         return flux * (12.0 / (opened(points.film) * self.unit))
 
-    def _film(self, contact: Contact, points: "_Points") -> Film:
+    def _film(self, contact: Contact, points: "_Points") -> ShearedFilm:
         """What the flow depends on, in Pa."""
         H = opened(points.film)
         along_x = contact.lambda_bar * points.viscosity * self.sliding / (12.0 * H) * self.unit
         sliding = Vector(along_x, jnp.zeros_like(along_x))
-        return Film(self.law, self.p_h * points.P, sliding, points.slope * (H * self.unit))
+        return ShearedFilm(self.law, self.p_h * points.P, sliding, points.slope * (H * self.unit))
 
 
 class _Points(NamedTuple):
@@ -151,7 +151,7 @@ def _faces(contact: Contact, P: Array, H: Array) -> tuple[_Points, tuple[Array, 
     return _Points(mean_P, mean_film, viscosity, slope), (to_x_faces(eps), to_y_faces(eps))
 
 
-def _tangent(eps: Array, nodes: Solution) -> Pair:
+def _tangent(eps: Array, nodes: SolvedFilm) -> Pair:
     """The mobilities along X and along Y for a change of the gradient; eps: that without thinning."""
     along_x, _, along_y = nodes.by_gradient
     return Pair(*(eps * jnp.minimum(12.0 * part.reshape(eps.shape), LARGEST_FACTOR) for part in (along_x, along_y)))
