@@ -78,12 +78,12 @@ def shear(law: Fluidity, pressure: Array, sliding: Array, gradient: Array, point
     them and in the numbers of the law, which must be a JAX pytree (`contact.traceable`).
     """
     film = ShearedFilm(law, pressure, Vector(*sliding), Vector(*gradient))
-    solution = solved(film, points)
+    solution = solved_film(film, points)
     stress, flux = (jnp.stack([of.x, of.y]) for of in attached(film, solution))
     return Shear(stress, flux, solution.by_gradient, jnp.max(solution.iterations))
 
 
-def solved(film: "ShearedFilm", points: int = NODES, guess: Vector | None = None) -> "SolvedFilm":
+def solved_film(film: "ShearedFilm", points: int = NODES, guess: Vector | None = None) -> "SolvedFilm":
     """The flow across a film and its derivatives, all held when they are differentiated (see `attached`).
 
     guess: of the stress in the middle, which saves iterations.

@@ -24,7 +24,7 @@ from jax.tree_util import register_dataclass
 
 from ertel.equations.across import Vector, dot
 from ertel.equations.contact import Contact, Details, Mobilities, PressureFlow, mobility, opened
-from ertel.equations.shear import ShearedFilm, SolvedFilm, attached, solved
+from ertel.equations.shear import ShearedFilm, SolvedFilm, attached, solved_film
 from ertel.numerics.integrals import Plane
 from ertel.numerics.stencils import Pair, central_slopes, divergence, extended, node_slopes, to_x_faces, to_y_faces
 from ertel.physics.fluidity import Fluidity, limited_stress
@@ -94,7 +94,7 @@ class ThinningFlow(PressureFlow):
         faces, nodes = _faces(contact, P, H)[0], _nodes(contact, P, H)
         points = tree.map(lambda *parts: jnp.concatenate(parts), faces, nodes)
         known = self.sheared and tree.map(lambda *parts: jnp.concatenate(parts), *(of.stress for of in self.sheared))
-        found, m = solved(self._film(contact, points), guess=known), faces.P.size
+        found, m = solved_film(self._film(contact, points), guess=known), faces.P.size
         return Sheared(tree.map(lambda field: field[:m], found), tree.map(lambda field: field[m:], found))
 
     def _fluxes(self, contact: Contact, P: Array, H: Array, sheared: Sheared) -> tuple[Array, Array]:
