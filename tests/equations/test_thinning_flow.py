@@ -12,11 +12,10 @@ from jax import Array
 from numpy.testing import assert_allclose
 
 from ertel.equations.contact import NEWTONIAN_FLOW, Contact, bare_contact, mobility, traceable
-from ertel.equations.shear import NODES
 from ertel.equations.thinning import ThinningFlow
 from ertel.numerics.grid import Grid, Symmetry
 from ertel.numerics.integrals import Plane
-from ertel.numerics.stencils import folded, unfolded
+from ertel.numerics.stencils import folded, node_slopes, unfolded
 from ertel.physics.fluidity import Fluidity, ReeEyring
 from ertel.physics.geometry import CIRCLE
 from ertel.physics.lubricant import DowsonHigginson, Lubricant, Roelands
@@ -25,7 +24,7 @@ OIL = Lubricant(Roelands(5.0, 0.67, 5.0), DowsonHigginson(1.6))
 EYRING, STIFF = ReeEyring(0.05), ReeEyring(1e12)
 GAIN = jax.jit(lambda c, P, H: c.flow.gain(c, P, H))
 SLOPE = jax.jit(lambda c, P, H, dP, dH: jax.jvp(partial(c.flow.gain, c), (P, H), (dP, dH))[1])
-MOBILITY = jax.jit(lambda c, P, H: c.flow.mobilities(c, P, H, NODES).secant)
+MOBILITIES = jax.jit(lambda c, P, H: c.flow.mobilities(c, P, H))
 DETAILS = jax.jit(lambda c, P, H, sliding, plane: c.flow.details(c, P, H, sliding, plane))
 
 
@@ -52,8 +51,9 @@ def test_an_oil_that_does_not_thin_is_newtonian():
     newtonian = GAIN(plain, P, H)
     inner = np.s_[1:-1, 1:-1]
     assert_allclose(GAIN(c, P, H)[inner], newtonian[inner], rtol=0, atol=1e-12 * float(jnp.abs(newtonian).max()))
-    for thin in MOBILITY(c, P, H):
-        assert_allclose(thin, mobility(c, P, H), rtol=1e-12)
+    for thin in MOBILITIES(c, P, H):
+        for along in (thin.x, thin.y):
+            assert_allclose(along, mobility(c, P, H), rtol=1e-12)
     thin, plain = (DETAILS(each, P, H, 0.7, Plane.of(grid)) for each in (c, plain))
     assert_allclose(thin.heat, plain.heat, rtol=1e-11, atol=1e-12 * float(jnp.abs(plain.heat).max()))
     assert_allclose(thin.stress, plain.stress, rtol=1e-11, atol=1e-12 * float(jnp.abs(plain.stress).max()))
@@ -110,8 +110,22 @@ def test_half_a_plane_and_a_quarter_of_it_are_enough():
     assert_allclose(unfolded(part.heat, even), whole.heat, atol=1e-9 * float(jnp.abs(whole.heat).max()))
     assert float(Plane.of(half).total(part.heat)) == pytest.approx(float(Plane.of(grid).total(whole.heat)), rel=1e-9)
     assert_allclose(whole.gain[inner], GAIN(thinning(grid, sliding=0.7), P, H)[inner], rtol=1e-7)
-    for found, expected in zip(whole.mobility, MOBILITY(thinning(grid, sliding=0.7), P, H), strict=True):
+    for found, expected in zip(whole.mobility, MOBILITIES(thinning(grid, sliding=0.7), P, H).tangent, strict=True):
         assert_allclose(found, expected, rtol=1e-7)
+
+
+def test_the_secant_mobility_is_that_along_the_gradient():
+    """In pure rolling the integral of zeta^2 phi across the film; sliding thins the oil further."""
+    grid = square_grid(33)
+    (P, H), rolling = fields(grid), thinning(grid, sliding=0.0)
+    size = np.asarray(H * jnp.hypot(*node_slopes(P, grid.spacing)))
+    z, weight = (both[:, None, None] for both in np.polynomial.legendre.leggauss(40))
+    factor = 12.0 * np.sum(weight / 2 * (z / 2) ** 2 * EYRING.fluidity(np.abs(z) / 2 * size, 0.0), axis=0)
+    secant, tangent = MOBILITIES(rolling, P, H)
+    plain = np.asarray(mobility(rolling, P, H))
+    assert_allclose(secant.x / plain, np.where(size > 0.0, factor, 1.0), rtol=1e-6)
+    assert factor.max() > 2.0 and np.all(tangent.x + tangent.y >= (1.0 - 1e-9) * 2.0 * secant.x)
+    assert np.all(MOBILITIES(thinning(grid), P, H).secant.x >= (1.0 - 1e-9) * np.asarray(secant.x))
 
 
 def test_nothing_flows_where_the_surfaces_overlap():

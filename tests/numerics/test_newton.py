@@ -17,7 +17,9 @@ from ertel.numerics.newton import gcr
 def system(residual: Callable[[Array, Array], Array], scale: float = 1.0, **others: Any) -> newton.NewtonKrylov:
     """The equations with H = P, preconditioned by a number."""
     parts = {"partner_change": lambda d: d, "tolerance": 1e-9, **others}
-    return newton.NewtonKrylov(residual, preconditioner=lambda P, H, free: lambda r: r / scale, **parts)
+    return newton.NewtonKrylov(
+        lambda P, H, _: residual(P, H), preconditioner=lambda P, H, free, _: lambda r: r / scale, **parts
+    )
 
 
 def diffused(P: Array) -> Array:

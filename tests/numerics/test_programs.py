@@ -99,8 +99,12 @@ def turned(number: Array, vector: Array) -> dict[str, Array]:
 def test_blocks_give_what_all_points_give(share: float) -> None:
     """At the points chosen, and what is given at the others; forward and in several directions at once."""
     draw = np.random.default_rng(0)
-    fields = jnp.asarray(draw.normal(size=SHAPE)), jnp.asarray(draw.normal(size=(2, *SHAPE)))
-    changes = jnp.asarray(draw.normal(size=(2, *SHAPE))), jnp.asarray(draw.normal(size=(2, 2, *SHAPE)))
+
+    def whole(*shape: int) -> Array:
+        """Numbers whose products and sums are exact, whether a program rounds after the product or not."""
+        return jnp.asarray(draw.integers(-1000, 1000, shape), float)
+
+    fields, changes = (whole(*SHAPE), whole(2, *SHAPE)), (whole(2, *SHAPE), whole(2, 2, *SHAPE))
     chosen = jnp.asarray(draw.uniform(size=SHAPE) < share)
 
     def others(number: Array, vector: Array) -> dict[str, Array]:

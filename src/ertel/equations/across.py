@@ -131,13 +131,6 @@ def moments_by_nodes(law: Fluidity, pressure: Array, t: Vector, g: Vector, nodes
     return _assembled(_sums(nodes, phi, range(3)), _sums(nodes, slope, range(5)), t, g)
 
 
-def sliding_moments(law: Fluidity, pressure: Array, t: Vector, g: Vector, nodes: Nodes) -> tuple[Array, Array, Tensor]:
-    """The moments that the sliding needs: S_0, S_1 and A."""
-    phi, slope = with_slope(law, pressure, _sizes(t, g, nodes[0]))
-    s0, s1 = _sums(nodes, phi, range(2))
-    return s0, s1, _tensor(s0, _sums(nodes, slope, range(3)), _products(t, g))
-
-
 def _sums(nodes: Nodes, values: Array, powers: Sequence[int]) -> Sequence[Array]:
     """The integrals of zeta^k times the values on both sides."""
     zeta, weight = nodes
@@ -164,22 +157,6 @@ def _products(t: Vector, g: Vector) -> Sequence[Tensor]:
     return dyad(t, t), dyad(t, 2.0 * g), dyad(g, g)
 
 
-def secant_by_nodes(law: Fluidity, across: int, pressure: Array, t: Vector, g: Vector) -> Tensor:
-    """The tensor of `shear.secant_mobility`."""
-    # where the nodes lie has no influence
-    zeta, weight = nodes = jax.lax.stop_gradient(gauss_nodes(law, across, pressure, t, g))
-    phi, slope = with_slope(law, pressure, _sizes(t, g, zeta))
-    # |tau+|^2 - |tau-|^2 = 4 zeta tau_m . g; where it is too small for a quotient, the mean slope by |tau|^2 serves
-    difference = 4.0 * zeta * dot(t, g)
-    size = square(t)[None] + zeta**2 * square(g)[None]
-    apart = jnp.abs(difference) > 1e-6 * size
-    quotient = (phi[0] - phi[1]) / jnp.where(apart, difference, 1.0)
-    by_square = jnp.where(apart, quotient, 0.25 * (slope[0] + slope[1]))
-    along = jnp.sum(weight * 4.0 * zeta**2 * by_square, axis=0)
-    (S_2,) = _sums(nodes, phi, [2])
-    return _tensor(S_2, [along], [dyad(t, t)])
-
-
 # -- where the oil hardly thins ---------------------------------------------------------------------------------------
 
 
@@ -194,7 +171,7 @@ class Series(NamedTuple):
 def series_of(law: Fluidity, pressure: Array, stress: Vector, gradient: Vector) -> Series:
     """The series through phi at the largest stress T that there can be, and at T/sqrt(2); it is checked at T/2."""
     T = jax.lax.stop_gradient(jnp.maximum(length(stress) + 0.5 * length(gradient), NO_STRESS))  # without influence
-    end, middle, check = (law.fluidity(T * share**0.5, pressure) - 1.0 for share in (1.0, 0.5, 0.25))
+    end, middle, check = law.fluidity(jnp.stack([T, 0.5**0.5 * T, 0.5 * T]), pressure) - 1.0
     second = 2.0 * end - 4.0 * middle
     first = end - second
     holds = (jnp.abs(first / 4.0 + second / 16.0 - check) <= SERIES_ERROR) & (end <= SERIES_END)
@@ -226,11 +203,3 @@ def series_moments(series: Series, of_stress: Sequence[Sequence[Array | float]],
     s = [one + rest for one, rest in zip(ones, series_sums(series, of_stress), strict=False)]
     r = [2.0 * series.first * one + 4.0 * series.second * square for one, square in zip(ones, squares, strict=True)]
     return _assembled(s, r, t, g)
-
-
-def series_secant(series: Series, t: Vector, g: Vector) -> Tensor:
-    """As `secant_by_nodes`."""
-    a, c = square(t), square(g)
-    along = (series.first + 2.0 * series.second * a) / 6.0 + series.second * c / 20.0
-    S_2 = OF_POWERS[2] + series_sums(series, integrals_of_stress(t, g))[2]
-    return _tensor(S_2, [along], [dyad(t, t)])

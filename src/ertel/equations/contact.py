@@ -45,7 +45,7 @@ class Details(NamedTuple):
 
     stress: tau_m in the middle of the film along X and along Y, in units of p_h a/R, shape (2, n, n).  heat: what the
     pressure spends on the flow, - flux . grad of the enthalpy, in units of p_h a^2/(R t0), shape (n, n); each face
-    between two nodes gives half to either.  gain: as from `PressureFlow`.  mobility: the secant one of its mobilities.
+    between two nodes gives half to either.  gain: as from `PressureFlow`.  mobility: the tangent one of its mobilities.
     """
 
     stress: Array
@@ -61,6 +61,10 @@ class PressureFlow:
 
     An oil that thins has the same methods, each its own (`thinning`).
     """
+
+    def at(self, contact: "Contact", P: Array, H: Array) -> "PressureFlow":
+        """The same with what takes long to find in this film, for the other methods there."""
+        return self
 
     def gain(self, contact: "Contact", P: Array, H: Array) -> Array:
         """- div(Poiseuille flux): what the flow brings to each node; without meaning on the edge.  Shape (n, n)."""

@@ -47,6 +47,15 @@ CLOSE = 1e-3  # a change after which the next one is the last
 LIMIT = 40  # of Newton iterations
 
 
+class ShearedFilm(NamedTuple):
+    """What the flow depends on: the law, the pressure, the sliding and the gradient, as in `shear`."""
+
+    law: Fluidity
+    pressure: Array
+    sliding: Vector
+    gradient: Vector
+
+
 class Shear(NamedTuple):
     """The flow across the film.
 
@@ -68,33 +77,27 @@ def shear(law: Fluidity, pressure: Array, sliding: Array, gradient: Array, point
     (2, ...).  gradient: g = h grad p in Pa, shape (2, ...).  All finite; differentiable (forward and reverse) in all of
     them and in the numbers of the law, which must be a JAX pytree (`contact.traceable`).
     """
-    given = law, pressure, Vector(*sliding), Vector(*gradient)
-    law_, p, s, g = jax.lax.stop_gradient(given)
-    series, change = _with_change(lambda p: across.series_of(law_, p, s, g), p)
-    simple = _of_series(series, change, s, g)
-    solution = in_blocks(partial(_solved, law_, points), ~series.holds, simple, p, s, g)
-    stress, flux = (jnp.stack([of.x, of.y]) for of in _attached(given[:2], *given[2:], solution))
+    film = ShearedFilm(law, pressure, Vector(*sliding), Vector(*gradient))
+    solution = solved_film(film, points)
+    stress, flux = (jnp.stack([of.x, of.y]) for of in attached(film, solution))
     return Shear(stress, flux, solution.by_gradient, jnp.max(solution.iterations))
 
 
-def secant_mobility(law: Fluidity, pressure: Array, stress: Array, gradient: Array, points: int = NODES) -> Tensor:
-    """The tensor K with Q = K g and the axes of the stress: smaller across tau_m, larger along it.
+def solved_film(film: "ShearedFilm", points: int = NODES, guess: Vector | None = None) -> "SolvedFilm":
+    """The flow across a film and its derivatives, all held when they are differentiated (see `attached`).
 
-        K = S_2 + tau_m tau_m S_1/(tau_m . g)                                                     Newtonian: 1/12
-
-    It has a limit where tau_m . g = 0.  In a small gradient it is phi across and d(phi tau)/dtau along tau_m.  The
-    off-diagonal part is small where sliding is along an axis; a preconditioner for fluxes along X and Y uses xx and yy.
+    guess: of the stress in the middle, which saves iterations.
     """
-    t, g = Vector(*stress), Vector(*gradient)
-    series = across.series_of(law, pressure, t, g)
-    simple, exact = across.series_secant(series, t, g), partial(across.secant_by_nodes, law, points)
-    return in_blocks(exact, ~series.holds, simple, pressure, t, g)
+    law, p, s, g = jax.lax.stop_gradient(film)
+    series, change = _with_change(lambda p: across.series_of(law, p, s, g), p)
+    simple = _of_series(series, change, s, g)
+    return in_blocks(partial(_solved, law, points), ~series.holds, simple, p, s, g, jax.lax.stop_gradient(guess))
 
 
 # -- where the oil hardly thins ---------------------------------------------------------------------------------------
 
 
-def _of_series(series: Series, change: Series, sliding: Vector, gradient: Vector) -> "_Solution":
+def _of_series(series: Series, change: Series, sliding: Vector, gradient: Vector) -> "SolvedFilm":
     """The solution by the series: two iterations from the stress of a Newtonian oil.  change: by the pressure."""
     t = sliding
     for _ in range(2):
@@ -121,7 +124,9 @@ class _Iterate(NamedTuple):
     iterations: Array
 
 
-def _solved(law: Fluidity, points: int, pressure: Array, sliding: Vector, gradient: Vector) -> "_Solution":
+def _solved(
+    law: Fluidity, points: int, pressure: Array, sliding: Vector, gradient: Vector, guess: Vector | None
+) -> "SolvedFilm":
     """The solution, with the number of iterations, the same at each point.
 
     With the fluidity F of the film without sliding, measured along the gradient, and psi(v) = stress(|v|) v/|v|, the
@@ -139,12 +144,12 @@ def _solved(law: Fluidity, points: int, pressure: Array, sliding: Vector, gradie
     def improve(it: _Iterate) -> _Iterate:
         """Try the change; where it does not reduce the residual, try half of it next."""
         t = it.stress + it.change
-        s0, s1, A = across.sliding_moments(law, pressure, t, gradient, nodes)
-        now, unbent = _bent(law, pressure, (s0 * t + s1 * gradient) / resting)
+        m = across.moments_by_nodes(law, pressure, t, gradient, nodes)
+        now, unbent = _bent(law, pressure, _flow(m.s, t, gradient)[0] / resting)
         residual = length(aim - now)
         better = residual < it.residual
         either = partial(jnp.where, better)
-        change = tree.map(either, divided(A, resting * unbent(aim - now)), 0.5 * it.change)
+        change = tree.map(either, divided(m.A, resting * unbent(aim - now)), 0.5 * it.change)
         stress = tree.map(either, t, it.stress)
         wall = length(stress) + length(gradient)
         tried = jnp.where(better & (it.iterations > 0), length(it.change), jnp.inf)
@@ -152,7 +157,7 @@ def _solved(law: Fluidity, points: int, pressure: Array, sliding: Vector, gradie
         return _Iterate(stress, change, jnp.where(better, residual, it.residual), left, it.iterations + 1)
 
     far = jnp.full_like(pressure, jnp.inf)
-    first = _Iterate(aim, 0.0 * aim, far, jnp.max(far), jnp.zeros((), jnp.int32))
+    first = _Iterate(guess or aim, 0.0 * aim, far, jnp.max(far), jnp.zeros((), jnp.int32))
     last = jax.lax.while_loop(unsolved, improve, first)
     t = last.stress + last.change
     count = jnp.full(pressure.shape, last.iterations)
@@ -184,7 +189,7 @@ def _bent(law: Fluidity, pressure: Array, v: Vector) -> tuple[Vector, Any]:
 # -- its derivative ---------------------------------------------------------------------------------------------------
 
 
-class _Solution(NamedTuple):
+class SolvedFilm(NamedTuple):
     """tau_m, Q and the iterations; A, the rows of C A^-1, and D - C A^-1 C; the derivatives by the pressure."""
 
     stress: Vector
@@ -196,7 +201,7 @@ class _Solution(NamedTuple):
     by_pressure: tuple[Vector, Vector]
 
 
-def _solution(m: Moments, by_pressure: Sequence[Array], t: Vector, g: Vector, iterations: Array) -> _Solution:
+def _solution(m: Moments, by_pressure: Sequence[Array], t: Vector, g: Vector, iterations: Array) -> SolvedFilm:
     """by_pressure: the changes of S_0, S_1 and S_2 for the middle stress t."""
     (_, flux), (slid, extra) = _flow(m.s, t, g), _flow(by_pressure, t, g)
     of_x, of_y = Vector(*m.C[:2]), Vector(*m.C[1:])
@@ -204,7 +209,7 @@ def _solution(m: Moments, by_pressure: Sequence[Array], t: Vector, g: Vector, it
     xx, yy = m.D[0] - dot(by_sliding[0], of_x), m.D[2] - dot(by_sliding[1], of_y)
     by_gradient = xx, m.D[1] - dot(by_sliding[0], of_y), yy
     stress_and_flux = divided(m.A, -1.0 * slid), extra - product(by_sliding, slid)
-    return _Solution(t, flux, iterations, m.A, by_sliding, by_gradient, by_pressure=stress_and_flux)
+    return SolvedFilm(t, flux, iterations, m.A, by_sliding, by_gradient, by_pressure=stress_and_flux)
 
 
 def _flow(s: Sequence[Array], t: Vector, g: Vector) -> tuple[Vector, Vector]:
@@ -218,15 +223,15 @@ def _with_change(function: Callable[[Array], Any], pressure: Array) -> Any:
 
 
 @jax.custom_jvp
-def _attached(oil: Any, sliding: Vector, gradient: Vector, solution: _Solution) -> tuple[Vector, Vector]:
-    """tau_m and Q.  oil: the law and the pressure.  solution: for these arguments; its changes follow."""
+def attached(film: ShearedFilm, solution: SolvedFilm) -> tuple[Vector, Vector]:
+    """tau_m and Q of the solution for this film; they change with the film when they are differentiated."""
     return solution.stress, solution.flux
 
 
-@partial(_attached.defjvp, symbolic_zeros=True)
+@partial(attached.defjvp, symbolic_zeros=True)
 def _change(primals: Any, tangents: Any) -> Any:
-    (law, pressure), _, gradient, solution = primals
-    (d_law, dp), ds, dg, _ = tangents
+    (law, pressure, _, gradient), solution = primals
+    (d_law, dp, ds, dg), _ = tangents
     ds, dg, dp = tree.map(_given, (ds, dg, dp), is_leaf=_is_zero)
     stress_by_pressure, flux_by_pressure = solution.by_pressure
     slid, extra = _by_law(law, d_law, pressure, gradient, solution.stress)

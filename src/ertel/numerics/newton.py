@@ -62,15 +62,16 @@ NO_BORDER = Border(0.0, 0.0, lambda P, s: s, 1.0, 1.0)
 class Solution(NamedTuple):
     """An iterate: P and H, both (n, n); the maximum residual in units of the tolerance; the work.
 
-    left: the residual, >= 0 where P is held at zero, elsewhere nearly zero, shape (n, n).  history: the maximum
-    residual before the first and after each Newton iteration, shape (newton_limit + 1,), padded with NaN.  forcing: the
-    reduction of the next linear residual.
+    left: the residual, >= 0 where P is held at zero, elsewhere nearly zero, shape (n, n).  shared: see `NewtonKrylov`.
+    history: the maximum residual before the first and after each Newton iteration, shape (newton_limit + 1,), padded
+    with NaN.  forcing: the reduction of the next linear residual.
     """
 
     P: Array
     H: Array
     s: Array
     left: Array
+    shared: Any
     residual: Array
     newton: Array
     krylov: Array
@@ -91,20 +92,24 @@ _Change = Callable[[Array, Array], Array]  # of r, from those of P and H
 class NewtonKrylov:
     """The equations with the ways to solve them; a change is one of P and one of s.
 
-    partner_change maps a change of P to the change of H.  preconditioner(P, H, free) returns an approximate inverse of
-    the Jacobian on the free nodes.  tolerance bounds |r| at every free node.
+    partner_change maps a change of P to the change of H.  preconditioner(P, H, free, shared) returns an approximate
+    inverse of the Jacobian on the free nodes.  tolerance bounds |r| at every free node.
+
+    shared: from P, H and what it gave last (None at first) to what the residual, its derivative and the preconditioner
+    share there.
 
     filled: from r where P = 0 (0 elsewhere) to a field that is negative at the nodes which the next iteration frees;
     it may free more nodes than those with r < 0, since the iteration holds them again if P < 0 follows.
     """
 
-    residual: Callable[[Array, Array], Array]
+    residual: Callable[[Array, Array, Any], Array]
     partner_change: Map
-    preconditioner: Callable[[Array, Array, Array], Map]
+    preconditioner: Callable[[Array, Array, Array, Any], Map]
     tolerance: Array | float
     options: Options = Options()
     border: Border = NO_BORDER
     filled: Map = lambda r: r
+    shared: Callable[[Array, Array, Any], Any] = lambda P, H, last: None
 
     def solve(self, P: Array, H: Array) -> Solution:
         """The solution from the first guess P and the matching H = H(P), both of shape (n, n)."""
@@ -113,7 +118,7 @@ class NewtonKrylov:
         history = jnp.full(self.options.newton_limit + 1, jnp.nan)
         infinite, forcing = (jnp.asarray(value, P.dtype) for value in (jnp.inf, self.options.first_reduction))
         # no residual is needed yet: the first iteration is always done, and begins with it
-        first = Solution(P, H, s, jnp.zeros_like(P), infinite, zero, zero, history, forcing)
+        first = Solution(P, H, s, jnp.zeros_like(P), self.shared(P, H, None), infinite, zero, zero, history, forcing)
         return jax.lax.while_loop(self.is_unsolved, self.improve, first)
 
     def size(self, P: Array, s: Array, r: Array) -> Array:
@@ -127,18 +132,19 @@ class NewtonKrylov:
 
     def improve(self, it: Solution) -> Solution:
         """One Newton iteration."""
-        r, change_of_r = jax.linearize(self.residual, it.P, it.H)
+        r, change_of_r = jax.linearize(lambda P, H: self.residual(P, H, it.shared), it.P, it.H)
         (dP, ds), krylov = self.newton_change(it, r, change_of_r)
         # all nodes by the same share: where the few of a spike alone are held back, their neighbours lose their balance
         largest = jnp.maximum(jnp.max(jnp.abs(dP)), jnp.abs(ds) / jnp.maximum(jnp.min(it.H), 1.0))
         share = jnp.minimum(1.0, self.options.largest_change / jnp.maximum(largest, jnp.finfo(dP.dtype).tiny))
         P, s = jnp.maximum(it.P + share * dP, 0.0), it.s + share * ds
         H = it.H + self.change_of_H((P - it.P, s - it.s))
-        left, count = self.residual(P, H), it.newton + 1
+        shared, count = self.shared(P, H, it.shared), it.newton + 1
+        left = self.residual(P, H, shared)
         size, reached = self.size(it.P, it.s, r), self.size(P, s, left)
         history = it.history.at[it.newton].set(size).at[count].set(reached)
         forcing = _forcing(self.options, reached / size, reached)
-        return Solution(P, H, s, left, reached, count, it.krylov + krylov, history, forcing)
+        return Solution(P, H, s, left, shared, reached, count, it.krylov + krylov, history, forcing)
 
     def change_of_H(self, d: _Pair) -> Array:
         return self.partner_change(d[0]) + self.border.dH_ds * d[1]
@@ -153,7 +159,7 @@ class NewtonKrylov:
         def jacobian(d: _Pair) -> _Pair:
             return free * change_of_r(d[0], self.change_of_H(d)), weight * change_of_misfit(*d)
 
-        inverse = self.preconditioner(it.P, it.H, free)
+        inverse = self.preconditioner(it.P, it.H, free, it.shared)
         column = free * change_of_r(jnp.zeros_like(it.P), jnp.full_like(it.H, self.border.dH_ds))
 
         def direction(k: Array, r: _Pair) -> _Pair:

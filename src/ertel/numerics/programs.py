@@ -162,13 +162,16 @@ def in_blocks(function: Callable[..., Any], chosen: Array, others: Any, *fields:
     count = jnp.cumsum(chosen.ravel())
     fields = tree.map(lambda field: field.reshape(*field.shape[: field.ndim - chosen.ndim], -1), fields)
 
-    def block(number: Array) -> Any:
-        gathered = [tree.map(lambda field: field[..., places[number]], field) for field in fields]
-        nothing = tree.map(lambda part: jnp.zeros(part.shape, part.dtype), jax.eval_shape(function, *gathered))
-        return lax.cond(number * BLOCK < count[-1], lambda: function(*gathered), lambda: nothing)
+    def block(number: Array, line: Any) -> Any:
+        """The line of points chosen, with those of one more block."""
+        new = function(*tree.map(lambda field: field[..., places[number]], fields))
+        return tree.map(lambda old, part: lax.dynamic_update_slice_in_dim(old, part, number * BLOCK, -1), line, new)
 
-    def back(computed: Array, other: Array) -> Array:
-        line = jnp.moveaxis(computed, 0, -2).reshape(*computed.shape[1:-1], -1)
+    def back(line: Array, other: Array) -> Array:
         return where(line[..., jnp.maximum(count - 1, 0)].reshape(other.shape), other)
 
-    return tree.map(back, lax.map(block, jnp.arange(blocks)), others)
+    def empty(other: Array) -> Array:
+        return jnp.zeros((*other.shape[: other.ndim - chosen.ndim], blocks * BLOCK), other.dtype)
+
+    line = lax.fori_loop(0, -(-count[-1] // BLOCK), block, tree.map(empty, others))
+    return tree.map(back, line, others)

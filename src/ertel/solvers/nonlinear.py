@@ -17,7 +17,7 @@ from jax.tree_util import register_dataclass
 
 from ertel.equations import contact
 from ertel.equations.approach import ClosureLine
-from ertel.equations.contact import Contact
+from ertel.equations.contact import Contact, PressureFlow
 from ertel.equations.flow import Rate, downstream, flow_aligned, upstream_of, void_change
 from ertel.equations.linearised import linear_film
 from ertel.numerics import multigrid, newton, stencils
@@ -75,23 +75,32 @@ class ClosedSystem(NamedTuple):
 
 @jax.jit
 def solve(problem: Problem, P: Array, approach: FloatLike) -> tuple[newton.Solution, Array]:
-    """P, H and Delta from a first guess of P and Delta (which is not used where Delta follows from P)."""
+    """P, H and Delta from a first guess of P and Delta (which is not used where Delta follows from P).
+
+    The solution shares the flow by the pressure gradient in its film.
+    """
     turned = partial(flow_aligned, problem.rate)
     problem, P = _flow_aligned(problem), turned(P)
-    how = problem.algorithms
+    how, c = problem.algorithms, problem.contact
     closed = how.close(problem, P, approach)
 
-    def residual(P: Array, H: Array) -> Array:
-        return contact.residual(problem.contact, P, H, problem.rate)
+    def residual(P: Array, H: Array, flow: PressureFlow) -> Array:
+        return contact.residual(replace(c, flow=flow), P, H, problem.rate)
 
-    inverse = partial(how.preconditioner, problem)
+    def inverse(P: Array, H: Array, free: Array, flow: PressureFlow) -> newton.Map:
+        return how.preconditioner(replace(problem, contact=replace(c, flow=flow)), P, H, free)
+
+    def flow(P: Array, H: Array, last: PressureFlow | None) -> PressureFlow:
+        return (last or c.flow).at(c, P, H)
+
     fill = partial(filled, problem)
     system = newton.NewtonKrylov(
-        residual, closed.film_change, inverse, problem.tolerance, how.options, closed.border, fill
+        residual, closed.film_change, inverse, problem.tolerance, how.options, closed.border, fill, flow
     )
     solution = system.solve(P, closed.H)
     fields = {name: turned(getattr(solution, name)) for name in ("P", "H", "left")}
-    return solution._replace(**fields), closed.approach(solution)
+    flow_there = solution.shared if problem.rate.wedge is None else c.flow  # that of a steady film is not needed
+    return solution._replace(**fields, shared=flow_there), closed.approach(solution)
 
 
 class Middle(NamedTuple):
@@ -117,9 +126,10 @@ class Middle(NamedTuple):
         solution, found = solve(inner, P[middle], approach)
         P = jnp.zeros_like(P).at[middle].set(solution.P)
         H = contact.film_thickness(c, P, found)
-        left = contact.residual(c, P, H, rate)
+        flow = c.flow.at(c, P, H)
+        left = contact.residual(replace(c, flow=flow), P, H, rate)
         residual = jnp.maximum(solution.residual, newton.largest_residual(P, left, problem.tolerance))
-        return solution._replace(P=P, H=H, left=left, residual=residual), found
+        return solution._replace(P=P, H=H, left=left, shared=flow, residual=residual), found
 
 
 def filled(problem: Problem, r: Array) -> Array:

@@ -352,7 +352,7 @@ def _numbers(
     p: StepProblem, known: Known, rate: Rate, s: newton.Solution, fields: Mapping[str, Array], approach: Array
 ) -> Array:
     """The numbers of the step, see `account.step_numbers`, with those of `MEASURED`."""
-    c, mass, setting = p.contact, fields["mass"], p.setting
+    c, mass, setting = replace(p.contact, flow=s.shared), fields["mass"], p.setting
     U = 0.0 if p.flow is None else p.flow.entrainment
     *measured, load = state.key_values(setting.space, s.P, s.H)
     F = (load + known.load_around) / setting.hertz_load
