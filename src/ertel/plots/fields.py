@@ -20,7 +20,10 @@ from ertel.plots.view import LOADED, View
 from ertel.results.alignment import NOT_FULL
 from ertel.results.profiles import events_of
 
-ARROWS = "\N{RIGHTWARDS ARROW}\N{LEFTWARDS ARROW}"  # of a flow along x, and against it
+ARROWS = {  # of a flow along x, and against it; in maps that are turned, and others
+    True: "\N{DOWNWARDS ARROW}\N{UPWARDS ARROW}",
+    False: "\N{RIGHTWARDS ARROW}\N{LEFTWARDS ARROW}",
+}
 MINUS = "\N{MINUS SIGN}"
 FLATTEST = 0.15  # height over width of a map that has equal scales along both sides
 SEEN = 0.1  # of the largest power loss: less does not count where a map ends
@@ -124,9 +127,12 @@ def _draw_map(
         axes.figure.colorbar(image, ax=axes, label=z.label, extend=extend, location=place)
     heading = z.long_name.removesuffix(" per area").capitalize()
     axes.set_title(f"{heading}, a line every {steps[1]:.3g} {z.unit}")
-    if view.flow:
-        ways = "\N{DOWNWARDS ARROW}\N{UPWARDS ARROW}" if view.is_turned else ARROWS
-        axes.text(0.02, 0.97, f"flow {ways[int(view.flow < 0)]}", transform=axes.transAxes, va="top", fontsize="small")
+    axes.text(0.02, 0.97, flow_in(view), transform=axes.transAxes, va="top", fontsize="small")
+
+
+def flow_in(view: View) -> str:
+    """The direction of the flow in a map, "" without one."""
+    return f"flow {ARROWS[view.is_turned][int(view.flow < 0)]}" if view.flow else ""
 
 
 def _side(view: View, name: str) -> float:

@@ -1,6 +1,6 @@
 """Panels that show a run through time, and the convergence of a steady contact on its grids."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -52,8 +52,8 @@ def draw_motion(axes: Axes, view: View) -> None:
     looks = {"F": ("load $F/F^*$", ORANGE, "-"), "V": ("speed $v/v_0$", GREY, "-.")}
     _draw_series(axes, view, [(approach, (r"approach $\delta/\delta^*$", BLUE, "-")), *_stored(view, looks)])
     axes.axhline(0.0, color="black", linewidth=0.5)
-    axes.set(ylabel="share of the dry impact's", ylim=(-1.1, 1.35))
-    axes.legend(loc="upper left", edgecolor="none", ncols=3, columnspacing=1.0, handlelength=1.5, fontsize="small")
+    axes.set(ylabel="share of the dry impact's", ylim=(-1.1, 1.2))
+    axes.legend(loc="best", edgecolor="none", fontsize="small")
 
 
 def _draw_drive(axes: Axes, view: View) -> None:
@@ -67,8 +67,8 @@ def _draw_drive(axes: Axes, view: View) -> None:
     _draw_series(axes, view, lines)
     low, high = (float(limit([values for values, _ in lines])) for limit in (np.min, np.max))
     span = max(high - min(low, 0.0), 0.1)
-    axes.set(ylabel="share of the static contact's", ylim=(min(low, 0.0) - 0.05 * span, high + 0.3 * span))
-    axes.legend(loc="upper left", edgecolor="none", ncols=2, columnspacing=1.0, fontsize="small")
+    axes.set(ylabel="share of the static contact's", ylim=(min(low, 0.0) - 0.05 * span, high + 0.05 * span))
+    axes.legend(loc="best", edgecolor="none", fontsize="small")
 
 
 def draw_place(axes: Axes, view: View) -> None:
@@ -113,7 +113,7 @@ def draw_front_speed(axes: Axes, view: View) -> None:
     T = np.linspace(front.T[0], front.T[-1], 400)
     dry = np.gradient(_dry_edge(view, T), T)
     axes.plot(T * time.factor, dry * z.factor, color=GREY, linestyle="--", label="edge of the dry contact")
-    axes.plot(front.T * time.factor, front.speed * z.factor, color=GREEN, label="front: place of the minimum film")
+    axes.plot(front.T * time.factor, front.speed * z.factor, color=GREEN, label="front")
     _draw_series(axes, view, [])
     axes.set(ylabel=f"speed ({z.unit})", ylim=(0.0, 3.0 * usual * z.factor))  # the first touch is faster without end
     axes.legend(loc="upper right", edgecolor="none", fontsize="small")
@@ -123,17 +123,23 @@ def draw_front_speed(axes: Axes, view: View) -> None:
 
 
 def draw_film_history(axes: Axes, view: View) -> None:
-    """Central and minimum film thickness through time, over decades where the film falls by as much."""
+    """Central and minimum film thickness through time."""
     z = view.scale("H_c", view.largest("H_c", lambda each: float(each.dataset["H_c"].min())))
     looks = {"H_c": (view.legend("H_c"), BLUE, "-"), "H_min": (view.legend("H_min"), ORANGE, "-")}
     _draw_series(axes, view, _stored(view, looks), z.factor)
     axes.set(ylabel=f"film thickness ({z.unit})")
-    axes.legend(loc="upper right", edgecolor="none", fontsize="small")
-    central, minimum = (view.dataset[name].values * z.factor for name in looks)
-    if all(each.dataset["H_c"].max() < 5.0 * each.dataset["H_c"].min() for each in (view, view.beside) if each):
-        axes.set(ylim=(0.0, 1.35 * max(central.max(), minimum.max())))
+    axes.legend(loc="best", edgecolor="none", fontsize="small")
+    films, beside = ([each.dataset[name].values for name in looks] if each else [] for each in (view, view.beside))
+    limit_films(axes, [film * z.factor for film in films], beside)
+
+
+def limit_films(axes: Axes, films: Sequence[Values], beside: Sequence[Values] = ()) -> None:
+    """Show films through time from zero, or over decades where one of them, or of those beside, falls fivefold."""
+    top = max(float(film.max()) for film in films)
+    if all(film.max() < 5.0 * film.min() for film in (*films, *beside)):
+        axes.set(ylim=(0.0, 1.35 * top))
         return
-    low = 0.6 * float(minimum[minimum > 0].min(initial=minimum.max()))  # a film may vanish on a coarse grid
+    low = 0.6 * min(float(film[film > 0].min(initial=top)) for film in films)  # a film may vanish on a coarse grid
     axes.set(yscale="log", ylim=(low, None))
     plain_ticks(axes.yaxis)
 
