@@ -218,7 +218,7 @@ def test_histories_of_a_rolling_contact():
 def test_the_front_and_its_speed(ball):
     place, speed = panels(plots.front(ball))
     assert (place.get_ylabel(), speed.get_ylabel()) == ("distance from the centre (µm)", "speed (m/s)")
-    shown, dry = line(speed, "front: place of the minimum film"), line(speed, "edge of the dry contact")
+    shown, dry = line(speed, "front"), line(speed, "edge of the dry contact")
     expected = fronts.front(ball)
     np.testing.assert_allclose(shown.get_xdata(), expected.T * SCALES.t0 * 1e6)
     np.testing.assert_allclose(shown.get_ydata(), expected.speed * SCALES.front_speed)

@@ -63,11 +63,9 @@ def _draw_drive(axes: Axes, view: View) -> None:
         "U": ("entrainment", GREEN, "--"),
         "w": ("applied load", "black", ":"),
     }
-    lines = _stored(view, looks)
-    _draw_series(axes, view, lines)
-    low, high = (float(limit([values for values, _ in lines])) for limit in (np.min, np.max))
-    span = max(high - min(low, 0.0), 0.1)
-    axes.set(ylabel="share of the static contact's", ylim=(min(low, 0.0) - 0.05 * span, high + 0.05 * span))
+    _draw_series(axes, view, _stored(view, looks))
+    axes.axhline(0.0, color="black", linewidth=0.5)
+    axes.set(ylabel="share of the static contact's")
     axes.legend(loc="best", edgecolor="none", fontsize="small")
 
 
@@ -206,10 +204,8 @@ def draw_coefficients(axes: Axes, view: View) -> None:
     """Traction and rolling resistance through time, each with its own axis, while the film carries load."""
     data = view.dataset
     loaded = _loaded(data)
-    coefficients = [(axes.twinx() if view.slides else axes, "mu_rolling", ORANGE)]
-    if view.slides:
-        coefficients.insert(0, (axes, "mu_sliding", BLUE))
-    for place, name, colour in coefficients:
+    sliding = [(axes, "mu_sliding", BLUE)] if view.slides else []
+    for place, name, colour in (*sliding, (axes.twinx() if view.slides else axes, "mu_rolling", ORANGE)):
         values = data[name].where(loaded)
         z = view.scale(name, float(np.abs(values).max()))
         _draw_series(place, view, [(values.values, (z.long_name, colour, "-"))], z.factor)

@@ -244,7 +244,7 @@ def extremes(data: xr.Dataset) -> dict[str, dict[str, Any]]:
 
 SMALLER_STEPS = 0.5**0.5  # of the run for the error in time: half the error of second order
 WIDER_DOMAIN = 1.5  # of the run for the error of the domain
-ORDERS = {"restitution": 1.0}  # in the spacing, where they are not 2: 1.3 to 1.7 are seen
+ORDERS = {"restitution": 1.0}  # in the spacing, where they are not 2; seen are 1.3 to 1.7
 
 
 def comparisons(case: Case) -> Mapping[str, Case]:
@@ -269,23 +269,23 @@ def wider(solver: Solver) -> Solver:
     return replace(solver, nodes=nodes, half_width=spacing * (nodes - 1) / 2, half_width_y=across, inlet=inlet)
 
 
-def error_estimate(fine: float, others: Mapping[str, float], order: float = 2.0) -> dict[str, Any]:
+def error_estimate(name: str, fine: float, others: Mapping[str, float]) -> dict[str, Any]:
     """The error of a value from the same value of other runs: the size of its parts, and the value with them added.
 
     grid: on the half grid.  time: there in smaller steps, by sqrt(1/2).  domain: there on a domain 1.5 times as wide.
-    The error is of the given order in the spacing, of second order in the step, and of third order in 1/width: the oil
-    outside carries a share 1/width^2 of the load, and its far field misses 1/width.  Parts of one sign add up; those
-    that cancel are taken as independent, since each is but an estimate.
+    The error is of second order in the spacing, see `ORDERS`, and in the step, and of third order in 1/width: the oil
+    outside carries a share 1/width^2 of the load, and its far field misses 1/width.  The parts are independent of each
+    other as far as they cancel; where they have one sign the error reaches to the extrapolated value.
     """
     half = others["grid"]
-    parts = {"grid": (fine - half) / (2.0**order - 1.0)}
+    parts = {"grid": (fine - half) / (2.0 ** ORDERS.get(name, 2.0) - 1.0)}
     for name, factor in (("time", SMALLER_STEPS**2), ("domain", WIDER_DOMAIN**-3)):
         if name in others:
             parts[name] = (others[name] - half) / (1 - factor)
     dominant = max(parts, key=lambda name: abs(parts[name]))
-    change = sum(parts.values())
-    error = max(abs(change), hypot(*parts.values()))
-    return {"value": fine, "error": error, "extrapolated": fine + change, **parts, "dominant": dominant}
+    extrapolated = fine + sum(parts.values())
+    error = max(abs(extrapolated - fine), hypot(*parts.values()))
+    return {"value": fine, "error": error, "extrapolated": extrapolated, **parts, "dominant": dominant}
 
 
 def with_error(case: Case, fine: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
@@ -303,7 +303,7 @@ def with_error(case: Case, fine: Mapping[str, Any], others: Mapping[str, Mapping
     values, *compared = ({**each, **(each.get("max_approach") or {})} for each in (fine, *others.values()))
     names = {"Delta_max" if name == "Delta" and case.starts_apart else name: name for name in ESTIMATED}
     estimates = {
-        name: error_estimate(known[0], dict(zip(others, known[1:], strict=True)), ORDERS.get(name, 2.0))
+        name: error_estimate(name, values[key], {part: one[key] for part, one in zip(others, compared, strict=True)})
         for name, key in names.items()
         if all(known := [each.get(key) for each in (values, *compared)]) and len(set(known)) > 1  # else given, or zero
     }
