@@ -357,6 +357,7 @@ def test_two_runs_have_common_units(ball, moes):
     """In SI where both runs are, with units that fit both; runs of another ball have other scales."""
     larger = dry_impact({**BALL_FALLS, "contact": {**BALL_FALLS["contact"], "radius": "100 mm"}})
     film, _, thinnest = panels(plots.comparison([ball, larger], ["one", "two"]))
+    assert thinnest.get_yscale() == "log"  # it falls fivefold
     assert film.get_ylabel().startswith("film thickness $h$ (") and film.get_xlabel().startswith("$x$ (")
     ratios = [np.ptp(line(film, name).get_xdata()) for name in ("one", "two")]
     factors = [float(run["X"].attrs["si_factor"]) for run in (ball, larger)]

@@ -156,19 +156,17 @@ def draw_film_through_time(axes: Axes, view: View) -> None:
     x, shades = view.x * across.factor, Normalize(0.0, top * z.factor)
     image = axes.pcolormesh(x, T * time.factor, film, cmap="YlGnBu_r", norm=shades, rasterized=True)
     axes.figure.colorbar(image, ax=axes, label=z.label, extend="max")
-    lines = []
     if data.attrs["kind"] == "impact":
-        edge = _dry_edge(view, history) * across.factor
-        lines = axes.plot(np.transpose([edge, -edge]), history * time.factor, "k--", linewidth=0.8)[:1]
-        lines[0].set_label("edge of the dry contact")
+        edge, names = _dry_edge(view, history) * across.factor, ["edge of the dry contact", "_"]
+        axes.plot(np.transpose([edge, -edge]), history * time.factor, "k--", linewidth=0.8, label=names)
     moved = _integral(data["U"].values, history)
     if np.any(moved):
         starts = np.arange(-WIDEST - moved.max(), WIDEST - moved.min(), 0.5) * across.factor
         paths = starts + moved[:, None] * across.factor
-        lines += axes.plot(paths, history * time.factor, "k:", linewidth=0.8)[:1]
-        lines[-1].set_label("path with the mean speed")
-    if lines:
-        axes.legend(handles=lines, loc="lower left", fontsize="small")
+        names = ["path with the mean speed", *["_"] * (len(starts) - 1)]
+        axes.plot(paths, history * time.factor, "k:", linewidth=0.8, label=names)
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="lower left", fontsize="small")
     if view.moment != LAST:
         axes.axhline(view.time * time.factor, color="black", linewidth=0.4)
     side = view.extent(view.x, P.max(axis=0)) * across.factor
@@ -203,10 +201,9 @@ def _end(data: xr.Dataset) -> int:
 def draw_coefficients(axes: Axes, view: View) -> None:
     """Traction and rolling resistance through time, each with its own axis, while the film carries load."""
     data = view.dataset
-    loaded = _loaded(data)
     sliding = [(axes, "mu_sliding", BLUE)] if view.slides else []
     for place, name, colour in (*sliding, (axes.twinx() if view.slides else axes, "mu_rolling", ORANGE)):
-        values = data[name].where(loaded)
+        values = data[name].where(_loaded(data))
         z = view.scale(name, float(np.abs(values).max()))
         _draw_series(place, view, [(values.values, (z.long_name, colour, "-"))], z.factor)
         bottom, top = min(1.2 * float(values.min()) * z.factor, 0.0), max(1.2 * float(values.max()) * z.factor, 0.0)
