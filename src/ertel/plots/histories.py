@@ -266,7 +266,7 @@ def draw_convergence(axes: Axes, view: View) -> None:
     axes.set(xlabel="Newton iteration", ylabel="maximum residual", title="Convergence on each grid")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.yaxis.set_major_locator(LogLocator(numticks=8))
-    axes.legend(loc="upper right", frameon=False, fontsize="small", title="nodes", title_fontsize="small")
+    axes.legend(loc="best", frameon=False, fontsize="small", title="nodes", title_fontsize="small")
 
 
 def draw_grids(axes: Axes, view: View) -> None:
