@@ -244,7 +244,7 @@ def extremes(data: xr.Dataset) -> dict[str, dict[str, Any]]:
 
 SMALLER_STEPS = 0.5**0.5  # of the run for the error in time: half the error of second order
 WIDER_DOMAIN = 1.5  # of the run for the error of the domain
-ORDERS = {"restitution": 1.0}  # in the spacing, where they are not 2; seen are 1.3 to 1.7
+ORDERS = {"restitution": 1.0}  # in the spacing, where they are not 2; seen are 1.3 to 2.2
 
 
 def comparisons(case: Case) -> Mapping[str, Case]:
