@@ -7,6 +7,7 @@ from made_up import BALL_FALLS, BALL_ROLLS, MOES_FALLS, as_in_time, dry_impact, 
 from PIL import Image, ImageSequence
 
 from ertel import plots
+from ertel.inputs.python import rolling
 from ertel.optics import Constant, Layer, Monochromatic, Rig, TwoBeams, White
 from ertel.plots import interferograms as page
 from ertel.plots.view import View
@@ -89,6 +90,19 @@ def test_kinds_of_runs(ball, rolls, few_pixels):
     dimensionless = plots.interferogram(dry_impact(MOES_FALLS), film_scale=3e-6)
     assert dimensionless.axes[0].get_xlabel() == "$X$ ($a^*$)"
     assert dimensionless.axes[1].get_ylabel() == "film thickness $h$ (nm)"
+
+
+def test_a_long_contact_is_turned_as_in_maps(few_pixels):
+    """Its picture, edges and labels; the flow goes downwards."""
+    run = steady(rolling(M=200, L=10, radius_ratio=0.08, nodes=81))
+    axes = plots.interferogram(run, film_scale=1e-6).axes[0]
+    across, along = page.pixels_around([View(run)])
+    (image,) = axes.images
+    assert image.get_array().shape[:2] == (len(across), len(along)) and len(along) > 2 * len(across)
+    np.testing.assert_allclose(image.get_extent(), [along[0], along[-1], across[0], across[-1]])
+    assert axes.get_ylim() == (across[-1], across[0])
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("$Y$ ($a$)", "$X$ ($a$)")
+    assert axes.get_title().endswith("flow \N{DOWNWARDS ARROW}")
 
 
 def test_radial_run_is_revolved(few_pixels):

@@ -126,7 +126,7 @@ def test_a_history_with_its_standard_errors(written):
         ("# rig 2\nx_um,h_nm\n\n1,2\n2,-3\n", {}, "film.csv, line 5: h = -3 nm: must not be below zero; its zero may"),
         ("x_um,h_nm\n1,2\n2,3\n", {"align": "index"}, "index = None: must be the index with which film.csv"),
         ("x_um,h_nm\n1,2\n2,3\n", {"index": 145}, "index = 145: must be above 1 and below 3"),
-        ("x_um,intensity\n1,2\n2,3\n", {"align": "ofset"}, "align = 'ofset': allowed: centre, tilt, gain, background"),
+        ("x_um,intensity\n1,2\n2,3\n", {"align": "ofset"}, "align = 'ofset': allowed: centre, tilt, index, gain,"),
         ("x_um,h_nm\n1,2\n2,3\n", {"align": "ofset"}, "align = 'ofset': did you mean offset?"),
         ("x_um,h_nm\n1,2\n2,3\n", {"align": ["zoom"]}, "align = 'zoom': allowed: centre, offset, tilt, index"),
         ("x_um,T\n1,2\n", {}, "has no quantity such as h; it has 'x_um', 'T'; give columns={\"h\": ...}"),
@@ -224,6 +224,15 @@ def test_gain_and_background_of_an_intensity_are_found(ball):
     assert 1.6 < found.rms < 2.4 and "intensity" in repr(found)
     with pytest.raises(ValueError, match="measurement: is an intensity; give optics="):
         ball.compare(replace(intensity(ball, x), optics=None))
+
+
+def test_the_index_of_the_oil_is_found_in_an_intensity(ball):
+    """With that of the rig off by 2 %."""
+    x = np.linspace(-2.5e-4, 2.5e-4, 201)
+    seen = replace(intensity(ball, x, 0.01), optics=replace(RIG, rig=replace(RIG.rig, oil_index=1.48)))
+    found, wrong = ball.compare(replace(seen, align=("index", "centre"))), ball.compare(seen)
+    assert found.shift["index"] == pytest.approx(1.45, abs=0.002) and "; index 1.4" in repr(found)
+    assert found.rms < 2.4 < wrong.rms and abs(found.shift["centre"]) < 0.5e-6
 
 
 def test_fringes_are_not_inverted(ball):

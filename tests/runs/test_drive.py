@@ -127,7 +127,8 @@ def test_warnings_speak_where_they_should() -> None:
 def test_error_estimate_is_exact_for_the_orders_that_it_assumes() -> None:
     def at(h: float, step: float, width: float) -> dict[str, Any]:
         H_c = 0.07 + 3 * h**2 - 2 * step**2 + 0.01 / width**3
-        return {"max_approach": {"H_c": H_c, "H_min": 0.01 - h**2, "Delta": 0.96 + h**2 + 0.05 / width**3}}
+        near = {"H_c": H_c, "H_min": 0.01 - h**2, "Delta": 0.96 + h**2 + 0.05 / width**3}
+        return {"max_approach": near, "restitution": 0.9 - 0.2 * h + 30 * step**2, "F_max": 0.8 + h**2 - step**2}
 
     fine = at(0.01, 0.01, 2.0)
     others = {"grid": at(0.02, 0.01, 2.0), "time": at(0.02, 0.01 * 0.5**0.5, 2.0), "domain": at(0.02, 0.01, 3.0)}
@@ -136,7 +137,10 @@ def test_error_estimate_is_exact_for_the_orders_that_it_assumes() -> None:
     assert found["H_c"]["extrapolated"] == pytest.approx(0.07, rel=1e-12)
     parts = {"grid": -3e-4, "time": 2e-4, "domain": -0.00125}
     assert {name: found["H_c"][name] for name in parts} == pytest.approx(parts, rel=1e-9)
-    assert found["H_c"]["error"] == pytest.approx(sum(part**2 for part in parts.values()) ** 0.5, rel=1e-9)
+    assert found["H_c"]["error"] == pytest.approx(0.00135, rel=1e-9)  # more than independent parts would have
+    assert found["F_max"]["error"] == pytest.approx(2**0.5 * 1e-4, rel=1e-9)  # and not zero, where the parts cancel
+    assert found["restitution"]["extrapolated"] == pytest.approx(0.9, rel=1e-12)
+    assert found["restitution"]["error"] == pytest.approx((0.002**2 + 0.003**2) ** 0.5, rel=1e-9)
     assert [found[name]["dominant"] for name in ("H_c", "H_min", "Delta_max")] == ["domain", "grid", "domain"]
     assert found["Delta_max"]["value"] == fine["max_approach"]["Delta"]
     assert with_error(case, fine, {**others, "time": {"max_approach": None}})["error_estimate"] is None

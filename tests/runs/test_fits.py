@@ -17,7 +17,7 @@ from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.inputs.case_files import ConfigError, parse_case
 from ertel.inputs.fits import with_settings
-from ertel.optics import CHROMIUM, SILICA, Interferometer, Layer, Monochromatic, Rig
+from ertel.optics import CHROMIUM, SILICA, Constant, Interferometer, Layer, Monochromatic, Rig
 from ertel.results.alignment import light_along
 from ertel.results.fit_result import FitResult
 from ertel.results.measurements import Measurement
@@ -246,14 +246,14 @@ set = { "contact.speed" = ["0.1 m/s", "0.2 m/s"] }
 [[measurements]]
 file = "fringes.csv"
 wavelength = "633 nm"
-coatings = "chromium 10 nm, silica 200 nm"
+coatings = "chromium 10 nm, silica 200 nm, 2.1 50 nm"
 index = 1.45
 sigma = 2
 """
     (tmp_path / "fringes.csv").write_text("x_um,intensity (counts)\n0,10\n1,20\n2,15\n3,10\n")
     (tmp_path / "fit.toml").write_text(text + fringes)
     *_, (light, _) = load_fit_problem(tmp_path / "fit.toml").data
-    coatings = (Layer(CHROMIUM, 10e-9), Layer(SILICA, 200e-9))
+    coatings = (Layer(CHROMIUM, 10e-9), Layer(SILICA, 200e-9), Layer(Constant(2.1), 50e-9))
     assert light.optics == Interferometer(Rig(coatings=coatings, oil_index=1.45), Monochromatic(633e-9))
     assert light.align == ("gain", "background") and light.values.tolist() == [10, 20, 15, 10]
     (tmp_path / "fit.toml").write_text(text)

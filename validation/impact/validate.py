@@ -1,6 +1,6 @@
-"""Validate the impact: work, orders, reference numbers.  Writes work.md, orders.md, reference.md here.
+"""Validate the impact: work, orders, reference numbers, errors.  Writes a table NAME.md of each here.
 
-    python validation/impact/validate.py [work] [orders] [reference]     (all three: about 45 minutes on two cores)
+    python validation/impact/validate.py [work] [orders] [reference] [errors]     (all: about 50 minutes on two cores)
 
 The reference numbers are read from ../shared/reference/impact.json beside the checkout (or from ERTEL_REFERENCE).
 """
@@ -20,6 +20,7 @@ import ertel
 from ertel import Case, Result, parse_case, simulate
 from ertel.equations import outside
 from ertel.results.fronts import at_max_approach
+from ertel.results.summary import comparisons, with_error
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from common import BARUS, ISOVISCOUS, table, write
@@ -37,6 +38,37 @@ def case(contact: dict[str, Any], nodes: int, oil: dict[str, Any] | None = None,
     return parse_case(
         {"contact": {"kind": "impact", **contact}, "lubricant": oil or {}, "solver": solver, "time": time}
     )
+
+
+# restitution, contact time, largest load: their order from 401 to 801 rings, for the truth
+WHOLE = {"restitution": 1.5, "contact_time": 2.0, "F_max": 2.0}
+GRIDS = ((129, 3.0, 5e-5), (129, 2.0, 5e-5), (129, 8.0, 3e-4), (257, 4.0, 5e-5))  # rings, half width, time tolerance
+
+
+def errors() -> str:
+    """Errors of --error of whole impacts beside the true ones, along the radius."""
+    head = ["M", "L", "rings", "half width", "time tolerance", "number", "value", "its error", "true error", "ratio"]
+    return table(head, _errors())
+
+
+def _errors() -> Iterator[list[str]]:
+    for M, L in ((50, 5), (200, 10), (1000, 10)):
+        coarse, fine = (simulate(_whole(M, L, *grid)).summary for grid in ((401, 12.0, 1e-5), (801, 12.0, 1.25e-6)))
+        for nodes, half_width, tolerance in GRIDS:
+            chosen = _whole(M, L, nodes, half_width, tolerance)
+            others = {part: simulate(other).summary for part, other in comparisons(chosen).items()}
+            estimates = with_error(chosen, simulate(chosen).summary, others)["error_estimate"]
+            for name, order in WHOLE.items():
+                truth = fine[name] + (fine[name] - coarse[name]) / (2.0**order - 1.0)
+                value, error = (estimates[name][key] for key in ("value", "error"))
+                off = abs(value - truth)
+                numbers = [f"{value:.5f}", f"{error:.1e}", f"{off:.1e}", f"{off / error:.2f}"]
+                yield [*map(str, (M, L, nodes, half_width, tolerance)), name.replace("_", " "), *numbers]
+
+
+def _whole(M: float, L: float, nodes: int, half_width: float, tolerance: float) -> Case:
+    options = {"method": "radial", "half_width": half_width, "until": "rebound", "time_tolerance": tolerance}
+    return case({"M": M, "L": L}, nodes, **options)
 
 
 def work() -> str:
@@ -146,5 +178,6 @@ if __name__ == "__main__":
             "work": ("Work: Krylov iterations per reduction by 100, L = 10, approach to rebound", work, None),
             "orders": ("Orders of convergence, M = 20, L = 5, at maximum approach", orders, None),
             "reference": ("Reference numbers", reference, None),
+            "errors": ("Errors of whole impacts, with 801 rings for the truth", errors, None),
         },
     )

@@ -227,7 +227,8 @@ def plot(
     can be chosen, see ertel.optics. A file of --measured is as that of `ertel compare`; it is drawn on the profiles,
     or with --interferogram beside its light.
 
-    --what film --format gif --rate 20 makes a movie of eight seconds: of the film, the pressure, or an interferogram.
+    --what film --format gif --rate 20 makes a movie of eight seconds, of the film or the pressure. That of an
+    interferogram has a frame for each map.
     """
     if format_ in MOVIES and interferogram is None and what not in ("film", "pressure"):
         needed = "--what film, --what pressure or --interferogram mono"
@@ -248,30 +249,26 @@ def plot(
         _find_ffmpeg()
     from ertel import plots
     from ertel.inputs.fits import interferometer
+    from ertel.plots.movies import PER_SECOND
     from ertel.runs.store import RunStore
 
     data = RunStore.open(directory).dataset()
     writers: dict[str, Callable[[Path], object]]
     sheet: Any = {"columns": columns, "title": title}
+    name, pace = f"interferogram-{interferogram}" if interferogram else str(what), rate or PER_SECOND
     with bad_input():
         rig = interferometer(interferogram or "mono", given.wavelength, given.coatings, given.index)
         if measured is not None:
             sheet["measured"] = _measurement(measured, given, interferogram or "mono")
         if format_ in MOVIES:
-            pace: Any = {} if rate is None else {"rate": rate}
-            if interferogram is None:
-                movie = plots.movie(data, what or "", **pace)
-            else:
-                movie = plots.animation(data, rig.light, rig.rig, **pace)
-            name = f"interferogram-{interferogram}" if interferogram else str(what)
-            writers = {name: partial(movie.save, writer=MOVIES[format_])}
-        elif interferogram is None:
-            overlaid = [name for name in plots.names_of(data) if measured and name in plots.OVERLAID]
-            names = [what] if what else overlaid or plots.names_of(data)
-            writers = {name: plots.draw(data, name, given.at, **sheet).savefig for name in names}
+            seen = interferogram and plots.animation(data, rig.light, rig.rig, rate=pace)
+            writers = {name: partial((seen or plots.movie(data, name, pace)).save, writer=MOVIES[format_])}
+        elif interferogram:
+            writers = {name: plots.interferogram(data, given.at, rig.light, rig.rig, **sheet).savefig}
         else:
-            picture = plots.interferogram(data, given.at, rig.light, rig.rig, **sheet)
-            writers = {f"interferogram-{interferogram}": picture.savefig}
+            overlaid = [each for each in plots.names_of(data) if measured and each in plots.OVERLAID]
+            names = [what] if what else overlaid or plots.names_of(data)
+            writers = {each: plots.draw(data, each, given.at, **sheet).savefig for each in names}
     target = out or directory / "plots"
     target.mkdir(parents=True, exist_ok=True)
     for name, write in writers.items():

@@ -24,10 +24,11 @@ Fringes are measured with a rig, as users write it there and on the command line
 
     light = "mono"                              # or "two-beam", "white"
     wavelength = "532 nm"
-    coatings = "chromium 8 nm, silica 200 nm"   # on the glass, from the glass to the oil
+    coatings = "chromium 8 nm, silica 200 nm"   # on the glass, from the glass to the oil; or an index, "2.1 50 nm"
     index = 1.48                                # of the oil at ambient pressure
 
-What is left out is as in `optics.Rig`.  Other glass, surfaces and lamps are for Python: `optics.Interferometer`.
+What is left out is as in `optics.Rig`.  Other metals, glass, surfaces and lamps are for Python:
+`optics.Interferometer`.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -42,7 +43,7 @@ from ertel.case.records import ConfigError, refusing, show
 from ertel.inputs.case_files import in_the_case, load_case, path_of, put, read_toml, written
 from ertel.inputs.layout import READER
 from ertel.inputs.quantities import marked_value, parse_quantity, plain_data, split
-from ertel.optics import CHROMIUM, SILICA, Interferometer, Layer, Light, Medium, Monochromatic, Rig, TwoBeams, White
+from ertel.optics import CHROMIUM, SILICA, Constant, Interferometer, Layer, Light, Monochromatic, Rig, TwoBeams, White
 from ertel.optics.light import GREEN
 from ertel.optics.rig import COATINGS, OIL_INDEX
 from ertel.physics.units import FINITE, Unit
@@ -171,7 +172,7 @@ def with_settings(case: Case, settings: Settings) -> Case:
 
 RIG = ("light", "wavelength", "coatings", "index")  # the keys of a rig
 LIGHTS: Mapping[str, type[Rig]] = {"mono": Rig, "two-beam": TwoBeams, "white": Rig}
-MEDIA: Mapping[str, Medium] = {"chromium": CHROMIUM, "silica": SILICA}
+MEDIA: Mapping[str, Any] = {"chromium": CHROMIUM, "silica": SILICA}
 LENGTH = Unit("m", "532 nm")
 
 
@@ -187,7 +188,8 @@ def interferometer(
     wavelength : str, optional
         With a unit; default 532 nm.
     coatings : str, optional
-        Media with their thicknesses, from the glass to the oil, or "none"; default "chromium 8 nm".
+        Media with their thicknesses, from the glass to the oil, or "none"; default "chromium 8 nm".  A medium is
+        chromium, silica, or the index of another one that is transparent, "2.1 50 nm".
     index : float, optional
         Of the oil at ambient pressure.
 
@@ -211,9 +213,10 @@ def interferometer(
 
 
 def _layer(medium: str = "", thickness: str = "") -> Layer:
-    if medium not in MEDIA:
-        raise ValueError(f"coatings = {medium!r}: {hint_for(medium, tuple(MEDIA))}, each with its thickness")
-    return Layer(MEDIA[medium], _length("coatings", thickness))
+    is_index = medium.replace(".", "", 1).isdecimal() and float(medium) > 0.0
+    if not is_index and medium not in MEDIA:
+        raise ValueError(f"coatings = {medium!r}: {hint_for(medium, tuple(MEDIA))} or an index, each with thickness")
+    return Layer(Constant(float(medium)) if is_index else MEDIA[medium], _length("coatings", thickness))
 
 
 def _length(name: str, given: str) -> float:

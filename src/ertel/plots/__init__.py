@@ -220,6 +220,8 @@ def _compare(axes: Axes, views: tuple[View, View], names: Sequence[str], x: str,
         middle = view.largest("H", lambda each: float(np.interp(0.0, each.x, each.midline("H"))))
         axes.set_ylim(0.0, 3.0 * z.factor * middle)
         axes.legend(loc="upper center", frameon=False, fontsize="small")
+    if x == "time":
+        histories.limit_films(axes, [np.asarray(line.get_ydata()) for line in axes.lines])
     if x == "X":
         side = view.across.factor * view.largest("X", lambda each: min(WIDEST, float(np.abs(each.x).max())))
         axes.set(xlim=(-side, side), xlabel=view.axis_label("x"))

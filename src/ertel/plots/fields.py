@@ -20,7 +20,8 @@ from ertel.plots.view import LOADED, View
 from ertel.results.alignment import NOT_FULL
 from ertel.results.profiles import events_of
 
-ARROWS = "\N{RIGHTWARDS ARROW}\N{LEFTWARDS ARROW}"  # of a flow along x, and against it
+# of a flow along x, and against it; the same in maps that are turned
+ARROWS = ("\N{RIGHTWARDS ARROW}\N{LEFTWARDS ARROW}", "\N{DOWNWARDS ARROW}\N{UPWARDS ARROW}")
 MINUS = "\N{MINUS SIGN}"
 FLATTEST = 0.15  # height over width of a map that has equal scales along both sides
 SEEN = 0.1  # of the largest power loss: less does not count where a map ends
@@ -103,10 +104,9 @@ def _draw_map(
     cut = cut.T if view.is_turned else cut
     y, x = (cut[name].values * view.across.factor for name in cut.dims)
     shown = cut.values
-    colour_range = Normalize(0.0, steps[-1])
     half_x, half_y = (x[1] - x[0]) / 2, (y[1] - y[0]) / 2
     edges = (x[0] - half_x, x[-1] + half_x, y[0] - half_y, y[-1] + half_y)  # of the cells around the nodes
-    image = axes.imshow(shown, colours, colour_range, extent=edges, origin="lower", interpolation="bilinear")
+    image = axes.imshow(shown, colours, vmin=0, vmax=steps[-1], extent=edges, origin="lower", interpolation="bilinear")
     axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
     if shown.min() < steps[-1] and shown.max() > steps[1]:
         axes.contour(x, y, shown, levels=steps[1:], colors="black", linewidths=0.4, alpha=0.6)
@@ -124,9 +124,13 @@ def _draw_map(
         axes.figure.colorbar(image, ax=axes, label=z.label, extend=extend, location=place)
     heading = z.long_name.removesuffix(" per area").capitalize()
     axes.set_title(f"{heading}, a line every {steps[1]:.3g} {z.unit}")
-    if view.flow:
-        ways = "\N{DOWNWARDS ARROW}\N{UPWARDS ARROW}" if view.is_turned else ARROWS
-        axes.text(0.02, 0.97, f"flow {ways[int(view.flow < 0)]}", transform=axes.transAxes, va="top", fontsize="small")
+    if flow := flow_in(view):
+        axes.text(0.02, 0.97, flow, transform=axes.transAxes, va="top", fontsize="small")
+
+
+def flow_in(view: View) -> str:
+    """The direction of the flow in a map, "" without one."""
+    return f"flow {ARROWS[view.is_turned][int(view.flow < 0)]}" if view.flow else ""
 
 
 def _side(view: View, name: str) -> float:

@@ -1,6 +1,6 @@
 """Panels that show a run through time, and the convergence of a steady contact on its grids."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -52,8 +52,8 @@ def draw_motion(axes: Axes, view: View) -> None:
     looks = {"F": ("load $F/F^*$", ORANGE, "-"), "V": ("speed $v/v_0$", GREY, "-.")}
     _draw_series(axes, view, [(approach, (r"approach $\delta/\delta^*$", BLUE, "-")), *_stored(view, looks)])
     axes.axhline(0.0, color="black", linewidth=0.5)
-    axes.set(ylabel="share of the dry impact's", ylim=(-1.1, 1.35))
-    axes.legend(loc="upper left", edgecolor="none", ncols=3, columnspacing=1.0, handlelength=1.5, fontsize="small")
+    axes.set(ylabel="share of the dry impact's", ylim=(-1.1, 1.2))
+    axes.legend(loc="best", edgecolor="none", fontsize="small")
 
 
 def _draw_drive(axes: Axes, view: View) -> None:
@@ -63,12 +63,10 @@ def _draw_drive(axes: Axes, view: View) -> None:
         "U": ("entrainment", GREEN, "--"),
         "w": ("applied load", "black", ":"),
     }
-    lines = _stored(view, looks)
-    _draw_series(axes, view, lines)
-    low, high = (float(limit([values for values, _ in lines])) for limit in (np.min, np.max))
-    span = max(high - min(low, 0.0), 0.1)
-    axes.set(ylabel="share of the static contact's", ylim=(min(low, 0.0) - 0.05 * span, high + 0.3 * span))
-    axes.legend(loc="upper left", edgecolor="none", ncols=2, columnspacing=1.0, fontsize="small")
+    _draw_series(axes, view, _stored(view, looks))
+    axes.axhline(0.0, color="black", linewidth=0.5)
+    axes.set(ylabel="share of the static contact's")
+    axes.legend(loc="best", edgecolor="none", fontsize="small")
 
 
 def draw_place(axes: Axes, view: View) -> None:
@@ -113,7 +111,7 @@ def draw_front_speed(axes: Axes, view: View) -> None:
     T = np.linspace(front.T[0], front.T[-1], 400)
     dry = np.gradient(_dry_edge(view, T), T)
     axes.plot(T * time.factor, dry * z.factor, color=GREY, linestyle="--", label="edge of the dry contact")
-    axes.plot(front.T * time.factor, front.speed * z.factor, color=GREEN, label="front: place of the minimum film")
+    axes.plot(front.T * time.factor, front.speed * z.factor, color=GREEN, label="front")
     _draw_series(axes, view, [])
     axes.set(ylabel=f"speed ({z.unit})", ylim=(0.0, 3.0 * usual * z.factor))  # the first touch is faster without end
     axes.legend(loc="upper right", edgecolor="none", fontsize="small")
@@ -123,17 +121,23 @@ def draw_front_speed(axes: Axes, view: View) -> None:
 
 
 def draw_film_history(axes: Axes, view: View) -> None:
-    """Central and minimum film thickness through time, over decades where the film falls by as much."""
+    """Central and minimum film thickness through time."""
     z = view.scale("H_c", view.largest("H_c", lambda each: float(each.dataset["H_c"].min())))
     looks = {"H_c": (view.legend("H_c"), BLUE, "-"), "H_min": (view.legend("H_min"), ORANGE, "-")}
     _draw_series(axes, view, _stored(view, looks), z.factor)
     axes.set(ylabel=f"film thickness ({z.unit})")
-    axes.legend(loc="upper right", edgecolor="none", fontsize="small")
-    central, minimum = (view.dataset[name].values * z.factor for name in looks)
-    if all(each.dataset["H_c"].max() < 5.0 * each.dataset["H_c"].min() for each in (view, view.beside) if each):
-        axes.set(ylim=(0.0, 1.35 * max(central.max(), minimum.max())))
+    axes.legend(loc="best", edgecolor="none", fontsize="small")
+    films, beside = ([each.dataset[name].values for name in looks] if each else [] for each in (view, view.beside))
+    limit_films(axes, [film * z.factor for film in films], beside)
+
+
+def limit_films(axes: Axes, films: Sequence[Values], beside: Sequence[Values] = ()) -> None:
+    """Show films through time from zero, or over decades where one of them, or of those beside, falls fivefold."""
+    top = max(float(film.max()) for film in films)
+    if all(film.max() < 5.0 * film.min() for film in (*films, *beside)):
+        axes.set(ylim=(0.0, 1.35 * top))
         return
-    low = 0.6 * float(minimum[minimum > 0].min(initial=minimum.max()))  # a film may vanish on a coarse grid
+    low = 0.6 * min(float(film[film > 0].min(initial=top)) for film in films)  # a film may vanish on a coarse grid
     axes.set(yscale="log", ylim=(low, None))
     plain_ticks(axes.yaxis)
 
@@ -152,19 +156,17 @@ def draw_film_through_time(axes: Axes, view: View) -> None:
     x, shades = view.x * across.factor, Normalize(0.0, top * z.factor)
     image = axes.pcolormesh(x, T * time.factor, film, cmap="YlGnBu_r", norm=shades, rasterized=True)
     axes.figure.colorbar(image, ax=axes, label=z.label, extend="max")
-    lines = []
     if data.attrs["kind"] == "impact":
-        edge = _dry_edge(view, history) * across.factor
-        lines = axes.plot(np.transpose([edge, -edge]), history * time.factor, "k--", linewidth=0.8)[:1]
-        lines[0].set_label("edge of the dry contact")
+        edge, names = _dry_edge(view, history) * across.factor, ["edge of the dry contact", "_"]
+        axes.plot(np.transpose([edge, -edge]), history * time.factor, "k--", linewidth=0.8, label=names)
     moved = _integral(data["U"].values, history)
     if np.any(moved):
         starts = np.arange(-WIDEST - moved.max(), WIDEST - moved.min(), 0.5) * across.factor
         paths = starts + moved[:, None] * across.factor
-        lines += axes.plot(paths, history * time.factor, "k:", linewidth=0.8)[:1]
-        lines[-1].set_label("path with the mean speed")
-    if lines:
-        axes.legend(handles=lines, loc="lower left", fontsize="small")
+        names = ["path with the mean speed", *["_"] * (len(starts) - 1)]
+        axes.plot(paths, history * time.factor, "k:", linewidth=0.8, label=names)
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="lower left", fontsize="small")
     if view.moment != LAST:
         axes.axhline(view.time * time.factor, color="black", linewidth=0.4)
     side = view.extent(view.x, P.max(axis=0)) * across.factor
@@ -199,12 +201,9 @@ def _end(data: xr.Dataset) -> int:
 def draw_coefficients(axes: Axes, view: View) -> None:
     """Traction and rolling resistance through time, each with its own axis, while the film carries load."""
     data = view.dataset
-    loaded = _loaded(data)
-    coefficients = [(axes.twinx() if view.slides else axes, "mu_rolling", ORANGE)]
-    if view.slides:
-        coefficients.insert(0, (axes, "mu_sliding", BLUE))
-    for place, name, colour in coefficients:
-        values = data[name].where(loaded)
+    sliding = [(axes, "mu_sliding", BLUE)] if view.slides else []
+    for place, name, colour in (*sliding, (axes.twinx() if view.slides else axes, "mu_rolling", ORANGE)):
+        values = data[name].where(_loaded(data))
         z = view.scale(name, float(np.abs(values).max()))
         _draw_series(place, view, [(values.values, (z.long_name, colour, "-"))], z.factor)
         bottom, top = min(1.2 * float(values.min()) * z.factor, 0.0), max(1.2 * float(values.max()) * z.factor, 0.0)
@@ -267,7 +266,7 @@ def draw_convergence(axes: Axes, view: View) -> None:
     axes.set(xlabel="Newton iteration", ylabel="maximum residual", title="Convergence on each grid")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.yaxis.set_major_locator(LogLocator(numticks=8))
-    axes.legend(loc="upper right", frameon=False, fontsize="small", title="nodes", title_fontsize="small")
+    axes.legend(loc="best", frameon=False, fontsize="small", title="nodes", title_fontsize="small")
 
 
 def draw_grids(axes: Axes, view: View) -> None:

@@ -21,7 +21,7 @@ from matplotlib.ticker import MaxNLocator
 
 from ertel.optics import Chart, Interferometer, Light, Monochromatic, Rig, White
 from ertel.plots.drawing import ORANGE, NoFigure, Panel, Scale, Sheet, SheetOptions, Values, compose
-from ertel.plots.fields import ARROWS, draw_edge_of_oil, draw_legend
+from ertel.plots.fields import draw_edge_of_oil, draw_legend, flow_in
 from ertel.plots.measurements import Overlay, draw_light, draw_measured, measured_view
 from ertel.plots.movies import PER_SECOND, animated, in_motion
 from ertel.plots.view import View, field
@@ -66,9 +66,9 @@ def seen_on(view: View, pixels: tuple[Values, Values], film_scale: float) -> xr.
 
 
 def _edges(view: View, seen: xr.Dataset) -> tuple[float, float, float, float]:
-    """The edges of the pixels, as shown."""
-    x, y = (seen[name].values * view.across.factor for name in ("X", "Y"))
-    return x[0], x[-1], y[0], y[-1]
+    """The edges of the pixels, as shown: left, right, lower and upper."""
+    up, along = (seen[name].values * view.across.factor for name in seen["film"].dims)
+    return along[0], along[-1], up[0], up[-1]
 
 
 def _on_pixels(view: View, name: str, x: Values, y: Values, smooth: bool) -> Values:
@@ -107,16 +107,23 @@ def _bend(values: Values) -> Values:
 
 
 def draw_interferogram(axes: Axes, view: View, seen: xr.Dataset, chart: Chart) -> None:
-    """The interferogram of film and oil on the pixels, with a line where the gap stops being full."""
+    """The interferogram of film and oil on the pixels, with a line where the gap stops being full.
+
+    That of a contact that is long along y is turned by a quarter, as maps are.
+    """
+    seen = seen.transpose("X", "Y") if view.is_turned else seen
     film, density, void = (seen[name] for name in ("film", "density", "void"))
     _show(axes, chart.picture(film.values, density.values, void.values), _edges(view, seen))
-    axes.set(xlabel=view.axis_label("x"), ylabel=view.axis_label("y"), aspect="equal")
+    up, along = (str(name).lower() for name in film.dims)
+    axes.set(xlabel=view.axis_label(along), ylabel=view.axis_label(up), aspect="equal")
+    if view.is_turned:
+        axes.invert_yaxis()
     light = chart.light
     words = f"at {light.wavelength * 1e9:.4g} nm" if isinstance(light, Monochromatic) else "in white light"
-    axes.set_title(f"Interferogram {words}" + (f", flow {ARROWS[int(view.flow < 0)]}" if view.flow else ""))
-    for axis, pixels in ((axes.xaxis, seen.sizes["X"]), (axes.yaxis, seen.sizes["Y"])):
+    axes.set_title(", ".join(part for part in (f"Interferogram {words}", flow_in(view)) if part))
+    for axis, pixels in zip((axes.yaxis, axes.xaxis), film.shape, strict=True):
         axis.set_major_locator(MaxNLocator(max(1, round(TICKS * pixels / PIXELS)), min_n_ticks=1))
-    draw_legend(axes, draw_edge_of_oil(axes, view, film, void))
+    draw_legend(axes, draw_edge_of_oil(axes, view, film, void), view.is_turned)
 
 
 def _show(axes: Axes, picture: Values, limits: tuple[float, float, float, float]) -> None:

@@ -127,31 +127,24 @@ def measured(dataset: xr.Dataset, comparison: Comparison, **sheet: Unpack[SheetO
     line, measurement = comparison.line, comparison.measurement
     if line is None:
         raise NoFigure(f"{measurement.name}: is one number; a picture needs a profile or a history")
-    there, x = line[measurement.axis], comparison.x
+    along = Scale.of(line[measurement.axis], float(np.abs(comparison.x).max()))
+    x, there = comparison.x * along.factor, line[measurement.axis].values * along.factor
     room = ROOM * float(np.ptp(x))
     low, high = float(x.min()) - room, float(x.max()) + room
-    shown = (there >= low) & (there <= high)
-    computed = line[shown].values if shown.any() else comparison.computed
-    top = float(max(computed.max(), comparison.measured.max()))
-    along, z = Scale.of(there, float(np.abs(x).max())), Scale.of(line, top / 2)
-    dz = Scale.of(line, float(np.abs(comparison.difference).max()))
-    place: dict[str, Any] = {
-        "xlim": (low * along.factor, high * along.factor),
-        "xlabel": f"${measurement.axis}$ {along.in_brackets}",
-    }
+    shown = line.values[(there >= low) & (there <= high)]
+    top = float(np.concatenate([shown, comparison.computed, comparison.measured]).max())
+    z, dz = (Scale.of(line, largest) for largest in (top / 2, float(np.abs(comparison.difference).max())))
+    place: dict[str, Any] = {"xlim": (low, high), "xlabel": f"${measurement.axis}$ {along.in_brackets}"}
 
     def draw_values(axes: Axes, _: Comparison) -> None:
         bars = None if comparison.sigma is None else comparison.sigma * z.factor
-        points, curve = (
-            (x * along.factor, comparison.measured * z.factor),
-            (there.values * along.factor, line.values * z.factor),
-        )
+        points, curve = (x, comparison.measured * z.factor), (there, line.values * z.factor)
         _draw_values(axes, points, bars, curve, (f"measured, {measurement.name}", "computed"))
         bottom = min(0.0, 1.05 * float(comparison.measured.min()))
         axes.set(ylim=(bottom * z.factor, 1.1 * top * z.factor), ylabel=z.label, **place)
 
     def draw_difference(axes: Axes, _: Comparison) -> None:
-        _draw_difference(axes, x * along.factor, comparison.difference * dz.factor, f"difference {dz.in_brackets}")
+        _draw_difference(axes, x, comparison.difference * dz.factor, f"difference {dz.in_brackets}")
         axes.set(**place)
 
     heading = [part for part in (View(dataset).title[0], comparison.where, comparison.text) if part]

@@ -86,7 +86,7 @@ def animated(
     figure = compose(frames[0], [[draw]], heading)
     figure.set_dpi(100)
     figure.draw_without_rendering()
-    figure.set_layout_engine("none")
+    figure.set_layout_engine(None)  # with "none" matplotlib draws each frame twice, once for its layout
     axes = figure.axes[0]
 
     def update(frame: float) -> list[Any]:

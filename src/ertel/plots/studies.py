@@ -300,10 +300,7 @@ def _x(axes: Axes, along: xr.DataArray) -> tuple[np.ndarray, str]:
 
 def _has_equal_ratios(x: np.ndarray) -> bool:
     """Tell whether the values were spaced by equal ratios."""
-    if len(x) < 3 or not (x > 0).all():
-        return False
-    steps = np.diff(np.log(x))
-    return bool(np.allclose(steps, steps[0]))
+    return bool(len(x) > 2 and (x > 0).all() and np.allclose(x[1:] / x[:-1], x[1] / x[0]))
 
 
 def _name_ticks(axis: Axis, values: np.ndarray) -> None:

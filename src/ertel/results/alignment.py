@@ -9,7 +9,7 @@ with the unknown parts for which the squares of the differences from the measure
 the gain of an intensity, or n/n_assumed of a film that was computed with an assumed index of the oil.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -56,13 +56,13 @@ def as_shown(measured: Any, computed: Values) -> tuple[dict[str, float], Values]
     factor = names[0] if names and names[0] in FACTORS else ""
     shapes = np.reshape([ways[name] for name in names], (len(names), len(measured.x))).T
     scale = np.abs(shapes).max(axis=0)
-    A, b = shapes / scale * measured.weight[:, None], measured.values - (0.0 if factor else computed)
-    b = b * measured.weight
+    known = 0.0 if factor else computed
+    A, b = shapes / scale * measured.weight[:, None], (measured.values - known) * measured.weight
     shares = np.linalg.lstsq(A, b)[0]
     if factor and shares[0] < (least := LEAST * float(np.abs(measured.values).max())):
         shares = np.array([least, *np.linalg.lstsq(A[:, 1:], b - least * A[:, 0])[0]])
     parts = dict(zip(names, (shares / scale).tolist(), strict=True))
-    return parts, shapes @ (shares / scale) + (0.0 if factor else computed)
+    return parts, shapes @ (shares / scale) + known
 
 
 def best_centre(measured: Any, there: Values, values: Values) -> float:
@@ -70,16 +70,23 @@ def best_centre(measured: Any, there: Values, values: Values) -> float:
     low, high = measured.x.max() - there[-1], measured.x.min() - there[0]
     if low >= high:  # the run is shorter than the measurement, of which the caller tells
         return 0.0
+
+    def shown(centre: float) -> Values:
+        return as_shown(measured, np.interp(measured.x - centre, there, values))[1]
+
+    return best(measured, shown, np.linspace(low, high, SHIFTS))
+
+
+def best(measured: Any, shown: Callable[[float], Values], tried: Values) -> float:
+    """The number, one of those that are tried or beside it, whose shown values leave the smallest squares."""
     from scipy.optimize import minimize_scalar
 
-    def squares(centre: float) -> float:
-        _, shown = as_shown(measured, np.interp(measured.x - centre, there, values))
-        return float(np.sum((measured.weight * (measured.values - shown)) ** 2))
+    def squares(number: float) -> float:
+        return float(np.sum((measured.weight * (measured.values - shown(number))) ** 2))
 
-    tried = np.linspace(low, high, SHIFTS)
-    best, step = tried[np.argmin([squares(each) for each in tried])], (high - low) / (SHIFTS - 1)
-    bounds = max(low, best - step), min(high, best + step)
-    return float(minimize_scalar(squares, bounds=bounds, options={"xatol": 1e-6 * step}).x)
+    least = int(np.argmin([squares(number) for number in tried]))
+    bounds = tried[max(least - 1, 0)], tried[min(least + 1, len(tried) - 1)]
+    return float(minimize_scalar(squares, bounds=bounds, options={"xatol": 1e-6 * (tried[1] - tried[0])}).x)
 
 
 # -- beside a run ------------------------------------------------------------------------------------------------------
@@ -155,11 +162,8 @@ class Comparison:
 
     def __repr__(self) -> str:
         m = self.measurement
-        units = {
-            "centre": si_unit(m.axis),
-            "offset": si_unit(m.quantity),
-            "tilt": f"{si_unit(m.quantity)}/{si_unit(m.axis)}",
-        }
+        unit, along = si_unit(m.quantity), si_unit(m.axis)
+        units = {"centre": along, "offset": unit, "tilt": f"{unit}/{along}"}
         shift = "".join(f"; {name} {with_prefix(value, units.get(name, '1'))}" for name, value in self.shift.items())
         where = f", {self.where}" if self.where else ""
         return f"{m.name}: {QUANTITIES[m.quantity].long_name}{where}: {self.text}, {len(self.x)} values{shift}"

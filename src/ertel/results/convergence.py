@@ -1,11 +1,11 @@
 """The order of convergence of the numbers of a case, their extrapolated values and errors, from runs on several grids.
 
 Each grid has half the spacing of the one before it, and each run in time half the steps.  The discretisation is of
-second order in both, so that the error is a third of the last difference, as with `ertel run --error`.  That holds
-where the order is seen: where the differences fall by 2^order with an order near two.  Elsewhere nothing is
-extrapolated and the error is the largest difference between the grids, three times this where the differences do not
-fall (Eca L, Hoekstra M. A procedure for the estimation of the numerical uncertainty of CFD calculations based on grid
-refinement studies. J Comput Phys 2014;262:104-130, section 4).
+second order in both, so that the error is a third of the last difference.  That holds where the order is seen: where
+the differences fall by 2^order with an order near two.  Elsewhere nothing is extrapolated and the error is the largest
+difference between the grids, three times this where the differences do not fall (Eca L, Hoekstra M. A procedure for the
+estimation of the numerical uncertainty of CFD calculations based on grid refinement studies. J Comput Phys
+2014;262:104-130, section 4).
 """
 
 from collections.abc import Sequence

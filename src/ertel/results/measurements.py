@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ertel.case.reading import hint_for
 from ertel.physics.units import Quantity, Unit, in_si
-from ertel.results.alignment import INTENSITY, QUANTITIES, Comparison, as_shown, best_centre, light_along, si_unit
+from ertel.results.alignment import INTENSITY, QUANTITIES, Comparison, as_shown, best, best_centre, light_along, si_unit
 from ertel.results.columns import Columns
 from ertel.results.numbers import IN_SI, numbers
 from ertel.results.profiles import At, profile
@@ -33,6 +33,7 @@ NUMBER = ("quantity", "value", "sigma")
 USUAL = {"profile": "h", "history": "h_c"}  # quantities, of a file with several
 ALIGNMENTS = ("centre", "offset", "tilt", "index")
 ALWAYS_ALIGNED = ("gain", "background")  # of an intensity
+INDICES = np.linspace(0.95, 1.05, 41)  # over that of the rig, which are tried
 FILMS = ("h", "h_c", "h_min", "h_oil")  # that can have an index
 NOT_BELOW_ZERO = (*FILMS, "contact_time", "restitution")  # unless the zero is not known
 
@@ -60,7 +61,7 @@ class Measurement:
         The direction of a profile.
     align : sequence of str
         What is not known: "centre", a shift in place or time; "offset" of the values; "tilt", a slope of the values;
-        "index" of the oil.  Of an intensity "gain" and "background" are never known.
+        "index" of the oil, of an intensity within 5 % of that of its rig.  Its "gain" and "background" are never known.
     name : str
         For messages and pictures.
     index : float, optional
@@ -93,11 +94,11 @@ class Measurement:
         align = (self.align,) if isinstance(self.align, str) else tuple(self.align)
         si_unit(self.quantity)
         light = self.quantity == INTENSITY
-        possible = ("centre", "tilt", *ALWAYS_ALIGNED) if light else ALIGNMENTS
+        possible = ("centre", "tilt", "index", *ALWAYS_ALIGNED) if light else ALIGNMENTS
         if unknown := [name for name in align if name not in possible]:
             raise ValueError(f"align = {unknown[0]!r}: {hint_for(unknown[0], possible)}")
         align = (*align, *(name for name in ALWAYS_ALIGNED if light and name not in align))
-        if "index" in align and (self.quantity not in FILMS or self.index is None):
+        if "index" in align and not light and (self.quantity not in FILMS or self.index is None):
             raise ValueError(f"index = {self.index}: must be the index with which {self.name}, a film, was computed")
         if self.index is not None and not 1.0 < self.index < 3.0:
             raise ValueError(f"index = {self.index:g}: must be above 1 and below 3; oils have 1.4 to 1.7")
@@ -258,6 +259,8 @@ class Measurement:
         if self.x is None:
             value = np.array([self._number(result)])
             return Comparison(self, np.zeros(1), self.values, value, value)
+        if self.quantity == INTENSITY and self.optics and "index" in self.align:
+            return self._with_best_index(result)
         line = self._line(result)
         there, values = line[self.axis].values, line.values
         shift = {"centre": best_centre(self, there, values)} if "centre" in self.align else {}
@@ -276,6 +279,17 @@ class Measurement:
         return Comparison(
             self, x, computed + (self.values - shown) / factor, computed, shown, shift | parts, line, sigma
         )
+
+    def _with_best_index(self, result: Any) -> Comparison:
+        """The comparison of an intensity with the index of the oil, about that of the rig, that fits best."""
+
+        def compared(index: float) -> Comparison:
+            optics = replace(self.optics, rig=replace(self.optics.rig, oil_index=index))
+            return replace(self, optics=optics, align=[each for each in self.align if each != "index"]).compared(result)
+
+        index = best(self, lambda index: compared(index).shown, self.optics.rig.oil_index * INDICES)
+        found = compared(index)
+        return replace(found, measurement=self, shift={**found.shift, "index": index})
 
     @property
     def weight(self) -> Values:
