@@ -160,7 +160,7 @@ class _Pattern(NamedTuple):
 
     def at(self, k: int) -> Array | float:
         """The change k nodes downstream on the line."""
-        return {-1: self.upstream, 0: 1.0, 1: self.downstream}.get(k, 0.0)
+        return 1.0 if k == 0 else {-1: self.upstream, 1: self.downstream}.get(k, 0.0)
 
     def deformation(self, K: Array, k: int) -> Array:
         """The deformation k nodes downstream on the line."""
