@@ -2,8 +2,9 @@
 
     e  ->  - div(eps grad e) + (rate + drift d/dX)(stretch * (K e) + local * e),     drift >= 0,
 
-first-order upwind.  For fields that oscillate in time, e exp(i omega T), the rate is complex: i omega.  Or the mass
-upstream is multiplied by a phase, with which waves that ride with the flow pass from node to node unchanged.
+second-order upwind, first-order in the matrices of the lines.  For fields that oscillate in time, e exp(i omega T), the
+rate is complex: i omega.  Or the mass upstream is multiplied by a phase, with which waves that ride with the flow pass
+from node to node unchanged.
 
 A change at a node affects every node downstream, so all nodes of an X line are solved together, and all lines at once.
 Each node has the kind of change that suits it: at the node alone (Jacobi) or spread over its neighbours
@@ -26,8 +27,7 @@ from ertel.numerics.grid import NO_SYMMETRY, Symmetry
 from ertel.numerics.multigrid import Coefficients, DeformationOperator, interleave
 from ertel.numerics.stencils import extended, face_sum, largest_around
 
-JACOBI_DAMPING = 0.5  # both are smaller than in the point smoother, for the second-order wedge and pressure spikes
-DISTRIBUTIVE_DAMPING = 0.35
+DISTRIBUTIVE_DAMPING = 0.5  # less than of single nodes: the second-order wedge doubles the shortest waves
 SHORT_WAVES, LONG_WAVES = 0.9, 0.03  # as in `multigrid`; short waves grow more readily with the derivative
 # in units of the long waves' stiffness.  Where the diffusion at a node and at all nodes around it is less, Jacobi would
 # amplify long waves: so it is where sliding thins the oil in the whole contact
@@ -126,13 +126,14 @@ class LineSmoother:
     sweeps: int = field(default=2, metadata={"static": True})  # one damped sweep is not enough
 
     def balance(self, mass: Array) -> Array:
-        rise = jnp.pad(mass[:, 1:] - self.flow.phase * mass[:, :-1], ((0, 0), (1, 0)))
+        m, phase = jnp.pad(mass, ((0, 0), (2, 0)), mode="edge"), self.flow.phase
+        rise = 1.5 * m[:, 2:] - 2.0 * phase * m[:, 1:-1] + 0.5 * phase**2 * m[:, :-2]
         return self.flow.rate * mass + self.flow.drift_over_spacing * rise
 
     def change(self, r: Array) -> Array:
         d = solve_lines(self.factors, r)
         together = multigrid.spread(DISTRIBUTIVE_DAMPING * self.by_spread * d, self.by_spread, self.even)
-        return JACOBI_DAMPING * self.by_jacobi * d + together
+        return multigrid.JACOBI_DAMPING * self.by_jacobi * d + together
 
 
 def line_smoother(
@@ -145,11 +146,9 @@ def line_smoother(
     short, long = (size + flow.drift_over_spacing) * elastic.near[0, 0], size + drift
     stiffness = (SHORT_WAVES * short + LONG_WAVES * long) * c.stretch
     diffusion = face_sum(c.eps, elastic.even) / elastic.spacing**2
-    strong = largest_around(diffusion / c.stretch, elastic.even) > MODERATE * long
-    jacobi = (diffusion > stiffness) & strong
+    jacobi = (diffusion > stiffness) & (largest_around(diffusion / c.stretch, elastic.even) > MODERATE * long)
     by_jacobi, by_spread = jacobi * c.free, ~jacobi * c.free
-    factors = factorise(*_bands(elastic, c, by_spread, flow))
-    return LineSmoother(factors, by_jacobi, by_spread, flow, elastic.even)
+    return LineSmoother(factorise(*_bands(elastic, c, by_spread, flow)), by_jacobi, by_spread, flow, elastic.even)
 
 
 class _Pattern(NamedTuple):
@@ -161,9 +160,7 @@ class _Pattern(NamedTuple):
 
     def at(self, k: int) -> Array | float:
         """The change k nodes downstream on the line."""
-        if abs(k) == 1:
-            return self.downstream if k == 1 else self.upstream
-        return 1.0 if k == 0 else 0.0
+        return 1.0 if k == 0 else {-1: self.upstream, 1: self.downstream}.get(k, 0.0)
 
     def deformation(self, K: Array, k: int) -> Array:
         """The deformation k nodes downstream on the line."""
@@ -175,8 +172,9 @@ def _bands(elastic: DeformationOperator, c: Coefficients, by_spread: Array, flow
     """The operator's three bands on each line; each node has its own kind of change."""
     p = extended(by_spread, elastic.even)
     pattern = _Pattern(*(-0.25 * by_spread * near for near in (p[1:-1, :-2], p[1:-1, 2:], p[:-2, 1:-1] + p[2:, 1:-1])))
-    # of - div(eps grad e): the diagonal coefficient, and those of the faces upstream and downstream
-    centre = face_sum(c.eps, elastic.even) / elastic.spacing**2
+    # of - div(eps grad e): the sum over the faces, the diagonal, and the coefficients of the faces along the line
+    faces = face_sum(c.eps, elastic.even) / elastic.spacing**2
+    centre = jnp.maximum(faces + c.steepening, multigrid.LEAST_DIAGONAL * faces)
     upstream = 0.5 * (c.eps.x + _upstream(c.eps.x)) / elastic.spacing**2
     downstream = _upstream(upstream, -1)
 
@@ -191,7 +189,7 @@ def _bands(elastic: DeformationOperator, c: Coefficients, by_spread: Array, flow
         beyond = diffused(2 * k) if k else 0.0
         return diffused(k) + beyond + _carried(elastic, c, pattern, k, flow)
 
-    across = 0.5 * (centre - upstream - downstream) * pattern.beside  # from the neighbours on other lines
+    across = 0.5 * (faces - upstream - downstream) * pattern.beside  # from the neighbours on other lines
     diagonal = jnp.where(c.free > 0.0, coupling(0) - across, 1.0)
     return coupling(1) * c.free, diagonal, coupling(-1) * c.free
 

@@ -203,11 +203,18 @@ def nearly_deformed(level: GridLevel, coarser: GridLevel, e: Array) -> Array:
 
 
 def deformed_nearby(level: GridLevel, e: Array) -> Array:
-    """The part of K e that is caused by the node itself and the eight nodes around it."""
-    p, K = extended(e, level.elasticity.even), level.elasticity.near
+    """K e of short waves, from the node itself and the eight nodes around it.
+
+    Their coefficients are such that waves that alternate from node to node, along one axis or along both, have their
+    exact deformation.  With those of the kernel itself the former would have a quarter of it: it comes from afar, too.
+    """
+    p, itself, spectrum = extended(e, level.elasticity.even), level.elasticity.near[0, 0], level.elasticity.spectrum
+    shortest = -1 if any(level.elasticity.even) else spectrum.shape[0] // 2
+    far = 0.25 * (itself - spectrum[0, -1])
+    near = 0.25 * (itself - spectrum[shortest, -1]) + far
     beside = (p[1:-1, :-2] + p[1:-1, 2:]) + (p[:-2, 1:-1] + p[2:, 1:-1])
     diagonally = (p[:-2, :-2] + p[2:, 2:]) + (p[:-2, 2:] + p[2:, :-2])
-    return K[0, 0] * p[1:-1, 1:-1] + K[0, 1] * beside + K[1, 1] * diagonally
+    return itself * p[1:-1, 1:-1] + near * beside + far * diagonally
 
 
 def precondition(levels: Sequence[GridLevel], r: Array) -> Array:
