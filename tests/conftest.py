@@ -3,6 +3,7 @@
 import ctypes
 import gc
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -18,15 +19,24 @@ os.environ.setdefault("JAX_ENABLE_X64", "1")
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # small dense solves wait for their threads where cores are busy
 os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")  # XLA calls it an error when it loads code that it compiled itself
 
+# Runs are many small files: in memory they cost a third of the system's time there
+IN_MEMORY, ENOUGH = "/dev/shm", 2**30  # bytes
+with suppress(OSError):
+    if os.access(IN_MEMORY, os.W_OK | os.X_OK) and shutil.disk_usage(IN_MEMORY).free > ENOUGH:
+        os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", IN_MEMORY)
+
 # A script that starts pytest in its background has it ignore SIGINT, and nohup SIGHUP; so would all that the tests
 # start, because ertel respects that
 for number, handler in ((signal.SIGINT, signal.default_int_handler), (getattr(signal, "SIGHUP", None), signal.SIG_DFL)):
     if number is not None and signal.getsignal(number) is signal.SIG_IGN:
         signal.signal(number, handler)
 
+gc.disable()  # while modules and tests are collected, a quarter of the time; see `pytest_collection_finish`
+
 # Most tests run for less time than their programs take to optimise: a third of the time to compile (measured)
 QUICK_TO_COMPILE = (
-    "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false --xla_llvm_disable_expensive_passes=true"
+    "--xla_backend_optimization_level=0 --xla_cpu_use_fusion_emitters=false --xla_llvm_disable_expensive_passes=true "
+    "--xla_cpu_parallel_codegen_split_count=1"  # the other core has its own tests
 )
 
 MOST_MEMORY = 1.2e9  # bytes at the end of a test file from which on compiled programs are forgotten
@@ -52,6 +62,8 @@ def pytest_collection_finish() -> None:
     """What was imported stays: nothing looks through it for garbage again (NiceGUI's tests collect all, twice each)."""
     gc.collect()
     gc.freeze()
+    gc.set_threshold(10_000, 20, 20)  # tracing makes many objects, and little garbage
+    gc.enable()
 
 
 def _xla_knows(flags: str) -> bool:
@@ -80,11 +92,10 @@ def _memory_is_bounded() -> Iterator[None]:
     from ertel.numerics.programs import Program  # not above: what it imports reads the environment
 
     jax.clear_caches()
-    gc.unfreeze()  # or the programs of ertel's modules would not be among the objects
-    for program in [each for each in gc.get_objects() if isinstance(each, Program)]:
-        program._compiled.clear()
+    for module in [each for name, each in sys.modules.items() if name.startswith("ertel.")]:
+        for program in [each for each in vars(module).values() if isinstance(each, Program)]:
+            program._compiled.clear()
     gc.collect()
-    gc.freeze()
     with suppress(OSError, AttributeError):  # GNU's library keeps what is freed
         ctypes.CDLL("libc.so.6").malloc_trim(0)
 

@@ -101,6 +101,6 @@ def test_warnings_are_given_once_and_stand_in_the_repr(tmp_path):
 
 
 def test_a_run_that_resolves_all_is_silent():
-    case = ertel.impact(M=200, L=10, method="radial", nodes=97, half_width=4.0, time_tolerance=0.002, until=1.4)
+    case = ertel.impact(M=200, L=10, method="radial", nodes=129, half_width=4.0, time_tolerance=0.002, until=1.4)
     with warnings.catch_warnings(action="error"):
         assert ertel.simulate(case).warnings == []

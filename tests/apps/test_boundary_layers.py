@@ -141,7 +141,7 @@ M, L, WAVE = 200, 10, 0.4
 X = np.linspace(-1.5, 1.5, 301)
 SMALL = replace(
     QUICK,
-    radial_nodes=101,
+    radial_nodes=129,
     impacts={(M, L): (WAVE,)},
     impact_grids=(33, 65),
     rolling={(M, L): (1.0, 1.5)},

@@ -74,6 +74,7 @@ MOMENTS = {"ball": "maximum approach", "moes": "chosen map", "ball rolls": "last
 )  # fmt: skip
 def test_every_panel_says_what_it_shows(runs, name, run):
     figure = getattr(plots, name)(runs[run], at=2.0 if run == "moes" else None)
+    figure.set_layout_engine("none")  # where texts lie takes the most time; `test_sheets` looks at it
     figure.draw_without_rendering()
     assert panels(figure)
     for axes in panels(figure):

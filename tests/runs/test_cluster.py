@@ -1,5 +1,6 @@
 """A scheduler and two worker processes on this machine: what they get, and what becomes of tasks whose worker dies."""
 
+import itertools
 import json
 import os
 import signal
@@ -10,13 +11,14 @@ import time
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import psutil
 import pytest
 from distributed import Security
 
 from ertel.inputs.studies import parse_study
-from ertel.runs import cluster
+from ertel.runs import cluster, studies
 from ertel.runs.cluster import Cluster, NoScheduler
 from ertel.runs.directory import read_progress
 from ertel.runs.drive import simulate
@@ -80,6 +82,29 @@ def until_stopped(begun: Path, stop: StopSignal) -> str:
     return "stopped"
 
 
+class Waiting:
+    """A wish to stop that never comes, in a worker: asked after the third step, it waits until a worker was killed."""
+
+    def __init__(self, directory: Path):
+        self.directory, self.asked = directory, itertools.count()
+
+    def __call__(self) -> bool:
+        if next(self.asked) == 3:  # asked once before the first step
+            (self.directory / f"{os.getpid()} waits").touch()
+            deadline = time.monotonic() + HANG
+            while not (self.directory / "killed").exists():
+                assert time.monotonic() < deadline
+                time.sleep(0.05)
+        return False
+
+
+class WaitingSignal(StopSignal):
+    """A signal in the directory of a study, whose copies are of the kind above."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Waiting, (self._file.parent,)
+
+
 # -- what they do ------------------------------------------------------------------------------------------------------
 
 
@@ -123,23 +148,25 @@ def test_the_others_need_not_wait_for_its_end(two, tmp_path):
     assert dict(two.outcomes(tasks, stop)) == {"a": "stopped", "b": "stopped"}
 
 
-def test_a_study_whose_worker_is_killed_loses_nothing(two, tmp_path):
+def test_a_study_whose_worker_is_killed_loses_nothing(two, tmp_path, monkeypatch):
     """Signal 9 while a run is computed: another worker continues it, and the numbers are those without the signal.
 
     The other runs go on, and so does the cluster.
     """
     impacts = {"contact": {"M": [20, 40], "L": 5}, "solver": {"method": "radial", "nodes": 17}}
-    study = parse_study({**impacts, "time": {"until": 1.0, "tolerance": 1e-4}})
+    study = parse_study({**impacts, "time": {"until": 1.0, "tolerance": 0.01}})
     killed: list[str] = []
 
     def kill_once() -> bool:
         for case in study.cases if not killed else ():
             said = read_progress(run_directory(tmp_path, case))
-            if said and said["status"] == "running" and said["step"] > 0 and not killed:
+            if said and said["status"] == "running" and (tmp_path / f"{said['process']} waits").exists() and not killed:
                 killed.append(case.digest)
                 os.kill(said["process"], signal.SIGKILL)
+                (tmp_path / "killed").touch()
         return False
 
+    monkeypatch.setattr(studies, "StopSignal", WaitingSignal)
     said = run_study(study.cases, tmp_path, two, asked=kill_once)
     assert len(killed) == 1 and said == {case.digest: "converged" for case in study.cases}
     found = gather(study, tmp_path).dataset["H_min_extreme"]
