@@ -31,7 +31,7 @@ def film(speed: float = 1.0, L: float = 5, oil: Oil = OIL) -> Rolling:
 
 def imbalances(s: GridSolution) -> tuple[float, float]:
     """Of mass and of energy, as shares of the outflow and of the dissipation."""
-    t, _ = s.account
+    t = s.account.terms
     mass = t["inflow"] + t["cavity_source"] - t["outflow"]
     energy = t["power_from_surfaces"] - t["power_to_surfaces"] - t["dissipation"] - t["outside_power"]
     return mass / t["outflow"], energy / t["dissipation"]
@@ -47,11 +47,11 @@ def test_the_solids_under_hertz_pressure_store_two_fifths() -> None:
     H = contact.film_thickness(c, P, approach)
     solution = steady.steady_film(case_of(nodes=33)).finest
     dry = replace(solution, grid=grid, P=P, H=H, approach=approach, outside=0.0)
-    assert dry.account[0]["elastic_energy"] == pytest.approx(2 / 5, rel=2e-3)
+    assert dry.account.terms["elastic_energy"] == pytest.approx(2 / 5, rel=2e-3)
     r = np.linspace(0, 1, 20001)
     in_oil = 0.1 * 3 * np.trapezoid(r * np.asarray(case.lubricant.compression(np.sqrt(1 - r**2))), r)
     flat = replace(dry, H=np.full_like(np.asarray(P), 0.1))
-    assert flat.account[0]["oil_energy"] == pytest.approx(in_oil, rel=5e-3)
+    assert flat.account.terms["oil_energy"] == pytest.approx(in_oil, rel=5e-3)
 
 
 @pytest.mark.parametrize(
@@ -66,7 +66,7 @@ def test_steady_rolling_dissipates_what_its_resistance_takes(speed: float, L: fl
 
 
 def test_both_directions_have_the_same_budgets() -> None:
-    there, back = (film(speed).finest.account[0] for speed in (1.0, -1.0))
+    there, back = (film(speed).finest.account.terms for speed in (1.0, -1.0))
     assert back == pytest.approx({**there, "mu_rolling": -there["mu_rolling"]}, rel=1e-6)
 
 

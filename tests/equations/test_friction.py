@@ -28,7 +28,7 @@ from ertel.physics.lubricant import Barus, Incompressible, Lubricant
 from ertel.physics.motion import constant
 from ertel.physics.scales import Parameters
 from ertel.solvers import steady as solver
-from ertel.solvers.steady import GridSolution, steady_friction
+from ertel.solvers.steady import GridSolution
 
 FRICTION = jax.jit(friction)
 
@@ -144,7 +144,7 @@ def test_the_coefficients_do_not_depend_on_the_units():
     grid = grid_of(si)
     P = jnp.asarray(si.geometry.dry_pressure(1.0, grid.kept_x[None, :], grid.kept_y[:, None]))
     H = 0.1 + jnp.asarray(si.geometry.gap(grid.kept_x[None, :], grid.kept_y[:, None]))
-    one, two = (steady_friction(case, film_of(case, grid, P, H)) for case in (si, moes))
+    one, two = (film_of(case, grid, P, H).account.friction for case in (si, moes))
     for name in Friction._fields:
         assert_allclose(getattr(one, name), getattr(two, name), rtol=1e-9, atol=1e-12, err_msg=name)
     # in SI: the integral of eta (u1 - u2)/h over the load
@@ -179,7 +179,7 @@ def test_the_surfaces_spend_what_heats_the_oil(motion: tuple[float, float]):
     speed, ratio = motion
     errors = []
     for s in films(*motion):
-        terms, result = s.account
+        terms, result, _ = s.account
         of_sliding, of_rolling = float(result.sliding[0]) * ratio * speed, 2 * float(result.rolling[0]) * speed
         assert of_sliding > 0 and of_rolling > 0
         assert float(result.power) == pytest.approx(of_sliding + terms["dissipation"], rel=1e-12)
@@ -193,7 +193,7 @@ def test_the_surfaces_spend_what_heats_the_oil(motion: tuple[float, float]):
 @pressure_only_inside
 def test_direction():
     """The sliding coefficient changes its sign with the sliding, the rolling coefficient with the rolling."""
-    there, faster, back = (films(*motion)[-1].account[1] for motion in ((1.0, 0.3), (1.0, -0.3), (-1.0, 0.3)))
+    there, faster, back = (films(*motion)[-1].account.friction for motion in ((1.0, 0.3), (1.0, -0.3), (-1.0, 0.3)))
     assert_allclose(faster.sliding, -there.sliding, rtol=1e-12)
     assert_allclose(faster.rolling, there.rolling, rtol=1e-12)
     assert_allclose(faster.loss, there.loss, rtol=1e-12)

@@ -84,7 +84,7 @@ def test_a_point_over_the_speed_or_the_load_is_its_own_case(axis: str) -> None:
     value = 2.0 * getattr(base.contact, axis)
     at = replace(base, contact=replace(base.contact, **{axis: value}))
     film = steady.steady_film(at).finest
-    found = steady.steady_friction(at, film)
+    found = film.account.friction
     data = traction(base, **{axis: [0.5 * value, value]}).dataset.isel({axis: 1})  # each with scales of its own
     assert float(data[axis]) == value
     assert at.scales is not None

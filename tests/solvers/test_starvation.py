@@ -120,7 +120,7 @@ def test_all_oil_that_enters_passes_every_line(layer: float) -> None:
     rows = np.r_[1.0, np.full(len(flux) - 1, 2.0)]  # the axis is the first of them
     through = rows @ flux / (rows.sum() * layer)
     assert_allclose(through, 1.0, atol=1e-8)
-    balance = s.account[0]
+    balance = s.account.terms
     assert balance["inflow"] == pytest.approx(balance["outflow"], rel=1e-6)
     assert abs(balance["cavity_source"]) < 1e-12
 
@@ -176,7 +176,7 @@ def test_other_contacts_starve_too(changes: dict[str, Any]) -> None:
     case = parse_case({name: {**section, **changes.get(name, {})} for name, section in data.items()})
     s = steady.steady_film(case).finest
     assert s.status.ok
-    assert s.account[0]["inflow"] == pytest.approx(s.account[0]["outflow"], rel=1e-6)
+    assert s.account.terms["inflow"] == pytest.approx(s.account.terms["outflow"], rel=1e-6)
 
 
 # -- a track ----------------------------------------------------------------------------------------------------------

@@ -70,7 +70,7 @@ def test_the_budgets_close_as_well_as_those_of_a_newtonian_oil():
     imbalances = []
     for law, S in (("newtonian", 0.0), (ReeEyring(2e6), 1.9)):
         case = rolled(law, S)
-        found = balances.steady(case, film(law, S).finest.account[0], 1.0)
+        found = balances.steady(case, film(law, S).finest.account.terms, 1.0)
         imbalances.append([found[name]["imbalance"] for name in ("mass", "energy")])
     assert np.all(np.array(imbalances[1]) <= imbalances[0])
 
@@ -106,7 +106,7 @@ def test_film_and_traction_are_of_second_order(law: Fluidity):
     levels = steady.steady_film(case).solutions[-3:]
     assert all(s.status.ok for s in levels)
     films = [s.measure()["H_c"] for s in levels]
-    tractions = [float(s.account[1].sliding[0]) for s in levels]
+    tractions = [float(s.account.friction.sliding[0]) for s in levels]
     for values, highest in ((films, 2.2), (tractions, 2.2 if law is EYRING else 2.5)):
         first, second = np.abs(np.diff(values))
         assert 1.8 < np.log2(first / second) < highest

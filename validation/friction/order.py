@@ -43,7 +43,7 @@ def levels(rheology: str | Fluidity, nodes: int) -> list[tuple[int, float, float
     found = []
     for s in steady.steady_film(case).solutions[-3:]:
         assert s.status.ok
-        mu = float(steady.steady_friction(case, s).sliding[0]) * case.scales.a / case.scales.R
+        mu = float(s.account.friction.sliding[0]) * case.scales.a / case.scales.R
         found.append((s.grid.nodes, s.measure()["H_c"], mu, s.krylov))
     return found
 

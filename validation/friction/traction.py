@@ -12,6 +12,7 @@ stress cut off at Lambda p, node by node.
 
 import sys
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from functools import cache
 from itertools import product
 from math import log, pi
@@ -96,7 +97,7 @@ class Traction(NamedTuple):
 
 def traction(case: Case, film: GridSolution, limit: float) -> Traction:
     """The traction of a film in a case that may slide in another way, as `ertel.traction(..., film="once")` has it."""
-    found, scales = steady.steady_friction(case, film), case.scales
+    found, scales = replace(film, case=case).account.friction, case.scales
     assert scales is not None
     largest = np.maximum(limit * np.asarray(film.P) * scales.p_h / scales.shear_stress, 1e-30)
     cut = cut_off(np.asarray(found.stress), largest)

@@ -24,7 +24,6 @@ from ertel.case.definition import newtonian_stress
 from ertel.case.records import ConfigError, show
 from ertel.case.sections import Drive
 from ertel.case.status import Status
-from ertel.equations.account import coefficients
 from ertel.inputs.case_files import CaseLike, as_case
 from ertel.inputs.quantities import Given, parse_values
 from ertel.numerics.programs import double_precision
@@ -39,8 +38,8 @@ from ertel.runs.drive import GridStep, warn
 from ertel.runs.outlook import beyond
 from ertel.runs.store import RunStore
 from ertel.runs.workers import Condition, LocalWorker, check_fork, never
-from ertel.solvers.heat import Heated, heated
-from ertel.solvers.steady import Rolling, steady_friction
+from ertel.solvers.heat import Heated
+from ertel.solvers.steady import Rolling
 
 NAME = "traction"  # of the files with the points
 
@@ -232,22 +231,19 @@ def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyR
 
     fresh: whether the film was solved for this point, so that its work counts here.  directory: of the film's run.
     """
-    grids = Rolling(film.solutions)
-    friction = steady_friction(case, grids.finest)
-    numbers = with_coefficients(coefficients(friction), case.scales)
-    sliding, rolling = numbers["mu_sliding"], numbers["mu_rolling"]
-    work = sum(s.newton for s in film.solutions), sum(s.krylov for s in film.solutions), grids.convolutions
-    values = {
-        **grids.finest.measure(),
-        **numbers,
+    solution = replace(film.solutions[-1], case=case)
+    values = with_coefficients(solution.record, case.scales)
+    sliding, rolling = values["mu_sliding"], values["mu_rolling"]
+    convolutions = Rolling(film.solutions).convolutions
+    work = sum(s.newton for s in film.solutions), sum(s.krylov for s in film.solutions), convolutions
+    values |= {
         "mu_1": rolling + sliding,
         "mu_2": rolling - sliding,
-        "tau_max": float(np.hypot(*np.asarray(friction.stress)).max()),
+        "tau_max": float(np.hypot(*np.asarray(solution.account.friction.stress)).max()),
         **dict(zip(study_result.CURVE_WORK, work if fresh else (0, 0, 0.0), strict=True)),
     }
     warnings, status = [*beyond(case), *diagnostics.steady_warnings(case, film.solutions)], film.status
-    if case.thermal is not None and status.ok:
-        warm = heated(case, grids.finest.P, grids.finest.H, grid=grids.finest.grid)
+    if status.ok and (warm := solution.heat):
         values |= _warm_values(case, values, warm)
         warnings += diagnostics.thermal_warnings(case, warm)
         status = status if warm.converged else Status.NEWTON_STALLED

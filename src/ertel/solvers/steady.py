@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf
 from threading import Thread
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -52,6 +52,14 @@ ALGORITHMS = nonlinear.Algorithms(nonlinear.approach_as_unknown, nonlinear.line_
 _program = Program(nonlinear.solve, SMALL)
 
 
+class SteadyAccount(NamedTuple):
+    """The terms of the balances and the coefficients of the friction by name, the friction, and the oil there."""
+
+    terms: dict[str, float]
+    friction: account.Friction
+    oil: OilContent
+
+
 @dataclass(frozen=True)
 class GridSolution:
     """The steady contact of a case on one grid: fields of its shape, approach in a^2/R, status and work.
@@ -90,7 +98,7 @@ class GridSolution:
     @property
     def content(self) -> OilContent:
         """The oil that is there."""
-        return self.account[2]
+        return self.account.oil
 
     @property
     def load(self) -> float:
@@ -98,8 +106,8 @@ class GridSolution:
         return self._values["load"]
 
     @cached_property
-    def account(self) -> tuple[dict[str, float], account.Friction, OilContent]:
-        """The terms of its balances and the coefficients of its friction by name, its friction, and its oil."""
+    def account(self) -> SteadyAccount:
+        """Its balances, its friction and its oil."""
         m, scale = self.case.motion, self.case.geometry.hertz_load
         U, load = m.entrainment(0.0), m.load(0.0)
         gap_change = discretise.gap_change(self.case, self.grid, 0.0)
@@ -108,7 +116,8 @@ class GridSolution:
         terms, friction, content = _account_program(Plane.of(self.grid), c, self.P, self.H, rate, moment)
         around = discretise.outside_of(self.case, self.grid).at(motion_of(self.case, self.approach))
         around = around._replace(load=self.outside)
-        return account.in_units(jax.tree.map(float, jax.device_get(terms)), 0.0, around, scale), friction, content
+        terms = account.in_units(jax.tree.map(float, jax.device_get(terms)), 0.0, around, scale)
+        return SteadyAccount(terms, friction, content)
 
     @cached_property
     def heat(self) -> Heated | None:
@@ -119,12 +128,12 @@ class GridSolution:
     def record(self) -> dict[str, float]:
         """Its numbers by name: those of `measure`, of the account, and the work."""
         work = {"newton_iterations": self.newton, "krylov_iterations": self.krylov, "convolutions": self.convolutions}
-        return {**self.measure(), **self.account[0], "residual": self.residual, **work}
+        return {**self.measure(), **self.account.terms, "residual": self.residual, **work}
 
     @property
     def maps(self) -> dict[str, Floats]:
         """Its fields on the whole plane by name: those of `account.whole_maps`, and the temperatures."""
-        maps = account.whole_maps(self.whole, self.fields, self.account[1])
+        maps = account.whole_maps(self.whole, self.fields, self.account.friction)
         heat = self.heat
         if heat is not None:
             maps |= {name: np.asarray(self.whole(getattr(heat, name))) for name in ("T_1", "T_2", "T_film")}
@@ -287,12 +296,6 @@ def _account(
 
 
 _account_program = Program(jax.jit(_account), ANY_SIZE)
-
-
-def steady_friction(case: Case, s: GridSolution) -> account.Friction:
-    """The friction of a steady film, of the shape of its grid; the case may slide in another way."""
-    c, m, scale = discretise.contact_of(case, s.grid), case.motion, case.geometry.hertz_load
-    return account.friction_program(Plane.of(s.grid), c, s.P, s.H, m.sliding(0.0), m.load(0.0), scale)
 
 
 def compile_ahead(case: Case) -> None:
