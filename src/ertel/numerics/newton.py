@@ -44,8 +44,9 @@ class Options:
 class Border(NamedTuple):
     """One more unknown: a number s, by which H changes uniformly, and its linear equation misfit(P, s) = 0.
 
-    s: the first guess.  tolerance: bound of the misfit.  weight: weight of the misfit, relative to the field's
-    residual, in the norm that the Krylov iteration reduces.
+    s: the first guess.  tolerance: bound of the misfit.  weight: least weight of the misfit, relative to the field's
+    residual, in the norm that the Krylov iteration reduces.  A misfit of one counts at least as much as the residual of
+    all nodes: on the wide domain of a very light contact that is large, and a search would forget the load.
     """
 
     s: Array | float
@@ -151,9 +152,9 @@ class NewtonKrylov:
 
     def newton_change(self, it: Solution, r: Array, change_of_r: _Change) -> tuple[_Pair, Array]:
         """The change that solves the linear equations nearly, and the Krylov iterations that it took."""
-        weight = jnp.asarray(self.border.weight, it.P.dtype)
         early = it.newton < self.options.filling_limit
         free = _free(it.P, jnp.where(early, self.filled(jnp.where(it.P > 0.0, 0.0, r)), r))
+        weight = jnp.maximum(self.border.weight, jnp.linalg.norm(free * r))
         misfit, change_of_misfit = jax.linearize(self.border.misfit, it.P, it.s)
 
         def jacobian(d: _Pair) -> _Pair:
