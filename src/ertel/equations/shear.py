@@ -48,7 +48,7 @@ LIMIT = 40  # of Newton iterations
 
 
 class ShearedFilm(NamedTuple):
-    """What the flow depends on: the law, the pressure, the sliding and the gradient, as in `shear`."""
+    """The quantities on which the flow depends: law, pressure, sliding and gradient, as in `shear`."""
 
     law: Fluidity
     pressure: Array

@@ -10,7 +10,7 @@ that of the mean P and H of the two nodes, and of their mean fluidity with the w
 thins the oil by powers of ten, the flux is almost the same for any viscosity, and the two must cancel.  The slope of P
 across the face is their difference, the slope along the face is the mean of the central differences at the two nodes.
 
-What takes long is Q.  It is found once for each film (`ThinningFlow.at`), at all faces and nodes: the residual and its
+Q takes long to find.  It is found once for each film (`ThinningFlow.at`), at all faces and nodes: the residual and its
 derivative take it at the faces, the preconditioner and the account at the nodes too.
 """
 
@@ -109,7 +109,7 @@ class ThinningFlow(PressureFlow):
         return flux * (12.0 / (opened(points.film) * self.unit))
 
     def _film(self, contact: Contact, points: "_Points") -> ShearedFilm:
-        """What the flow depends on, in Pa."""
+        """The quantities on which the flow depends, in Pa."""
         H = opened(points.film)
         along_x = contact.lambda_bar * points.viscosity * self.sliding / (12.0 * H) * self.unit
         sliding = Vector(along_x, jnp.zeros_like(along_x))

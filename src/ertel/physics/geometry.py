@@ -6,7 +6,7 @@ lengths along the surface in a = b, displacement and approach in a^2/R with R = 
 the direction of entrainment, Y across it.  This module is the only source of these constants.
 
 E and F are the complete elliptic integrals of second and first kind with the modulus squared 1 - kappa^2.  They are
-computed by arithmetic-geometric means, on both sides of the circle.
+computed in Carlson's symmetric form, which holds on both sides of the circle.
 
 Source: Johnson KL. Contact Mechanics. Cambridge 1985, section 4.2.  Scaling by b: Biboulet N, Houpert L. Proc IMechE J
 2010;224:777-787.
@@ -14,7 +14,7 @@ Source: Johnson KL. Contact Mechanics. Cambridge 1985, section 4.2.  Scaling by 
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from math import cos, hypot, pi, radians, sin, sqrt
+from math import cos, exp, hypot, log, pi, radians, sin
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,8 +24,6 @@ Array = Any  # a NumPy or JAX array
 Floats = NDArray[np.float64]
 RIGHT = 90.0  # degrees: an angle of whole multiples of it is along a principal axis
 LEAST_RATIO, LARGEST_RATIO = 1 / 100, 100.0  # of the radii; beyond, the contact is a line in all but name
-ELLIPSE_ITERATIONS = 20  # each leaves a seventh of the error where D is 1/100 or 100: 17 reach round-off
-ELLIPSE_ERROR = 1e-9  # of the means, the square of which is left
 
 HERTZ_LOAD = 2.0 * pi / 3.0  # double integral of sqrt(1 - r^2): the dry load that carries Delta = 1 on a circle
 FREE_BALL_INERTIA = 4.0 / 5.0  # m delta*/(F* t0^2) in the scales of an impact: m v0^2/2 = (2/5) F* delta*
@@ -79,26 +77,23 @@ def hertz_ellipse(radius_ratio: float) -> HertzEllipse:
         raise ValueError(f"radius_ratio = {radius_ratio}: must be from 1/100 to 100 (R_x/R_y)")
     if radius_ratio == 1.0:
         return HertzEllipse(1.0, 1.0, pi / 2, pi / 2)
-    kappa = radius_ratio ** (2 / 3)
-    for _ in range(ELLIPSE_ITERATIONS):  # D grows as kappa^1.5 near the circle, and nearly so far from it
-        s, F = _integrals(kappa)
-        kappa *= (radius_ratio / kappa**2 * (1.0 - s) / (1.0 + s)) ** (2 / 3)
-    return HertzEllipse(radius_ratio, kappa, F * (1.0 + kappa**2 - s * (1.0 - kappa**2)) / 2.0, F)
+    # SciPy is imported here, because circular contacts do not need it and its import is slow
+    from scipy.optimize import brentq
+    from scipy.special import elliprf, elliprg
+
+    # the root lies between the circle and kappa = D, on either side
+    end = log(radius_ratio)
+    kappa = exp(brentq(lambda s: log(_radius_ratio(exp(s)) / radius_ratio), min(end, 0.0), max(end, 0.0), xtol=1e-15))
+    m = kappa**2
+    return HertzEllipse(radius_ratio, kappa, 2.0 * float(elliprg(0.0, m, 1.0)), float(elliprf(0.0, m, 1.0)))
 
 
-def _integrals(kappa: float) -> tuple[float, float]:
-    """Return s and F, where F - E = F (1 - kappa^2) (1 + s)/2, so that D = kappa^2 (1 + s)/(1 - s).
+def _radius_ratio(kappa: float) -> float:
+    """D = kappa^2 (F - E)/(E - kappa^2 F), both differences in Carlson's form, so that none is of large numbers."""
+    from scipy.special import elliprd
 
-    By the arithmetic-geometric mean of 1 and kappa (Abramowitz and Stegun 17.6).  No difference is one of close
-    numbers: s = sum 2^n c_n^2/(1 - kappa^2) over n >= 1.
-    """
-    a, b, c = (1.0 + kappa) / 2.0, sqrt(kappa), (1.0 - kappa) / 2.0
-    s = term = c / (1.0 + kappa)
-    while abs(c) > ELLIPSE_ERROR * a:
-        a, b, c, before = (a + b) / 2.0, sqrt(a * b), (a - b) / 2.0, c
-        term *= 2.0 * (c / before) ** 2
-        s += term
-    return s, pi / (2.0 * a)
+    m = kappa**2
+    return float(elliprd(0.0, m, 1.0) / elliprd(0.0, 1.0, m))
 
 
 @dataclass(frozen=True)

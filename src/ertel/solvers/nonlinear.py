@@ -77,7 +77,7 @@ class ClosedSystem(NamedTuple):
 def solve(problem: Problem, P: Array, approach: FloatLike) -> tuple[newton.Solution, Array]:
     """P, H and Delta from a first guess of P and Delta (which is not used where Delta follows from P).
 
-    The solution shares the flow by the pressure gradient in its film.
+    The solution shares the flow by the pressure gradient in its film; a steady one does not, and can be exported.
     """
     turned = partial(flow_aligned, problem.rate)
     problem, P = _flow_aligned(problem), turned(P)
@@ -99,7 +99,7 @@ def solve(problem: Problem, P: Array, approach: FloatLike) -> tuple[newton.Solut
     )
     solution = system.solve(P, closed.H)
     fields = {name: turned(getattr(solution, name)) for name in ("P", "H", "left")}
-    flow_there = solution.shared if problem.rate.wedge is None else c.flow  # that of a steady film is not needed
+    flow_there = solution.shared if problem.rate.wedge is None else None
     return solution._replace(**fields, shared=flow_there), closed.approach(solution)
 
 
