@@ -398,11 +398,14 @@ def test_the_time_error_sees_the_contact_and_the_roughness(nodes: int, size: flo
 
 
 def test_a_film_without_pressure_outside_the_middle_of_its_grid_is_solved_there() -> None:
-    """Most of a rebound: the same steps and the same result for less work."""
+    """Most of a rebound: the same steps but for one, and the same result for less work.
+
+    What an iteration leaves over in a step is part of the error that the next step sees, and differs.
+    """
     case = impact(200, 10, 33, time={"until": "rebound", "tolerance": 1e-3})
     runs = (TransientRun(case, Transient2D(case, small)) for small in (33, 32))
     whole, middle = (result_of(run).summary for run in runs)
-    assert middle["steps"] == whole["steps"]
+    assert abs(middle["steps"] - whole["steps"]) <= 1
     assert middle["convolutions"] < 0.7 * whole["convolutions"]
     assert middle["max_approach"] == whole["max_approach"]
     assert middle["restitution"] == pytest.approx(whole["restitution"], rel=1e-4)  # the tolerance is 1e-3

@@ -68,7 +68,7 @@ class Outside:
 
     @cached_property
     def _around(self) -> tuple[tuple[NDArray[np.int64], ...], Floats, Floats, Floats]:
-        """The constants of every step: the indices of the edge nodes; X and Y of these and of the points outside, one array.
+        """The constants of every step: indices of the edge nodes; X and Y of these and of points outside, in one array.
 
         And for the points outside the weights of their pressure in the load and in the uplift, shape (2, n).
         """

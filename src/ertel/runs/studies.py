@@ -185,12 +185,9 @@ def left_of(cases: Sequence[Case], directory: Path, part: Part = EVERY) -> dict[
 
 
 def _is_done(directory: Path) -> bool:
-    if not (directory / CASE).exists():
-        return False
-    try:
-        return RunStore.open(directory).outcome() is not None
-    except (StoreError, OSError):
-        return False
+    with suppress(StoreError, OSError):
+        return (directory / CASE).exists() and RunStore.open(directory).outcome() is not None
+    return False
 
 
 def require_place(directory: str | Path, name: str = NAME, option: str = "directory") -> Path:

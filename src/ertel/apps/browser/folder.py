@@ -193,11 +193,9 @@ def _stamps(run: Path) -> list[Stamp]:
 
 
 def _stamp(path: Path) -> Stamp:
-    try:
-        status = path.lstat()
-    except (OSError, ValueError):
-        return None
-    return status.st_mtime_ns, status.st_size
+    with suppress(OSError, ValueError):
+        return (status := path.lstat()).st_mtime_ns, status.st_size
+    return None
 
 
 @lru_cache(maxsize=2 * MOST)

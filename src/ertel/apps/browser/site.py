@@ -91,10 +91,8 @@ class Site:
                 self.processes.delete(place)
 
         name, study = self.folder.name_of(run), study_of(run, self.folder.root)
-        with question(
-            f"Delete {name}?",
-            "Its data are removed from the disk for good. Case files outside of its directory stay.",
-        ) as dialog:
+        what = "Its data are removed from the disk for good. Case files outside of its directory stay."
+        with question(f"Delete {name}?", what) as dialog:
             if study:
                 text = f"Delete the study {self.folder.name_of(study)} with all its runs"
                 ui.button(text, on_click=lambda: delete(study)).props("outline color=negative").mark("delete-study")
@@ -267,11 +265,8 @@ class WatchedPage:
             ui.icon(phase.icon)
             ui.label(phase.word).mark("phase")
         if phase.is_active:
-            word, order = (
-                "Stop now" if phase is Phase.STOPPING else "Stop",
-                partial(self.site.processes.stop, self.path),
-            )
-            stop = ui.button(word, icon="stop", on_click=lambda: self._order(order))
+            word, order = "Stop now" if phase is Phase.STOPPING else "Stop", self.site.processes.stop
+            stop = ui.button(word, icon="stop", on_click=lambda: self._order(partial(order, self.path)))
             stop.props("outline color=accent").mark("stop")
         elif word := self._words.get(phase, "Resume"):
             start = ui.button(word, icon="play_arrow", on_click=lambda: self._order(self.start))
