@@ -7,6 +7,7 @@ from made_up import BALL_FALLS, BALL_ROLLS, MOES_FALLS, as_in_time, dry_impact, 
 from PIL import Image, ImageSequence
 
 from ertel import plots
+from ertel.case.definition import radii
 from ertel.inputs.python import rolling
 from ertel.optics import Constant, Layer, Monochromatic, Rig, TwoBeams, White
 from ertel.plots import interferograms as page
@@ -40,6 +41,16 @@ def values_of(seen):
 
 def crossings(line):
     return np.count_nonzero(np.diff(np.sign(line - (line.min() + line.max()) / 2)))
+
+
+def test_the_film_of_a_radial_run_is_that_of_its_nodes():
+    """They are finest at the edge of the contact."""
+    r = radii(101, 2.0)
+    run = dry_impact(MOES_FALLS, radial=True).isel(frame=[48]).interp(r=r)
+    run = run.assign(H=run["H"].copy(data=(0.1 + r[None, :] ** 2 / 2)))
+    x = np.linspace(-1.3, 1.3, 27)
+    seen = page._on_pixels(View.of(run), "H", x, np.zeros(1), smooth=True)
+    np.testing.assert_allclose(seen[0], 0.1 + x**2 / 2, rtol=1e-9)
 
 
 # -- the picture ------------------------------------------------------------------------------------------------------

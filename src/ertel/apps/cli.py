@@ -50,7 +50,6 @@ def main() -> None:
     os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")  # or XLA calls code that it compiled itself an error
     sys.modules["dask.array"] = None  # type: ignore[assignment]  # or xarray imports it, for arrays that ertel never makes
     process.keep_freed_memory()
-    gc.set_threshold(100_000)  # JAX makes many objects that stay, and looking through them takes time
     with process.safe_streams():
         app()
 
@@ -87,6 +86,7 @@ def run(
     ] = False,
 ) -> None:
     """Run a case and store the results."""
+    gc.set_threshold(100_000)  # JAX makes many objects that stay, and looking through them takes time
     from ertel.inputs.case_files import load_case
     from ertel.runs.compile import jax_prepared
 

@@ -56,7 +56,7 @@ class ThinningFlow(PressureFlow):
     sheared: Sheared | None = None
 
     def at(self, contact: Contact, P: Array, H: Array) -> "ThinningFlow":
-        """The same with the flow across this film; its search begins with the stress that is known."""
+        """This flow with the flow across the film; the search starts from the stored stress, if there is one."""
         return replace(self, sheared=self._solved(contact, P, H))
 
     def gain(self, contact: Contact, P: Array, H: Array) -> Array:
@@ -65,7 +65,7 @@ class ThinningFlow(PressureFlow):
         return divergence(*fluxes) / contact.spacing
 
     def details(self, contact: Contact, P: Array, H: Array, sliding: Array | float, plane: Plane) -> Details:
-        """The flow at every node when the surfaces slide by U S; what is known of the flow is for that sliding."""
+        """The flow at every node when the surfaces slide by U S; `sheared`, where it is given, is of that sliding."""
         flow = replace(self, sliding=sliding)
         sheared = self.sheared or flow._solved(contact, P, H)
         (in_X, in_Y), nodes = flow._fluxes(contact, P, H, sheared), sheared.nodes

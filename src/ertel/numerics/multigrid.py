@@ -230,7 +230,6 @@ def in_precision(precision: DTypeLike, values: Array | complex) -> DTypeLike:
 
 
 @cache
-@cache
 def v_cycle_convolutions(grid: Grid) -> float:
     """The work of a V-cycle in convolutions; each counts as the nodes of its grid over those of the finest grid."""
     return sum(2.0 * g.size / grid.size for g in grid.hierarchy()[1:])

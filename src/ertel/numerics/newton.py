@@ -46,7 +46,7 @@ class Border(NamedTuple):
 
     s: the first guess.  tolerance: bound of the misfit.  weight: least weight of the misfit, relative to the field's
     residual, in the norm that the Krylov iteration reduces.  A misfit of one counts at least as much as the residual of
-    all nodes: on the wide domain of a very light contact that is large, and a search would forget the load.
+    all nodes: on the wide domain of a very light contact that is large, and the search would ignore the load.
     """
 
     s: Array | float

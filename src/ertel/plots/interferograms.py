@@ -26,7 +26,7 @@ from ertel.plots.measurements import Overlay, draw_light, draw_measured, measure
 from ertel.plots.movies import PER_SECOND, animated, in_motion
 from ertel.plots.view import View, field
 from ertel.results.alignment import INTENSITY
-from ertel.results.profiles import At, mirrored
+from ertel.results.profiles import At
 
 PIXELS = 480  # along the longer side of a picture
 ROUND = 1.7  # how far round the contact the picture reaches, in its half widths
@@ -73,34 +73,17 @@ def _edges(view: View, seen: xr.Dataset) -> tuple[float, float, float, float]:
 
 def _on_pixels(view: View, name: str, x: Values, y: Values, smooth: bool) -> Values:
     """A field on the pixels: by cubic splines, or linear where it has edges."""
+    from scipy.interpolate import CubicSpline, RectBivariateSpline  # here: other pictures do without it
+
     values, data = view.values(name), view.dataset
     if not view.is_radial:
-        rows = _between(data["Y"].values, values, y, smooth)
-        return _between(data["X"].values, rows.T, x, smooth).T
+        order = 3 if smooth else 1
+        spline = RectBivariateSpline(data["Y"].values, data["X"].values, values, kx=order, ky=order)
+        return np.asarray(spline(y, x))
     r, pixels = np.asarray(data["r"].values), np.hypot(y[:, None], x[None, :])
     if smooth:  # the film is even in r; beyond the grid, in the corners, it goes on
-        return _between(view.x, mirrored(values), pixels, smooth)
+        return np.asarray(CubicSpline(r, values, bc_type=((1, 0.0), "not-a-knot"))(pixels))
     return np.interp(pixels, r, values)
-
-
-def _between(x: Values, values: Values, places: Values, smooth: bool) -> Values:
-    """Values on regular nodes x, the first axis, at places: linear, or smooth by a cubic spline (not-a-knot)."""
-    low = np.clip(((places - x[0]) / (x[1] - x[0])).astype(int), 0, len(x) - 2)
-    after = ((places - x[low]) / (x[1] - x[0])).reshape(places.shape + (1,) * (values.ndim - 1))
-    before = 1.0 - after
-    bend = _bend(values) if smooth else np.zeros_like(values)
-    curved = (before**3 - before) * bend[low] + (after**3 - after) * bend[low + 1]
-    return np.asarray(before * values[low] + after * values[low + 1] + curved / 6.0)
-
-
-def _bend(values: Values) -> Values:
-    """The second differences of a cubic spline through values on regular nodes, the first axis."""
-    matrix = 4.0 * np.eye(len(values)) + np.eye(len(values), k=1) + np.eye(len(values), k=-1)
-    matrix[[0, -1]] = 0.0
-    matrix[0, :3] = matrix[-1, -3:] = 1.0, -2.0, 1.0  # the third derivative does not jump at the nodes next to the ends
-    jumps = np.zeros_like(values)
-    jumps[1:-1] = 6.0 * np.diff(values, n=2, axis=0)
-    return np.asarray(np.linalg.solve(matrix, jumps), dtype=float)
 
 
 # -- panels -----------------------------------------------------------------------------------------------------------

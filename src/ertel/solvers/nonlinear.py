@@ -77,7 +77,7 @@ class ClosedSystem(NamedTuple):
 def solve(problem: Problem, P: Array, approach: FloatLike) -> tuple[newton.Solution, Array]:
     """P, H and Delta from a first guess of P and Delta (which is not used where Delta follows from P).
 
-    The solution shares the flow by the pressure gradient in its film; a steady one does not, and can be exported.
+    `shared` of the solution is the flow in its film; None of a steady film, whose program is exported.
     """
     turned = partial(flow_aligned, problem.rate)
     problem, P = _flow_aligned(problem), turned(P)

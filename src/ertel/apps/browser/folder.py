@@ -84,7 +84,8 @@ class Folder:
 
     def studies(self) -> list[Path]:
         """The directories of studies, by name; one whose file is here may not exist yet."""
-        others = {study for run in self.runs() if (study := study_of(run, self.root)) and kind_of(study)}
+        runs = find_runs(self.root, MOST_FOLDERS)
+        others = {study for run in runs if (study := study_of(run, self.root)) and kind_of(study)}
         found = sorted(others.union(self._files_of_studies()))
         return [path for path in found if not is_run(path) and os.path.realpath(path) == str(path)]
 
@@ -161,7 +162,7 @@ def study_of(run: Path, root: Path) -> Path | None:
 
 def progress_of(path: Path) -> dict[str, Any] | None:
     """The progress of a run or a fit; a sweep keeps none, but has its runs, and its table when it has ended."""
-    if (found := read_progress(path)) or is_run(path) or not path.exists():
+    if (found := read_progress(path)) or is_run(path) or not (path / RUNS).is_dir():
         return found
     status = Status.RUNNING if is_locked(path) else Status.INTERRUPTED
     with suppress(OSError, ValueError, LookupError):
@@ -169,7 +170,7 @@ def progress_of(path: Path) -> dict[str, Any] | None:
         if status is Status.INTERRUPTED and not TO_DO & {row["status"] for row in rows}:
             status = Status.CONVERGED
     done = sum(summary_of(run) is not None for run in find_runs(path))
-    return {"status": status.value, "done": 0.0, "message": f"run {done + 1} of the study"}
+    return {"status": status.value, "done": 0.0, "message": f"{done} runs are done"}
 
 
 # -- the files of a run -----------------------------------------------------------------------------------------------

@@ -280,7 +280,7 @@ def _begin() -> None:
 
 
 def keep_small() -> None:
-    """Give memory that is free back to the system, now and at once later, where the C library can; glibc keeps much."""
+    """Give free memory back to the system, now, and at once from now on, where the C library can; glibc keeps much."""
     if os.name == "posix" and hasattr(library := ctypes.CDLL(None), "mallopt"):
         for option, value in MEMORY.items():
             library.mallopt(option, value)

@@ -26,6 +26,8 @@ def study_report(study: Path, kind: str) -> tuple[str, str]:
     try:
         data = xr.open_zarr(study / f"{kind}.zarr", chunks=None, consolidated=False).load()
         best = str(data.attrs.get("best", ""))
+        if not (study / best).resolve().is_relative_to(study.resolve()):
+            raise ValueError(f"{best} lies outside of the study")
         result = FitResult(data, study, case=read_case(study / best)) if best else StudyResult(data, study)
         return result._repr_html_(), best
     except Exception as error:  # of zarr, its codecs, the system
