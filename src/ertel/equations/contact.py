@@ -45,8 +45,8 @@ class Details(NamedTuple):
 
     stress: tau_m in the middle of the film along X and along Y, in units of p_h a/R, shape (2, n, n).  heat: what the
     pressure spends on the flow, - flux . grad of the enthalpy, in units of p_h a^2/(R t0), shape (n, n); each face
-    between two nodes gives half to either.  gain: as from `PressureFlow`.  mobility: the tangent
-    one of its mobilities; on the edge of a grid, where it is needed, the gradient is small and the secant one the same.
+    between two nodes gives half to either.  gain: as from `PressureFlow`.  mobility: the tangent one of its mobilities.
+    It serves on the edge of a grid, where the gradient is small and the secant one nearly the same.
     """
 
     stress: Array

@@ -83,7 +83,7 @@ def shear(law: Fluidity, pressure: Array, sliding: Array, gradient: Array, point
     return Shear(stress, flux, solution.by_gradient, jnp.max(solution.iterations))
 
 
-def solved_film(film: "ShearedFilm", points: int = NODES, guess: Vector | None = None) -> "SolvedFilm":
+def solved_film(film: ShearedFilm, points: int = NODES, guess: Vector | None = None) -> "SolvedFilm":
     """The flow across a film and its derivatives, all held when they are differentiated (see `attached`).
 
     guess: of the stress in the middle, which saves iterations.
