@@ -12,6 +12,7 @@ from jax import Array
 from numpy.testing import assert_allclose
 
 from ertel.equations.contact import NEWTONIAN_FLOW, Contact, bare_contact, mobility, traceable
+from ertel.equations.shear import shear
 from ertel.equations.thinning import ThinningFlow
 from ertel.numerics.grid import Grid, Symmetry
 from ertel.numerics.integrals import Plane
@@ -125,7 +126,12 @@ def test_the_secant_mobility_is_that_along_the_gradient():
     plain = np.asarray(mobility(rolling, P, H))
     assert_allclose(secant.x / plain, np.where(size > 0.0, factor, 1.0), rtol=1e-6)
     assert factor.max() > 2.0 and np.all(tangent.x + tangent.y >= (1.0 - 1e-9) * 2.0 * secant.x)
-    assert np.all(MOBILITIES(thinning(grid), P, H).secant.x >= (1.0 - 1e-9) * np.asarray(secant.x))
+    slid = np.asarray(MOBILITIES(thinning(grid), P, H).secant.x)
+    assert np.all(slid >= (1.0 - 1e-9) * np.asarray(secant.x))
+    along_x = rolling.lambda_bar * OIL.viscosity(P) / (12.0 * H)
+    gradient = H * jnp.stack(node_slopes(P, grid.spacing))
+    film = shear(EYRING, P, jnp.stack([along_x, 0.0 * along_x]), gradient)
+    assert_allclose(slid / plain * size**2, 12.0 * (film.flux * gradient).sum(axis=0), rtol=1e-9, atol=1e-14)
 
 
 def test_nothing_flows_where_the_surfaces_overlap():
