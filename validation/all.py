@@ -150,7 +150,7 @@ def regenerate(page: Page, root: Path) -> None:
 def check(page: Page) -> list[str]:
     """The lines of a stored page that a new run does not confirm."""
     with tempfile.TemporaryDirectory() as place:
-        for folder in ("validation", "benchmarks", "examples", "tests"):
+        for folder in ("validation", "benchmarks", "examples", "papers", "tests"):
             shutil.copytree(ROOT / folder, Path(place) / folder, ignore=shutil.ignore_patterns("__pycache__"))
         regenerate(page, Path(place))
         path = ROOT / page.path

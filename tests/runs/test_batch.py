@@ -20,7 +20,7 @@ from ertel.runs.batch import lanes_for, run_together, simulate_batch
 from ertel.runs.compile import compilations
 from ertel.runs.drive import simulate
 from ertel.runs.stepping import Step
-from ertel.runs.tasks import Failure
+from ertel.runs.workers import Failure
 
 ROLLED = rolled(Parameters.from_moes(20, 5), Oil(), replace(SOLVERS["transient"], nodes=33))
 TIGHT = {"tolerance": 1e-8, "half_width": 2.0}  # the default width depends on M

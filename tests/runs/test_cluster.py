@@ -23,8 +23,7 @@ from ertel.runs.cluster import Cluster, NoScheduler
 from ertel.runs.directory import read_progress
 from ertel.runs.drive import simulate
 from ertel.runs.studies import gather, run_directory, run_study
-from ertel.runs.tasks import Task, run_tasks
-from ertel.runs.workers import Failure, LocalWorker, StopSignal, Workers
+from ertel.runs.workers import Failure, LocalWorker, StopSignal, Task, Workers
 
 HANG = 120  # s: what lives longer is taken for something that never ends
 
@@ -187,7 +186,7 @@ def test_a_scheduler_that_is_there_already(two, tmp_path):
         assert dict(workers.outcomes([Task("a", square, (2.0,))])) == {"a": 4.0}
     (tmp_path / "scheduler.json").write_text(json.dumps({"address": address}))
     with cluster.existing(file=tmp_path / "scheduler.json", tls=keys) as workers:
-        assert run_tasks([Task("a", square, (2.0,))], workers) == [4.0]
+        assert dict(workers.outcomes([Task("a", square, (2.0,))])) == {"a": 4.0}
 
 
 def test_keys_that_do_not_fit_are_said_in_one_sentence(two, tmp_path, capfd):
@@ -351,11 +350,10 @@ def test_no_directory_of_dask_is_imported_from_afterwards(two, monkeypatch, recw
 
 KILLED = """
 from ertel.runs.cluster import local
-from ertel.runs.tasks import Task, run_tasks
 from test_cluster import never_ends
 if __name__ == "__main__":
     with local(1) as workers:
-        run_tasks([Task("long", never_ends)], workers)
+        list(workers.outcomes([Task("long", never_ends)]))
 """
 
 

@@ -15,6 +15,7 @@ import ertel
 from ertel.runs import compile
 from ertel.runs.batch import usual_cases
 from ertel.runs.drive import watch
+from ertel.version import source_digest
 
 WRONG_SUMS = """
 import jax
@@ -264,3 +265,19 @@ def test_the_progress_bar_says_what_takes_the_time(monkeypatch):
     bars = SimpleNamespace(add_task=lambda name, total, message: said.append((name, message)))
     watch(bars, SimpleNamespace(case=SimpleNamespace(name="ball", kind="impact")))
     assert said == [("ball", "compiling (once per machine and grid size)")]
+
+
+def test_the_digest_of_sources_sees_every_byte_and_name_of_sources_only(tmp_path):
+    sources = tmp_path / "package"
+    (sources / "room").mkdir(parents=True)
+    (sources / "a.py").write_bytes(b"x = 1")
+    (sources / "room" / "b.py").write_bytes(b"y = 2")
+    before = source_digest(sources)
+    (sources / "notes.txt").write_text("no code")
+    assert source_digest(sources) == before
+    (sources / "a.py").write_bytes(b"x = 2")
+    changed = source_digest(sources)
+    (sources / "a.py").write_bytes(b"x = 1")
+    assert changed != before == source_digest(sources)
+    (sources / "room" / "b.py").rename(sources / "room" / "c.py")
+    assert source_digest(sources) != before

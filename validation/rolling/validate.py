@@ -22,12 +22,13 @@ from numpy.typing import NDArray
 
 import ertel
 from ertel import Case, Parameters, amplitude_reduction, load_case, parse_case, simulate
-from ertel.apps.boundary_layers.runs import marched_rolling, rolling_response
 from ertel.equations import outside
 from ertel.physics import film_formulas
 from ertel.solvers import steady
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "papers"))
+from boundary_layers.runs import marched_rolling, rolling_response
 from common import BARUS, ISOVISCOUS, extrapolated, table, write
 
 HERE = Path(__file__).parent

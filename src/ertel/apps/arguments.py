@@ -160,7 +160,7 @@ TLS_HELP = "PEM file with certificate, key and authority, for a scheduler at tls
 
 @dataclass(frozen=True)
 class EngineOptions:
-    """The processes that do the runs of a study, see `runs.tasks.Engine`."""
+    """The processes that do the runs of a study, see `runs.engine.Engine`."""
 
     jobs: Annotated[int | None, option(JOBS_HELP, min=1)] = None
     scheduler: Annotated[str | None, option(SCHEDULER_HELP, "ADDRESS")] = None

@@ -19,7 +19,6 @@ from ertel.apps.arguments import (
     CaseFile,
     EngineOptions,
     PlotCommand,
-    Quiet,
     Report,
     RunDirectory,
     RunOptions,
@@ -249,24 +248,6 @@ def warm_up(
         leave(BAD_INPUT, f"--set {set_[0]}: needs a case file; without one the usual grids are compiled")
     cases = [load_case(path, set_ or []) for path in files or []] or list(usual_cases())
     running.warm_up_all(cases)
-
-
-@app.command()
-@grouped
-def paper(
-    engine: EngineOptions,
-    figure: Annotated[str, typer.Argument(metavar="all|fig1|fig2|...", help="Figure to reproduce.")] = "all",
-    quick: Annotated[bool, typer.Option("--quick", help="Use coarse grids: seven minutes on one core.")] = False,
-    out: Annotated[Path, path_option("Directory for the page; results kept in it are used again.")] = Path("paper"),
-    quiet: Quiet = False,
-) -> None:
-    """Reproduce the figures of the paper, with their data, on one page.
-
-    After an interruption the same command continues.
-    """
-    from ertel.apps import studies
-
-    studies.paper(figure, quick, out, studies.Engine(**vars(engine)), quiet)
 
 
 for command in (

@@ -1,14 +1,13 @@
-"""`ertel sweep`, `converge`, `traction`, `fit` and `paper`: studies from their input to the printed table or page."""
+"""`ertel sweep`, `converge`, `traction` and `fit`: studies from their input to the printed table."""
 
 from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
 
 from ertel.apps import running, tables
 from ertel.apps.arguments import Report
-from ertel.apps.process import Interrupted, deferred, interruptible
-from ertel.apps.terminal import FAILED, bad_input, in_shell, leave, print_json, print_path, say, shown, writing_to
+from ertel.apps.process import interruptible
+from ertel.apps.terminal import FAILED, in_shell, leave, print_json, say, shown, writing_to
 from ertel.case.case import Case
 from ertel.case.definition import newtonian_stress
 from ertel.case.records import ConfigError
@@ -21,8 +20,7 @@ from ertel.runs import studies as stored
 from ertel.runs import traction as curves
 from ertel.runs.compile import prepare_jax
 from ertel.runs.directory import heeding_stop
-from ertel.runs.drive import bars
-from ertel.runs.tasks import Engine as Engine
+from ertel.runs.engine import Engine as Engine
 
 GOES_ON = "the same command continues"
 LISTED = 5  # failed runs that the last line names
@@ -109,32 +107,3 @@ def _report(result: StudyResult, directory: Path, name: str, options: Report) ->
             out.say(remark, style="yellow" if remark.startswith("warning") else None)
         *files, last = stored.files_in(directory, name)
         out.print(f"Stored in {shown(directory)}, with {', '.join(files)} and {last}")
-
-
-def paper(figure: str, quick: bool, out: Path, engine: Engine, quiet: bool) -> None:
-    """Run what figures of the paper lack, write their page and print its path."""
-    from ertel.apps.boundary_layers import figures  # here, so that the other studies need no matplotlib
-
-    with bad_input():
-        names = figures.names_of(figure)
-        out.mkdir(parents=True, exist_ok=True)
-    try:
-        with writing_to(out, GOES_ON), ExitStack() as stack:
-            prepare_jax()  # or no run can begin
-            runs, done, seconds = figures.expected(names, quick, out, engine.processes)
-            if not quiet:
-                say(f"{runs} runs, {done} of them done; about {max(seconds / 60, 1):.0f} min")
-            progress = stack.enter_context(bars(not quiet))
-            with deferred():
-                workers = stack.enter_context(engine.workers(runs - done))
-            bar = progress.add_task("runs", total=runs, message="")
-
-            def on_done(task: Any, _: object) -> None:
-                progress.update(bar, advance=1, message=task.name)
-
-            page, missing = figures.make(names, quick, out, workers, on_done)
-    except Interrupted as error:
-        leave(error.code, f"interrupted; {GOES_ON}")
-    print_path(page)
-    if missing:
-        leave(FAILED, "; ".join(f"{name} failed: {reason}" for name, reason in missing.items()))

@@ -36,8 +36,8 @@ from ertel.runs import studies
 from ertel.runs.compile import check_jax
 from ertel.runs.directory import CASE, read_progress, write_progress
 from ertel.runs.drive import warn
+from ertel.runs.engine import Engine
 from ertel.runs.store import RunStore
-from ertel.runs.tasks import Engine
 from ertel.runs.workers import Condition, Failure, Workers, never
 
 NAME = "fit"  # of the files with the outcome

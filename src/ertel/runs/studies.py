@@ -40,9 +40,9 @@ from ertel.runs.batch import STEPS, program_of
 from ertel.runs.compile import check_jax
 from ertel.runs.directory import CASE, PROGRESS, STOP, Taken, heeding_stop, is_asked_to_stop, read_progress, status_of
 from ertel.runs.drive import bars
+from ertel.runs.engine import Engine
 from ertel.runs.files import StoreError, locked
 from ertel.runs.store import RunStore, compute
-from ertel.runs.tasks import Engine
 from ertel.runs.workers import Condition, Failure, StopSignal, Task, Workers, never
 
 RUNS = "runs"

@@ -17,11 +17,11 @@ from matplotlib.ticker import FixedLocator, NullLocator
 from pandas import DataFrame
 from scipy.optimize import least_squares
 
+from boundary_layers import reduction
+from boundary_layers.pages import Drawn, new_figure, texts
+from boundary_layers.plans import Plan
+from boundary_layers.runs import HEIGHT, LAYERS, OILS, USUAL, wave_name
 from ertel import amplitude_reduction, formulas, fronts, plots
-from ertel.apps.boundary_layers import reduction
-from ertel.apps.boundary_layers.pages import Drawn, new_figure, texts
-from ertel.apps.boundary_layers.plans import Plan
-from ertel.apps.boundary_layers.runs import HEIGHT, LAYERS, OILS, USUAL, wave_name
 
 CURVES: Mapping[str, reduction.Curve] = {
     "(15), isotropic": amplitude_reduction.ratio_left,

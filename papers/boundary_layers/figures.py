@@ -2,23 +2,21 @@
 
 Lubrecht AA, Biboulet N, Venner CH. Boundary layers: unifying the impact and rolling EHL point contacts.
 
-    ertel paper all --quick
+    python papers/boundary_layers all --quick
 """
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
-from importlib.resources import files
 from pathlib import Path
 from string import Template
 from typing import Any
 
 import ertel
-from ertel.apps.boundary_layers import beyond, front, reduction, runs
-from ertel.apps.boundary_layers.pages import Drawn, save
-from ertel.apps.boundary_layers.plans import FULL, QUICK, Plan
-from ertel.runs.tasks import Failure, Task, kept, run_tasks
-from ertel.runs.workers import Workers
+from boundary_layers import beyond, front, reduction, runs
+from boundary_layers.pages import Drawn, save
+from boundary_layers.plans import FULL, QUICK, Plan
+from boundary_layers.tasks import Failure, Task, kept, run_tasks
 
 TITLE = "Boundary layers in impact and rolling EHL point contacts: the figures of the paper"
 SETTINGS = (
@@ -27,7 +25,7 @@ SETTINGS = (
     "are in units a*, films in a*^2/R, times in t0 = a*^2/(R v0)."
 )
 RUNS = "runs"  # directory of the kept results, below the page
-PAGE = files("ertel.apps.boundary_layers") / "page.html"
+PAGE = Path(__file__).with_name("page.html")
 
 
 @dataclass(frozen=True)
@@ -76,16 +74,15 @@ def make(
     names: Sequence[str],
     quick: bool,
     directory: Path,
-    workers: Workers,
+    jobs: int = 1,
     on_done: Callable[[Task, Any], object] = lambda task, result: None,
 ) -> tuple[Path, dict[str, str]]:
-    """Run what is not kept yet, draw the figures and write the page.
+    """Run what is not kept yet, on so many processes, draw the figures and write the page.
 
     Returns the path of the page, and for each figure that is missing its name and the reason.
     """
     plan = QUICK if quick else FULL
-    tasks = tasks_of(names, plan)
-    results = dict(zip([t.name for t in tasks], run_tasks(tasks, workers, directory / RUNS, on_done), strict=True))
+    results = run_tasks(tasks_of(names, plan), directory / RUNS, jobs, on_done)
     missing, sections = {}, []
     for name in names:
         figure = FIGURES[name]

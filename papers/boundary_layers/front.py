@@ -8,10 +8,10 @@ import xarray as xr
 from matplotlib.axes import Axes
 from pandas import DataFrame
 
+from boundary_layers.pages import Drawn, new_figure, side_by_side
+from boundary_layers.plans import LOADS, SHOWN_LOAD, L, Plan
+from boundary_layers.reduction import FORMED, Values
 from ertel import Parameters, fronts, hertz, plots
-from ertel.apps.boundary_layers.pages import Drawn, new_figure, side_by_side
-from ertel.apps.boundary_layers.plans import LOADS, SHOWN_LOAD, L, Plan
-from ertel.apps.boundary_layers.reduction import FORMED, Values
 
 Curve = tuple[Values, str, str]  # values, colour and style of a line
 

@@ -18,11 +18,11 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 from pandas import DataFrame, concat
 
+from boundary_layers import runs
+from boundary_layers.pages import Drawn, new_figure, texts
+from boundary_layers.plans import Moes, Plan
+from boundary_layers.runs import HEIGHT, wave_name
 from ertel import Parameters, amplitude_reduction, fronts, hertz, plots, waves
-from ertel.apps.boundary_layers import runs
-from ertel.apps.boundary_layers.pages import Drawn, new_figure, texts
-from ertel.apps.boundary_layers.plans import Moes, Plan
-from ertel.apps.boundary_layers.runs import HEIGHT, wave_name
 
 Values = NDArray[np.float64]
 Curve = Callable[[ArrayLike], Values]  # A_d/A_i of nabla2
