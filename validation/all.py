@@ -56,7 +56,7 @@ PAGES = [
     Page("validation/contacts/line.md", "validation/contacts/line.py", "", 3),
     Page("validation/friction/README.md", "validation/friction/film_thinning.py", "", 1),
     Page("validation/friction/README.md", "validation/friction/order.py", "", 1),
-    Page("validation/friction/heat.md", "validation/friction/heat.py", "", 1),
+    Page("validation/friction/heat.md", "validation/friction/heat.py", "", 7),
     Page("validation/friction/traction.md", "validation/friction/traction.py", "", 2),
     Page("validation/friction/waviness.md", "validation/friction/waviness.py", "", 4),
     *_pages("validation/fit", "validate.py", twins=15, noise=1, mourier=6),

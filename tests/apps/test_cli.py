@@ -30,7 +30,7 @@ from ertel.runs.store import RunStore, compute
 
 @pytest.mark.parametrize(
     "command",
-    ["run", "resume", "show", "plot", "params", "film", "about", "paper", "sweep", "ls", "compare", "export"],
+    ["run", "resume", "show", "plot", "params", "film", "about", "sweep", "ls", "compare", "export"],
 )
 def test_help(command):
     text = ertel_("--help").stdout

@@ -117,6 +117,7 @@ def plain_iteration(chosen: Case, s: GridSolution, S: float) -> tuple[float, flo
     mean = scales.front_speed
     thinner = thermal.inlet(chosen.oil.eta0, scales.p_h / scales.E_prime, mean, S).factor * s.H
     sheared = heat._sheared(chosen, grid, thermal.viscosity_of(chosen.oil.eta0), s.P, thinner, S * mean)
+    heat_at = jax.jit(lambda T: sheared(T)[0])  # one program for all steps
     speeds = mean * (1 + S / 2), mean * (1 - S / 2)
     rises = [
         heat._rise(body, u, peclet_number(body, u, scales.a), scales.a, grid)
@@ -124,7 +125,7 @@ def plain_iteration(chosen: Case, s: GridSolution, S: float) -> tuple[float, flo
     ]
     T, seen = np.zeros(s.P.shape), [0.0]
     for _ in range(PLAIN_STEPS):
-        constant = Released(sheared(T)[0], 0.0)
+        constant = Released(heat_at(T), 0.0)
         T = warmed(constant, rises, np.asarray(sheared.H) / thermal.conductivity).film
         seen.append(float(T.max()))
     return seen[-2], seen[-1]
