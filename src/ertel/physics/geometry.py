@@ -172,11 +172,24 @@ class Geometry:
     def far_flow(self, velocity: Array, entrainment: float, X: Array, Y: Array) -> Array:
         """P H^2/lambda_bar far out, where H is the rigid gap: exact by Reynolds' equation of constant viscosity.
 
-        V/(2 (1 + D)) - U cos(angle) x/(3 + 2 D) - U sin(angle) D y/(2 + 3 D); V/4 - U X/5 for a circle.
+        V/(2 (1 + D)) - U cos(angle) x/(3 + 2 D) - U sin(angle) D y/(2 + 3 D); V/4 - U X/5 for a circle.  The gap is
+        full all around: see `ruptured_flow`.
         """
         (x, y), (c, s), D = self._axes(X, Y), self._direction, self.radius_ratio
         wedge = entrainment * c * x / (3 + 2 * D) + entrainment * s * D * y / (2 + 3 * D)
         return velocity / (2 * (1 + D)) - wedge
+
+    def ruptured_flow(self, velocity: Floats, entrainment: float, X: Floats, Y: Floats, constant: Floats) -> Floats:
+        """The same where the oil ruptures behind the contact, zero there.  constant: the gap less the parabola."""
+        flow = self.far_flow(velocity, entrainment, X, Y)
+        if entrainment == 0.0:
+            return flow
+        from ertel.physics.rupture import rupture  # imports SciPy, which an impact does not need
+
+        (x, y), (c, s), r = self._axes(X, Y), self._direction, np.hypot(X, Y)
+        speed, back = abs(entrainment), 0.0 if entrainment > 0.0 else pi  # seen from the other side
+        table, across = rupture(self.radius_ratio, c, s), speed * r
+        return flow + across * table.correction(velocity / across, np.arctan2(y, x) + back, constant / r**2)
 
     def _axes(self, X: Array, Y: Array) -> tuple[Array, Array]:
         """Coordinates along the principal axes."""
@@ -205,8 +218,9 @@ def geometry(radius_ratio: float = 1.0, angle: float = 0.0) -> Geometry:
 #
 #     P = lambda_bar (V/4 - U X/5) / H^2
 #
-# solves Reynolds' equation for surfaces that approach with V and entrain with U; where it is below zero, oil cavitates.
-# For an ellipse only the numbers 4 and 5 differ (`Geometry.far_flow`).
+# solves Reynolds' equation for surfaces that approach with V and entrain with U, in a gap that is full all around.  For
+# an ellipse only the numbers 4 and 5 differ (`Geometry.far_flow`).  Where the oil is entrained it ruptures behind the
+# contact, which raises the pressure beside it (`rupture`).
 
 NEAREST = 2.0  # distance from which the formulas hold, in units of the dry contact's size
 SHARE_OF_DEFORMATION = 8.0 / 5.0  # weight of a rate of H that falls as 1/r: 1/H^3 against r/(2 H^3), H = r^2/2
@@ -243,8 +257,11 @@ def far_pressure(X: Floats, Y: Floats, motion: ContactMotion, lambda_bar: float,
 
     Against impacts and rolling contacts on wide grids, M = 10 to 1000: within 6 % at a distance of 2, 3 % at 4.5.
     """
-    flow = geometry.far_flow(squeeze(np.hypot(X, Y), motion, geometry), motion.entrainment, X, Y)
-    return np.maximum(lambda_bar * flow / far_film(X, Y, motion, geometry) ** 2, 0.0)
+    X, Y = np.broadcast_arrays(X, Y)
+    film = far_film(X, Y, motion, geometry)
+    velocity, constant = squeeze(np.hypot(X, Y), motion, geometry), film - geometry.gap(X, Y)
+    flow = geometry.ruptured_flow(velocity, motion.entrainment, X, Y, constant)
+    return np.maximum(lambda_bar * flow / film**2, 0.0)
 
 
 def rigid_pressure(

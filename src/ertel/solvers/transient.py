@@ -203,8 +203,10 @@ class Transient2D(Method):
         predict = bdf.interpolation_weights(T, times)
         motion = outside.predicted(levels, T, self.geometry.hertz_load, self.case.motion.entrainment(T))
         if not self.case.starts_apart:
-            # with little or no inertia V follows from the film of the same step: extrapolating it is unstable
-            motion = motion._replace(velocity=0.0)
+            # with little or no inertia V follows from the film of the same step, and extrapolating it is unstable;
+            # that of a dry contact under this load is near it
+            now, before = (self.geometry.dry_approach(max(self.case.motion.load(t), 0.0)) for t in (T, levels[0].T))
+            motion = motion._replace(velocity=(now - before) / step)
         around, sliding = self.outside.at(motion), self.case.motion.sliding(T)
         weights = bdf.three(predict), bdf.three(rates)
         known = Known(*weights, line, approaches, loads, sliding, around.load, around.uplift)
