@@ -34,7 +34,7 @@ from ertel.case.status import Status
 from ertel.equations.contact import traceable
 from ertel.equations.state import StepSolution
 from ertel.inputs.case_files import CaseLike, ConfigError, as_case, parse_case, written
-from ertel.numerics.programs import double_precision, require_double
+from ertel.numerics.programs import double_precision, one_blas_thread, require_double
 from ertel.results.result import Result
 from ertel.runs.drive import METHODS, Recorder, result_of, run_of
 from ertel.runs.stepping import Step, TransientRun
@@ -91,6 +91,7 @@ def _asking(case: Case, on_step: Callable[[Step], object]) -> Generator[StepProb
     return recorder.result(step)
 
 
+@one_blas_thread()
 def run_together(runs: Sequence[Asking], solve: SolveTogether) -> list[Any]:
     """The outcomes of the runs in their order; a `Failure` for each that raised, also when a solve failed.
 

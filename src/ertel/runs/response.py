@@ -25,7 +25,7 @@ from ertel.equations.state import State, combined, interpolated
 from ertel.inputs.case_files import CaseLike, as_case
 from ertel.numerics import bdf
 from ertel.numerics.grid import Grid
-from ertel.numerics.programs import double_precision
+from ertel.numerics.programs import double_precision, one_blas_thread
 from ertel.physics import surfaces
 from ertel.physics.motion import Motion
 from ertel.physics.surfaces import Feature, Waviness
@@ -200,6 +200,7 @@ def _field(fields: Iterable[Array], attributes: Mapping[str, str]) -> Field:
 
 
 @double_precision()
+@one_blas_thread()
 def respond_in_rolling(case: CaseLike, roughnesses: Sequence[Sequence[Feature]]) -> xr.Dataset:
     """The periodic response of a steady rolling contact to waviness that passes through it, linear in its height.
 
@@ -254,7 +255,7 @@ def respond_in_rolling(case: CaseLike, roughnesses: Sequence[Sequence[Feature]])
     data = data.assign(_oscillation("dP", PRESSURE_CHANGE, [film.whole(response.P) for response in responses]))
     data = data.assign(dH_error=("wave", _errors(case, rolling, features, responses), ERROR))
     failure = diagnostics.steady_failure(case, film)
-    warn([*([failure] if failure else []), *_error_warnings(data, film.grid.nodes)])
+    warn([*([failure] if failure else []), *_error_warnings(data, film.grid.nodes)], frames=3)  # above two decorators
     return data.assign_coords(roughness=_field((film.whole(wave.shape.real) for wave in waves), HEIGHT))
 
 
