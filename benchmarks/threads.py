@@ -1,11 +1,11 @@
 """What a second core costs a run from Python, where no variable limits the threads of linear algebra.
 
-    python benchmarks/threads.py [repeats]          (9 unless said)
+    python benchmarks/threads.py [repeats]          (5 unless said, in each of 3 processes)
 
 `ertel.simulate` in processes that may use one core or two, alone and beside a process that is always busy.  Without a
-limit, OpenBLAS takes a thread a core for matrices of a hundred rows, and its threads wait for each other.  A second core
-should cost at most a tenth.  Processor time and voluntary context switches say more than seconds on a machine that others
-use, too.
+limit, OpenBLAS takes a thread a core for matrices of a hundred rows, and its threads wait for each other.  A second
+core should cost at most a tenth.  Processor time and voluntary context switches say more than seconds on a machine
+that others use, too.
 """
 
 import os
@@ -24,7 +24,7 @@ ENDLESS = "while True: pass"
 
 
 def measured(method: str, nodes: int, cores: int, repeats: int) -> list[float]:
-    """The least wall time, processor time and number of switches of half an impact, compiled before, on so many cores."""
+    """The least wall time, processor time and switches of half an impact, compiled before, on so many cores."""
     os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[:cores])
     import ertel
 
@@ -58,14 +58,26 @@ def neighbour(busy: bool) -> Iterator[None]:
 
 
 def main() -> None:
-    repeats = grids((9,))[0]
+    repeats = grids((5,))[0]
     cores = sorted(os.sched_getaffinity(0))[:2]
     if len(cores) < 2:
         raise SystemExit("one core: nothing to compare")
     os.sched_setaffinity(0, cores)  # also of the neighbour
     for name in VARIABLES:
         os.environ.pop(name, None)
-    header(["method", "nodes", "beside", "cores", "wall, s", "CPU, s", "switches", "CPU over one core", "wall over one core"])
+    header(
+        [
+            "method",
+            "nodes",
+            "beside",
+            "cores",
+            "wall, s",
+            "CPU, s",
+            "switches",
+            "CPU over one core",
+            "wall over one core",
+        ]
+    )
     for method, nodes in CONTACTS.items():
         for busy in (False, True):
             with neighbour(busy):
