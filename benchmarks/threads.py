@@ -65,23 +65,13 @@ def main() -> None:
     os.sched_setaffinity(0, cores)  # also of the neighbour
     for name in VARIABLES:
         os.environ.pop(name, None)
-    header(
-        [
-            "method",
-            "nodes",
-            "beside",
-            "cores",
-            "wall, s",
-            "CPU, s",
-            "switches",
-            "CPU over one core",
-            "wall over one core",
-        ]
-    )
+    header(["method", "nodes", "beside", "cores", "wall, s", "CPU, s", "switches", "CPU over one core", "wall over it"])
     for method, nodes in CONTACTS.items():
         for busy in (False, True):
             with neighbour(busy):
-                found = [child("threads", f"measured({method!r}, {nodes}, {number}, {repeats})") for number in (1, 2)]
+                calls = [f"measured({method!r}, {nodes}, {number}, {repeats})" for number in (1, 2)]
+                rounds = [[child("threads", call) for call in calls] for _ in range(3)]  # in turns
+            found = [[min(column) for column in zip(*runs, strict=True)] for runs in zip(*rounds, strict=True)]
             for number, (wall, cpu, switches) in enumerate(found, 1):
                 ratios = cpu / found[0][1], wall / found[0][0]
                 row(method, nodes, "a busy one" if busy else "none", number, wall, cpu, int(switches), *ratios)

@@ -6,8 +6,8 @@ function that computes does it in JAX's own block for double precision, which ho
     @double_precision()
     def simulate(case): ...
 
-Linear solves on the CPU are done by the BLAS of SciPy, which would take a thread a core.  Its threads wait for each other
-in matrices as small as ertel's, most of all where other programs are busy.  So what solves does it in the block
+Linear solves on the CPU are done by the BLAS of SciPy, which would take a thread a core.  In matrices as small as
+ertel's its threads wait for each other, most of all where other programs are busy.  So what solves does it in the block
 `one_blas_thread`.
 
 A program is a jitted function, compiled once for each kind of arguments, also from several threads at once.  It is
