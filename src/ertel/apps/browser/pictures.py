@@ -50,7 +50,7 @@ FIGURES = {  # in the order of their tabs: label, icon
 }
 LATEST = ("H_c", "H_min", "P_max", "F", "mu_sliding")  # shown of a run that goes on
 HEAVY = ("ertel.plots", "ertel.runs.arrays", "ertel.runs.outlook")  # imported before they are needed
-PICTURES = "/pictures"  # where pages get them
+PICTURES = "pictures"  # where pages get them, as seen from a page
 MEMORY = {-3: 2**17, -1: 2**17, -8: 1}  # M_MMAP_THRESHOLD, M_TRIM_THRESHOLD, M_ARENA_MAX of glibc's malloc.h
 MOST_NODES = 128  # along a side of a map, of what is under the pointer
 NAMES = {"x": "X", "y": "X", "h": "H", "p": "P"}  # the variables that have the units of these

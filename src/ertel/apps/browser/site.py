@@ -58,7 +58,7 @@ class Site:
     def serve_pictures(self) -> None:
         """Answer requests for the pictures that pages were given the addresses of."""
 
-        @app.get(PICTURES + "/{name}")
+        @app.get(f"/{PICTURES}/{{name}}")
         def picture(name: str) -> Response:
             found = self.worker.kept.get(f"{PICTURES}/{name}")
             if found is None:
