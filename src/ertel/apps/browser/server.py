@@ -3,8 +3,8 @@
 Every process on this machine reaches a local port, also those of other users, and every page that is open in the
 browser can send requests there.  So a request needs
 
-* the path under which all pages of this start of the app are, which nobody can guess: a browser sends the cookies of one
-  port to all ports of a host, but only to the paths that they are for, so no other server sees the app's;
+* the path under which all pages of this start of the app are, which nobody can guess.  A browser sends the cookies of
+  one port to all ports of a host, but only to the paths that they are for, so no other server sees the app's;
 * the token of this start, which the address carries that `ertel app` prints, and then a cookie for that path;
 * the name of this machine's own loopback in the header Host: another name may have been made to lead here;
 * an Origin and a Sec-Fetch-Site of the app itself, where the browser sends them: other pages cannot choose these.
