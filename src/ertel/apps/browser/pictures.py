@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from importlib import import_module
 from io import BytesIO
-from multiprocessing import get_context, parent_process
+from multiprocessing import active_children, get_context, parent_process
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
@@ -56,6 +56,7 @@ MOST_NODES = 128  # along a side of a map, of what is under the pointer
 NAMES = {"x": "X", "y": "X", "h": "H", "p": "P"}  # the variables that have the units of these
 KEPT = 16  # pictures, of some 0.4 MB each with the fields under the pointer
 KEPT_OPEN = 3  # Datasets
+LIMIT = 60.0  # s for what the other process is asked: a hundred times what it takes
 
 
 @dataclass(frozen=True)
@@ -144,10 +145,10 @@ class Picture(NamedTuple):
     readout: Readout | None
 
 
-def stamp_of(run: Path) -> int:
-    """A number that changes when data are written; 0 where there are none yet."""
+def stamp_of(path: Path, data: str = DATA) -> int:
+    """A number that changes when the data of a run or a study are written; 0 where there are none yet."""
     try:
-        return (run / DATA / "zarr.json").stat().st_mtime_ns
+        return (path / data / "zarr.json").stat().st_mtime_ns
     except OSError:
         return 0
 
@@ -303,10 +304,15 @@ def _process() -> Executor:
 
 
 class Worker:
-    """Draws pictures and keeps the last ones by their addresses.  make: the executor of what takes long."""
+    """Draws pictures and keeps the last ones by their addresses.  make: the executor of what takes long.
+
+    One thing is done after the other.  What takes too long, since a file of it gives no end of bytes perhaps, is ended
+    and not tried again, so that only its own page is without an answer.
+    """
 
     def __init__(self, make: Callable[[], Executor] = _process):
         self._make, self._executor = make, make()
+        self._turn, self._endless = asyncio.Lock(), set[str]()
         self.kept: OrderedDict[str, Picture] = OrderedDict()
 
     def begin(self) -> None:
@@ -328,12 +334,24 @@ class Worker:
 
     async def result_of(self, function: Callable[..., Any], *arguments: Any) -> Any:
         """The result from the other process; one that ended, for want of memory perhaps, is started again."""
-        loop = asyncio.get_running_loop()
-        try:
-            return await loop.run_in_executor(self._executor, _with_plain_errors, function, *arguments)
-        except BrokenProcessPool as error:
-            self._executor = self._make()
-            raise ValueError("the process that draws has ended, perhaps for want of memory; it begins again") from error
+        loop, asked = asyncio.get_running_loop(), repr((function, arguments))
+        late = f"no answer within {LIMIT:.0f} s; a file of it may be a pipe or a device, ertel show tells more"
+        async with self._turn:
+            if asked in self._endless:
+                raise ValueError(late)
+            work = loop.run_in_executor(self._executor, _with_plain_errors, function, *arguments)
+            try:
+                return await asyncio.wait_for(work, LIMIT)
+            except TimeoutError as error:
+                self._endless.add(asked)
+                for process in active_children():  # this program has no others of this kind
+                    process.kill()
+                self._executor = self._make()
+                raise ValueError(late) from error
+            except BrokenProcessPool as error:
+                self._executor = self._make()
+                message = "the process that draws has ended, perhaps for want of memory; it begins again"
+                raise ValueError(message) from error
 
     def close(self) -> None:
         """End the other process."""
