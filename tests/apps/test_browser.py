@@ -88,7 +88,7 @@ def test_a_new_case_takes_no_name_twice(tmp_path):
 
 
 def test_a_run_is_not_the_case_that_a_study_waits_for(tmp_path):
-    """A fit whose case is not there yet would take the first run of that name for it; a file that is added may be it."""
+    """A fit whose case is not there yet would take a run's file for it; a file that is added may be it."""
     folder = Folder.at(tmp_path)
     (tmp_path / "film.toml").write_text('case = "./ball.toml"\n[unknowns]\n')
     (tmp_path / "odd.toml").write_text("case = 5\n[unknowns]\n")

@@ -107,6 +107,19 @@ async def test_the_first_page_lists_the_runs_and_a_page_of_no_run_says_so(user):
         await user.should_see(text)
 
 
+async def test_hundreds_of_runs_take_no_more_elements_and_one_text_for_all_pages(user, site):
+    await user.open("/")
+    few = len(user.client.elements)
+    for number in range(30):
+        make_run(site.folder.root / "runs" / f"ball-{number}")
+    await user.open("/")
+    assert len(user.client.elements) == few
+    first = one(user, "runs").content
+    assert first.count("finished · impact, M 1000, L 10") == 31
+    await user.open("/new")
+    assert one(user, "runs").content is first
+
+
 async def test_the_browser_keeps_light_or_dark(user, monkeypatch):
     done = []
     monkeypatch.setattr(ui, "run_javascript", done.append)

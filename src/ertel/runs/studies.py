@@ -376,7 +376,7 @@ def files_in(directory: Path, name: str = NAME) -> list[str]:
 def write_study(result: StudyResult, directory: Path, name: str = NAME) -> None:
     """Write the numbers of all runs into the directory of the study, then draw them.
 
-    Issues a `NotDrawn` where they cannot be drawn, for want of a font perhaps.
+    Issues a `NotDrawn` where they cannot be drawn, for want of a font or of space perhaps.
     """
     data, table, picture = (directory / f"{name}.{ending}" for ending in ENDINGS)
     draft = directory / f".{data.name}-{uuid4().hex[:8]}"
@@ -393,8 +393,6 @@ def write_study(result: StudyResult, directory: Path, name: str = NAME) -> None:
 
         with suppress(NoFigure):
             result.plot().savefig(picture)
-    except OSError:  # a full disk, ...
-        raise
-    except Exception as error:  # of matplotlib
+    except Exception as error:  # of matplotlib, of the system
         picture.unlink(missing_ok=True)
         warnings.warn(NotDrawn(f"{picture} is not drawn ({error}); the numbers are written"), stacklevel=2)

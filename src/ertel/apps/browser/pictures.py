@@ -20,6 +20,7 @@ from importlib import import_module
 from io import BytesIO
 from multiprocessing import active_children, get_context, parent_process
 from pathlib import Path
+from time import monotonic
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -56,7 +57,12 @@ MOST_NODES = 128  # along a side of a map, of what is under the pointer
 NAMES = {"x": "X", "y": "X", "h": "H", "p": "P"}  # the variables that have the units of these
 KEPT = 16  # pictures, of some 0.4 MB each with the fields under the pointer
 KEPT_OPEN = 3  # Datasets
-LIMIT = 60.0  # s for what the other process is asked: a hundred times what it takes
+LIMIT, PAUSE = (
+    60.0,
+    600.0,
+)  # s for what the other process is asked, and until it is asked again
+LATE = "it takes too long to read, as a pipe or a device does; ertel show, or ertel check of a case, tells more"
+ENDED = "the process that draws has ended, perhaps for want of memory; it begins again"
 
 
 @dataclass(frozen=True)
@@ -306,13 +312,13 @@ def _process() -> Executor:
 class Worker:
     """Draws pictures and keeps the last ones by their addresses.  make: the executor of what takes long.
 
-    One thing is done after the other.  What takes too long, since a file of it gives no end of bytes perhaps, is ended
-    and not tried again, so that only its own page is without an answer.
+    One thing is done after the other.  What takes too long, since a file of it is a pipe perhaps, is ended.  It is not
+    tried again for some time, so that only its own page is without an answer.
     """
 
     def __init__(self, make: Callable[[], Executor] = _process):
         self._make, self._executor = make, make()
-        self._turn, self._endless = asyncio.Lock(), set[str]()
+        self._turn, self._endless = asyncio.Lock(), dict[str, float]()
         self.kept: OrderedDict[str, Picture] = OrderedDict()
 
     def begin(self) -> None:
@@ -335,23 +341,19 @@ class Worker:
     async def result_of(self, function: Callable[..., Any], *arguments: Any) -> Any:
         """The result from the other process; one that ended, for want of memory perhaps, is started again."""
         loop, asked = asyncio.get_running_loop(), repr((function, arguments))
-        late = f"no answer within {LIMIT:.0f} s; a file of it may be a pipe or a device, ertel show tells more"
         async with self._turn:
-            if asked in self._endless:
-                raise ValueError(late)
+            if monotonic() < self._endless.get(asked, 0.0):
+                raise ValueError(LATE)
             work = loop.run_in_executor(self._executor, _with_plain_errors, function, *arguments)
             try:
                 return await asyncio.wait_for(work, LIMIT)
-            except TimeoutError as error:
-                self._endless.add(asked)
+            except (TimeoutError, BrokenProcessPool) as error:
                 for process in active_children():  # this program has no others of this kind
                     process.kill()
                 self._executor = self._make()
-                raise ValueError(late) from error
-            except BrokenProcessPool as error:
-                self._executor = self._make()
-                message = "the process that draws has ended, perhaps for want of memory; it begins again"
-                raise ValueError(message) from error
+                if isinstance(error, TimeoutError):
+                    self._endless[asked] = monotonic() + PAUSE
+                raise ValueError(LATE if isinstance(error, TimeoutError) else ENDED) from error
 
     def close(self) -> None:
         """End the other process."""

@@ -136,7 +136,8 @@ class Processes:
     def start(self, name: str, case: str) -> Path:
         """Write a case file and run it; the directory of the run, which the process makes.
 
-        Its name is not that of a file which a study of the folder has as its case: that is another one's.  Raises OSError where the folder cannot be written.
+        Neither takes the name of a file that a study of the folder has as its case.  Raises OSError where the folder
+        cannot be written.
         """
         file, run = self.folder.write(name, case, but=self.folder.awaited())
         self._launch(run, ["run", str(file), "--out", str(run), *FLUSH])

@@ -1,6 +1,7 @@
 """The parts that all pages share: the app, the frame with the list of runs and studies, and elements of pages."""
 
 import os
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -48,11 +49,6 @@ class Entry:
         """The address of its page."""
         return address_of(self.page, name=self.name)
 
-    @property
-    def key(self) -> str:
-        """Its path in letters that mean nothing in HTML; no other one has it."""
-        return os.fsencode(self.path).hex()
-
 
 @dataclass
 class Site:
@@ -61,7 +57,6 @@ class Site:
     folder: Folder
     processes: Processes
     worker: Worker
-    _rows: str = ""
 
     def serve_pictures(self) -> None:
         """Answer requests for the pictures that pages were given the addresses of."""
@@ -92,15 +87,13 @@ class Site:
 
     def rows(self, root: str) -> str:
         """The list of runs and studies in HTML, the same text for all pages.  root: of the addresses of pages."""
-        rows = "".join(_row(entry, root) for entry in (*self.entries(), *self.studies())) or EMPTY
-        self._rows = rows if rows != self._rows else self._rows
-        return self._rows
+        return sys.intern("".join(_row(entry, root) for entry in (*self.entries(), *self.studies())) or EMPTY)
 
     def ask_about(self, key: str) -> None:
-        """Ask whether a run or a study in the list is to be deleted."""
-        for entry in (*self.entries(), *self.studies()):
-            if entry.key == key:
-                self.ask_to_delete(entry.path)
+        """Ask whether a run or a study in the list is to be deleted.  key: see `_row`."""
+        path = Path(os.fsdecode(bytes.fromhex(key)))
+        if path in [entry.path for entry in (*self.entries(), *self.studies())]:
+            self.ask_to_delete(path)
 
     def ask_to_delete(self, run: Path) -> None:
         """Ask whether a run, or the study that it belongs to, is to be deleted, and delete it."""
@@ -179,7 +172,10 @@ def _list(site: Site) -> None:
 
 
 def _row(entry: Entry, root: str) -> str:
-    """A run or a study in the list, in HTML.  root: of the addresses of pages."""
+    """A run or a study in the list, in HTML.  root: of the addresses of pages.
+
+    The key in data-run is the path in digits.  Two names that are not UTF-8 may be the same on pages.
+    """
     phase, about = entry.status.phase, entry.about
     is_part = phase in (Phase.RUNNING, Phase.INTERRUPTED) and entry.status.done
     share = f"{phase.word} {entry.status.done:.0%}" if is_part else phase.word
@@ -188,7 +184,8 @@ def _row(entry: Entry, root: str) -> str:
     link = f'<a class="run {phase.name.lower()}" href="{address}" title="{hint}">{_icon(phase.icon, "state")}'
     delete = ""
     if entry.path.exists() and not phase.is_active:
-        delete = f'<button type="button" data-run="{entry.key}" aria-label="Delete">{_icon("delete_outline")}</button>'
+        key = os.fsencode(entry.path).hex()
+        delete = f'<button type="button" data-run="{key}" aria-label="Delete">{_icon("delete_outline")}</button>'
     return f'<div class="entry">{link}<div class="text">{text}</div></a>{delete}</div>'
 
 

@@ -17,7 +17,7 @@ from ertel.runs.directory import read_case
 def study_report(study: Path, kind: str, stamp: int) -> tuple[str, str]:
     """The table, the remarks and the picture of a study in HTML; and the run with the values of a fit, or "".
 
-    stamp: of the data, see `stamp_of`.  For the process that draws.  Raises ValueError where the outcome cannot be read.
+    For the process that draws.  stamp: of the data, see `stamp_of`.  Raises ValueError where they cannot be read.
     """
     import xarray as xr
 
