@@ -1,4 +1,4 @@
-"""The memory of the app where a folder has many runs and pages are loaded again and again, also by what never connects."""
+"""The memory of the app where a folder has many runs, and pages are loaded again and again by what never connects."""
 
 import os
 from pathlib import Path
