@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 from jax import Array
 from numpy.testing import assert_array_equal
-from threadpoolctl import ThreadpoolController, threadpool_limits
 
 from ertel.numerics import programs
 from ertel.numerics.programs import BLOCK, Program, in_blocks
@@ -54,23 +53,6 @@ def test_threads_share_a_program():
         made = list(pool.map(lambda _: program.ready(3.0, X), range(8)))
     assert all(each is made[0] for each in made)
     assert traced == ["scaled"]
-
-
-def test_blas_has_one_thread_until_the_last_block_ends():
-    """Also where blocks of two threads overlap and the first one ends first."""
-    libraries = ThreadpoolController().select(user_api="blas").lib_controllers
-
-    def threads():
-        return {library.num_threads for library in libraries}
-
-    with threadpool_limits(2, "blas"):
-        first, second = programs.one_blas_thread(), programs.one_blas_thread()
-        first.__enter__(), second.__enter__()
-        assert threads() == {1}
-        first.__exit__(None, None, None)
-        assert threads() == {1}
-        second.__exit__(None, None, None)
-        assert threads() == {2}
 
 
 def test_an_error_reaches_all_and_is_not_remembered():

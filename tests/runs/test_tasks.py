@@ -10,11 +10,12 @@ import pytest
 import xarray as xr
 from cases import names
 from stored_runs import Evil
+from threadpoolctl import ThreadpoolController, threadpool_limits
 
 from ertel.runs import tasks as tasks_module
 from ertel.runs.files import with_checksum
 from ertel.runs.tasks import Failure, Task, kept, run_tasks
-from ertel.runs.workers import LocalWorker, never
+from ertel.runs.workers import LocalWorker, never, one_blas_thread
 from ertel.version import source_digest
 
 CALLS: list[float] = []
@@ -169,3 +170,20 @@ def test_the_digest_of_sources_sees_every_byte_and_name_of_sources_only(tmp_path
     assert changed != before == source_digest(sources)
     (sources / "room" / "b.py").rename(sources / "room" / "c.py")
     assert source_digest(sources) != before
+
+
+def test_blas_has_one_thread_until_the_last_block_ends():
+    """Also where blocks of two threads overlap and the first one ends first."""
+    libraries = ThreadpoolController().select(user_api="blas").lib_controllers
+
+    def threads():
+        return {library.num_threads for library in libraries}
+
+    with threadpool_limits(2, "blas"):
+        first, second = one_blas_thread(), one_blas_thread()
+        first.__enter__(), second.__enter__()
+        assert threads() == {1}
+        first.__exit__(None, None, None)
+        assert threads() == {1}
+        second.__exit__(None, None, None)
+        assert threads() == {2}

@@ -6,10 +6,6 @@ function that computes does it in JAX's own block for double precision, which ho
     @double_precision()
     def simulate(case): ...
 
-Linear solves on the CPU are done by the BLAS of SciPy, which would take a thread a core.  In matrices as small as
-ertel's its threads wait for each other, most of all where other programs are busy.  So what solves does it in the block
-`one_blas_thread`.
-
 A program is a jitted function, compiled once for each kind of arguments, also from several threads at once.  It is
 compiled here and now, unless `build_with` names another builder, such as one that keeps programs on disk
 (`ertel.runs.exported`).
@@ -27,7 +23,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array, export, lax, tree
-from threadpoolctl import threadpool_limits
 
 BLOCK = 256  # points; 128 to 512 are equally fast, all at once takes twice the time
 # XLA's newer way of joining loops takes half as long again to compile, and level 3 twice as long as level 1; the
@@ -50,31 +45,6 @@ def double_precision() -> Iterator[None]:
     """Let JAX compute in double precision in this block, and in this thread only; also a decorator."""
     with _enable_x64(True):
         yield
-
-
-_blas_lock, _blas_blocks, _blas_limit = Lock(), 0, None
-
-
-@contextmanager
-def one_blas_thread() -> Iterator[None]:
-    """Let the libraries of BLAS in this process compute with one thread in this block; also a decorator.
-
-    The last block that ends, of all threads, sets back what was there before the first.
-    """
-    global _blas_blocks, _blas_limit
-    import scipy.linalg  # noqa: F401 - as JAX does at the first linear solve: a library that comes later has no limit
-
-    with _blas_lock:
-        _blas_limit = _blas_limit or threadpool_limits(1, "blas")
-        _blas_blocks += 1
-    try:
-        yield
-    finally:
-        with _blas_lock:
-            _blas_blocks -= 1
-            if not _blas_blocks:
-                _blas_limit.restore_original_limits()
-                _blas_limit = None
 
 
 def require_double() -> None:

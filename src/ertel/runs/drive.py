@@ -29,7 +29,7 @@ from ertel.case.status import Status
 from ertel.equations.state import Method
 from ertel.inputs.case_files import CaseLike, as_case
 from ertel.numerics.grid import Grid, Symmetry
-from ertel.numerics.programs import double_precision, one_blas_thread
+from ertel.numerics.programs import double_precision
 from ertel.results.dataset import Frame, assemble_steady
 from ertel.results.numbers import duration
 from ertel.results.result import Result
@@ -147,7 +147,7 @@ def run_of(case: Case) -> Run:
 # -- the loop ---------------------------------------------------------------------------------------------------------
 
 
-@one_blas_thread()
+@workers.one_blas_thread()
 def drive(run: Run, observers: Sequence[Observer] = (), result: Any = None) -> Any:
     """Advance a run to its end, or until an observer asks for a stop; the last result.
 

@@ -25,7 +25,7 @@ from ertel.equations.state import State, combined, interpolated
 from ertel.inputs.case_files import CaseLike, as_case
 from ertel.numerics import bdf
 from ertel.numerics.grid import Grid
-from ertel.numerics.programs import double_precision, one_blas_thread
+from ertel.numerics.programs import double_precision
 from ertel.physics import surfaces
 from ertel.physics.motion import Motion
 from ertel.physics.surfaces import Feature, Waviness
@@ -35,7 +35,7 @@ from ertel.results.dataset import assemble_steady
 from ertel.results.diagnostics import LARGE_ERROR
 from ertel.runs.drive import METHODS, Observer, Recorder, drive, warn
 from ertel.runs.stepping import Step, TransientRun, frame_of, turning_time
-from ertel.runs.workers import check_fork
+from ertel.runs.workers import check_fork, one_blas_thread
 from ertel.solvers import steady
 from ertel.solvers.response import RoughnessWave, WaveResponse, tangent_start, tangent_step, wave_response
 from ertel.solvers.steady import Rolling
