@@ -192,7 +192,7 @@ def served(folder: Path, *flags: str, **variables: str) -> Iterator[tuple[subpro
     with subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True) as process:
         assert process.stderr
         message = re.fullmatch(
-            r"The app is at (http://127\.0\.0\.1:(\d+)/\?token=\S+), Ctrl-C closes it\n", process.stderr.readline()
+            r"The app is at (http://127\.0\.0\.1:(\d+)/\S+/\?token=\S+), Ctrl-C closes it\n", process.stderr.readline()
         )
         assert message and int(message[2]) == port
         yield process, message[1]

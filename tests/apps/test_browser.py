@@ -87,6 +87,17 @@ def test_a_new_case_takes_no_name_twice(tmp_path):
     assert names == ["ball.toml", "ball-3.toml"]
 
 
+def test_a_run_is_not_the_case_that_a_study_waits_for(tmp_path):
+    """A fit whose case is not there yet would take a run's file for it; a file that is added may be it."""
+    folder = Folder.at(tmp_path)
+    (tmp_path / "film.toml").write_text('case = "./ball.toml"\n[unknowns]\n')
+    (tmp_path / "odd.toml").write_text("case = 5\n[unknowns]\n")
+    runs = Processes(folder, ["true"])
+    assert [runs.start(name, "text").name for name in ("ball", "ball", "other")] == ["ball-2", "ball-3", "other"]
+    assert not (tmp_path / "ball.toml").exists() and (tmp_path / "ball-2.toml").read_text() == "text"
+    assert folder.write("ball", "text")[0].name == "ball.toml"
+
+
 # -- processes --------------------------------------------------------------------------------------------------------
 
 

@@ -288,7 +288,7 @@ def test_a_session(server, driver, folder):
             assert bar < 60  # one line, of icons where it is narrow
 
     page.resize(LAPTOP)
-    page.open(address)
+    page.open(f"{address}/")
     file = folder.with_name("speeds.toml")
     file.write_text("[contact]\nM = [100, 200]\nL = 10\n[sweep]\n")
     page.until(lambda: page.text(".welcome"))

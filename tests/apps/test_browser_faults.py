@@ -7,7 +7,9 @@ import shutil
 import signal
 import subprocess
 import sys
-from concurrent.futures import ThreadPoolExecutor
+import time
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 
 import pytest
@@ -17,7 +19,7 @@ from cases import ertel_
 pytest.importorskip("nicegui")
 from nicegui.testing import user_simulation
 
-from ertel.apps.browser import server
+from ertel.apps.browser import pictures, server
 from ertel.apps.browser.folder import Folder, fault_of
 from ertel.apps.browser.pictures import PlotRequest, Worker, stamp_of
 from ertel.apps.browser.processes import Phase, Processes
@@ -186,6 +188,26 @@ def test_damaged_data_are_no_picture(tmp_path, form):
 
 
 # -- the process that draws -------------------------------------------------------------------------------------------
+
+
+def test_what_takes_too_long_is_ended_and_the_next_is_drawn(monkeypatch):
+    """As reading a pipe does; it is not tried again, so that others need not wait for it a second time."""
+
+    async def asked():
+        worker = Worker(lambda: ProcessPoolExecutor(1, get_context("spawn")))
+        await worker.result_of(abs, -1)  # it has begun
+        monkeypatch.setattr(pictures, "LIMIT", 1.0)
+        for _ in range(2):
+            with pytest.raises(ValueError, match="takes too long to read"):
+                await worker.result_of(time.sleep, 100)
+        monkeypatch.setattr(pictures, "LIMIT", 60.0)
+        assert await worker.result_of(abs, -2) == 2
+        worker.close()
+
+    begin = time.monotonic()
+    asyncio.run(asked())
+    assert time.monotonic() - begin < 90.0
+
 
 DRAWS = """
 import sys, time

@@ -25,20 +25,20 @@ ADDRESSES = (
 )  # fmt: skip
 
 
-def answer(headers, kind="http", address="/"):
+def answer(headers, kind="http", address="/", root="/way"):
     """What the guard does with a request: the status of its own answer with its headers, or "passed"."""
     told = []
 
     async def passed(scope, receive, send):
-        told.append("passed")
+        told.append("passed" if scope["root_path"] == "/way" else scope)
 
     async def send(message):
         told.append((message.get("status"), dict(message.get("headers", []))))
 
     path, _, query = address.partition("?")
     found = [(name.encode(), value.encode()) for name, value in headers.items()]
-    scope = {"type": kind, "method": "GET", "path": path, "query_string": query.encode(), "headers": found}
-    asyncio.run(Guard(passed, 8642, "right")(scope, None, send))
+    scope = {"type": kind, "method": "GET", "path": root + path, "query_string": query.encode(), "headers": found}
+    asyncio.run(Guard(passed, 8642, "/way/", "right")(scope, None, send))
     return told[0]
 
 
@@ -55,6 +55,14 @@ def test_only_pages_of_the_app_are_answered():
     assert is_refused(theirs) and is_refused({**COOKIE, "host": "127.0.0.1:1"}) and is_refused(COOKIE)
     assert is_refused({**ours, "origin": "http://evil.example"}) and is_refused({**ours, "origin": "null"})
     assert is_refused(theirs, "websocket") and is_refused({**ours, "origin": "https://evil.example"}, "websocket")
+
+
+@pytest.mark.parametrize("kind", ["http", "websocket"])
+def test_nobody_is_answered_without_the_path(kind):
+    """A browser sends the cookies of all ports of a host to each of them, where the path is that of the cookie."""
+    for root in ("", "/", "/other", "/wa", "/way2", "/WAY"):
+        status, headers = answer({**OURS, **COOKIE}, kind, "/?token=right", root)
+        assert status == 403 and b"set-cookie" not in headers
 
 
 def test_requests_of_other_sites_are_refused():
@@ -77,7 +85,7 @@ def test_the_token_gives_a_cookie_that_no_script_and_no_other_site_can_use():
         {**OURS, "sec-fetch-site": "cross-site"}, "http", "/?token=right"
     )  # a page opens the browser
     assert (status, headers[b"cache-control"], headers[b"referrer-policy"]) == (200, b"no-store", b"no-referrer")
-    assert headers[b"set-cookie"] == b"ertel-8642=right; HttpOnly; Path=/; SameSite=strict"
+    assert headers[b"set-cookie"] == b"ertel-8642=right; HttpOnly; Path=/way/; SameSite=strict"
 
 
 # -- a server ---------------------------------------------------------------------------------------------------------
@@ -99,14 +107,14 @@ def server(tmp_path_factory):
 @pytest.fixture
 def client(server):
     """Someone without the token."""
-    base = httpx.URL(server[1]).copy_with(query=None)
+    base = httpx.URL(server[1]).copy_with(query=None)  # under the app's path
     with httpx.Client(base_url=base, transport=httpx.HTTPTransport(retries=5)) as found:
         yield found
 
 
 def socket_of(client):
     """The address of the websocket."""
-    return str(client.base_url.join(f"{SOCKET}websocket")).replace("http", "ws", 1)
+    return str(client.base_url.join(f"{SOCKET}websocket".lstrip("/"))).replace("http", "ws", 1)
 
 
 def test_every_address_is_refused_without_the_token(client):
@@ -122,11 +130,16 @@ def test_every_address_is_refused_without_the_token(client):
 def test_the_address_with_the_token_lets_in(server, client):
     _, address, _ = server
     assert len(httpx.URL(address).params["token"]) >= 40
-    assert 'url=/"' in client.get(address).text
+    root = client.base_url.path
+    assert len(root) >= 42 and f'url={root}"' in client.get(address).text
+    [cookie] = client.cookies.jar
+    assert cookie.path == root  # no other server of this machine gets it
+    assert client.get(str(client.base_url.copy_with(path="/"))).status_code == 403
     for page in ("/", "/new", "/run?name=ball", f"/_nicegui/{NICEGUI}/static/nicegui.js", f"{SOCKET}polling"):
         found = client.get(page)
         assert found.status_code == 200 and found.headers["x-frame-options"] == "DENY", page
         assert httpx.URL(address).params["token"] not in found.text
+        assert f"{root}_nicegui" in found.text or page.startswith("/_")
     cookie = "; ".join(f"{name}={value}" for name, value in client.cookies.items())
     with connect(socket_of(client), additional_headers={"Cookie": cookie}) as opened:
         assert opened.recv(timeout=10).startswith("0{")

@@ -6,6 +6,7 @@ import json
 import os
 import re
 from concurrent.futures import ThreadPoolExecutor
+from html.parser import HTMLParser
 
 import numpy as np
 import pytest
@@ -104,6 +105,19 @@ async def test_the_first_page_lists_the_runs_and_a_page_of_no_run_says_so(user):
     ):
         await user.open(page)
         await user.should_see(text)
+
+
+async def test_hundreds_of_runs_take_no_more_elements_and_one_text_for_all_pages(user, site):
+    await user.open("/")
+    few = len(user.client.elements)
+    for number in range(30):
+        make_run(site.folder.root / "runs" / f"ball-{number}")
+    await user.open("/")
+    assert len(user.client.elements) == few
+    first = one(user, "runs").content
+    assert first.count("finished · impact, M 1000, L 10") == 31
+    await user.open("/new")
+    assert one(user, "runs").content is first
 
 
 async def test_the_browser_keeps_light_or_dark(user, monkeypatch):
@@ -254,7 +268,8 @@ async def test_a_run_is_deleted_after_a_question(user, site):
     user.find(marker="delete-it").click()
     await user.should_see("Impact and rolling of lubricated point contacts", retries=50)  # the page has ended
     assert not run.exists() and site.folder.runs() == [other]
-    user.find(marker="delete").click()  # in the list
+    key = re.search('data-run="([0-9a-f]+)"', one(user, "runs").content)[1]
+    user.find(marker="runs").trigger("click", key)
     await user.should_see("Delete runs/other?")
     user.find("Cancel").click()
     assert other.exists()
@@ -373,6 +388,22 @@ def texts(user):
     return {text for text in found if isinstance(text, str)}
 
 
+class Rows(HTMLParser):
+    """The tags, the names of attributes, the texts and the hints of the list, as a browser reads it."""
+
+    def __init__(self):
+        super().__init__()
+        self.tags, self.names, self.texts = set(), set(), set()
+
+    def handle_starttag(self, tag, attributes):
+        self.tags.add(tag)
+        self.names |= {name for name, _ in attributes}
+        self.texts |= {value for name, value in attributes if name == "title"}
+
+    def handle_data(self, data):
+        self.texts.add(data)
+
+
 def properties(user):
     """The names of all properties on the page."""
     return {name for element in user.client.elements.values() for name in element._to_dict().get("props", {})}
@@ -412,7 +443,11 @@ async def test_the_names_of_files_and_directories_are_text(user, site):
         html = (await user.http_client.get(page)).text
         assert not any(text in html for text in ("<img src=x", "`${alert", "<script>alert"))
         await user.open(page)
-        assert {*IN_FILES, *runs} <= texts(user)  # in the list, with its hints
+        rows = Rows()
+        rows.feed(one(user, "runs").content)
+        assert {*IN_FILES, *runs} <= rows.texts  # with its hints
+        assert rows.tags == {"div", "a", "i", "button"}
+        assert rows.names == {"class", "href", "title", "aria-hidden", "type", "data-run", "aria-label"}
         assert properties(user) <= usual
 
 

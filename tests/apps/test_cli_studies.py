@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from app_runs import ROLLING, refused
+from app_runs import ROLLING, raising, refused
 from cases import LEFT, SMALL_IMPACT, ertel_, names
 from matplotlib.figure import Figure
 
@@ -172,6 +172,15 @@ def test_a_curve_is_printed_and_stored_and_shown_by_the_same_command(here, monke
     assert [point["slide_to_roll"] for point in data["points"]] == [0.0, 0.02, 0.04]
     assert data["points"][0]["mu_sliding"] == 0.0
     assert ertel_(*TRACTION, "--quiet").output == ""
+    with monkeypatch.context() as patch:  # a picture that fails: one line, and all numbers
+        patch.setattr(Figure, "savefig", raising(RuntimeError("no font")))
+        failed = ertel_(*TRACTION, code=1)
+    assert failed.stdout.splitlines()[:-1] == text.splitlines()[:-1]
+    [line] = failed.stderr.splitlines()
+    assert line.startswith("ertel: warning: ") and line.endswith(
+        "traction.png is not drawn (no font); the numbers are written"
+    )
+    assert names(curve) == LEFT | {"runs", "traction.zarr", "traction.csv"}
     checkpoint = run / "checkpoint.npz"
     checkpoint.write_bytes(checkpoint.read_bytes().replace(b"newton", b"nawton"))
     assert "checkpoint.npz: is damaged (its checksum does not agree)" in ertel_(*TRACTION, code=2).stderr

@@ -81,6 +81,23 @@ def test_figures_for_nobody(here):
     assert names(here / "ball" / "plots") == {"overview.png", "maps.png", "profiles.png", "history.png", "friction.png"}
 
 
+IN_JUPYTER = """
+from ertel.apps import cli
+
+def drawn():
+    import matplotlib
+    print(matplotlib.get_backend())
+
+cli.app = drawn
+cli.main()
+"""
+
+
+def test_commands_draw_where_jupyter_names_a_backend_that_is_not_there():
+    ended = done([sys.executable, "-c", IN_JUPYTER], env={**CHILD, "MPLBACKEND": "module://nowhere.backend_inline"})
+    assert (ended.stdout, ended.stderr) == ("agg\n", "")
+
+
 @pytest.mark.skipif(not Path("/proc/self").exists(), reason="no directory in which even root cannot write")
 def test_a_cache_that_cannot_be_written(here):
     """As for a home directory that may only be read; the programs are compiled in silence."""

@@ -10,11 +10,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from cases import ertel_, python
+from threadpoolctl import ThreadpoolController, threadpool_limits
 
 import ertel
 from ertel.runs import compile
 from ertel.runs.batch import usual_cases
 from ertel.runs.drive import watch
+from ertel.runs.workers import one_blas_thread
 from ertel.version import source_digest
 
 WRONG_SUMS = """
@@ -281,3 +283,20 @@ def test_the_digest_of_sources_sees_every_byte_and_name_of_sources_only(tmp_path
     assert changed != before == source_digest(sources)
     (sources / "room" / "b.py").rename(sources / "room" / "c.py")
     assert source_digest(sources) != before
+
+
+def test_blas_has_one_thread_until_the_last_block_ends():
+    """Also where blocks of two threads overlap and the first one ends first."""
+    libraries = ThreadpoolController().select(user_api="blas").lib_controllers
+
+    def threads():
+        return {library.num_threads for library in libraries}
+
+    with threadpool_limits(2, "blas"):
+        first, second = one_blas_thread(), one_blas_thread()
+        first.__enter__(), second.__enter__()
+        assert threads() == {1}
+        first.__exit__(None, None, None)
+        assert threads() == {1}
+        second.__exit__(None, None, None)
+        assert threads() == {2}

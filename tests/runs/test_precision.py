@@ -1,4 +1,4 @@
-"""Processes of their own: double precision whatever JAX is set to, nothing changed for the process; after a fork."""
+"""Processes of their own: double precision and one thread of BLAS, nothing changed for the process; after a fork."""
 
 import json
 import os
@@ -97,19 +97,34 @@ import sys
 import warnings
 
 import jax
-import scipy.sparse, scipy.special, zarr  # each adds a filter for warnings when it is imported
+import scipy.linalg, scipy.sparse, scipy.special, zarr  # each adds a filter for warnings when it is imported
+from threadpoolctl import ThreadpoolController
 
+blas = ThreadpoolController().select(user_api="blas")
+blas.limit(limits=2)
 set_before, told_before = dict(jax.config.values), dict(os.environ)
 {runs}
 filters = list(warnings.filters)
 import ertel.runs.store, ertel.runs.batch, ertel.runs.traction  # all that computes
+from ertel.numerics.programs import Program
+call, threads = Program.__call__, set()
+
+
+def watched(program, *arguments):
+    threads.update(library.num_threads for library in blas.lib_controllers)
+    return call(program, *arguments)
+
+
+Program.__call__ = watched
 found = {{name: FOUND[name]() for name in {names}}}
+Program.__call__ = call
 found["refused"] = refused()
 said = {{
     "jax": [name for name in set_before if set_before[name] != jax.config.values[name]],
     "environment": [name for name in os.environ if told_before.get(name) != os.environ[name]],
     "filters": filters != list(warnings.filters),
     "x64": jax.config.jax_enable_x64,
+    "threads": [sorted(threads), [library.num_threads for library in blas.lib_controllers]],
 }}
 sys.stdout.write(json.dumps([said, found]))
 """
@@ -128,7 +143,10 @@ def alone(names: tuple[str, ...]) -> tuple[dict, dict]:
 
 @pytest.mark.parametrize("names", [QUICK, pytest.param(SLOW, marks=pytest.mark.slow)])
 def test_no_setting_of_the_process_is_changed(names):
-    assert alone(names)[0] == {"jax": [], "environment": [], "filters": False, "x64": False}
+    said = alone(names)[0]
+    in_runs, after = said.pop("threads")
+    assert said == {"jax": [], "environment": [], "filters": False, "x64": False}
+    assert in_runs == [1] and set(after) == {2}  # of the libraries of BLAS
 
 
 @cache

@@ -46,6 +46,7 @@ def main() -> None:
     """The entry point `ertel`."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the small dense solves lose more than they gain by threads
     os.environ["JAX_ENABLE_X64"] = "1"  # for all that a command computes, also in the processes that it starts
+    os.environ["MPLBACKEND"] = "agg"  # Jupyter names one of its own to all that it starts, which may not be there
     os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")  # or XLA calls code that it compiled itself an error
     sys.modules["dask.array"] = None  # type: ignore[assignment]  # or xarray imports it, for arrays that ertel never makes
     process.keep_freed_memory()

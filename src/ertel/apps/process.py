@@ -244,8 +244,9 @@ class Commands(TyperGroup):
     def main(self, *arguments: Any, standalone_mode: bool = True, **keywords: Any) -> Any:
         """Read the arguments, run the command, and exit; where it does not stand alone, return the exit code."""
         try:
-            with raised(), warnings_as_sentences():
+            with raised(), warnings_as_sentences() as not_drawn:
                 code = super().main(*arguments, **{**keywords, "standalone_mode": False})
+            code = code or (FAILED if not_drawn else 0)
         except Exception as error:
             code, sentence = _judged(error)
             say(f"ertel: {sentence}")
@@ -255,18 +256,22 @@ class Commands(TyperGroup):
 
 
 @contextmanager
-def warnings_as_sentences() -> Iterator[None]:
-    """Print Python's warnings in this block as sentences on stderr."""
+def warnings_as_sentences() -> Iterator[list[str]]:
+    """Print Python's warnings in this block as sentences on stderr; those of pictures that are not drawn."""
+    not_drawn: list[str] = []
 
-    def show(message: str) -> None:
+    def show(message: str, category: type[Warning]) -> None:
         from ertel.runs.compile import is_of_cache
+        from ertel.runs.files import NotDrawn
 
+        if issubclass(category, NotDrawn):
+            not_drawn.append(message)
         if not is_of_cache(message):
             say(f"ertel: warning: {message}")
 
     with warnings.catch_warnings():
-        warnings.showwarning = lambda message, *_: show(str(message))
-        yield
+        warnings.showwarning = lambda message, category, *_: show(str(message), category)
+        yield not_drawn
 
 
 def _judged(error: Exception) -> tuple[int, str]:

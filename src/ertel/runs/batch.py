@@ -38,7 +38,7 @@ from ertel.numerics.programs import double_precision, require_double
 from ertel.results.result import Result
 from ertel.runs.drive import METHODS, Recorder, result_of, run_of
 from ertel.runs.stepping import Step, TransientRun
-from ertel.runs.workers import Failure, check_fork
+from ertel.runs.workers import Failure, check_fork, one_blas_thread
 from ertel.solvers.transient import StepProblem, Transient2D, solve_step
 
 Asking = Generator[Any, Any, Any]  # a run that yields problems, is sent their solutions, and returns its outcome
@@ -91,6 +91,7 @@ def _asking(case: Case, on_step: Callable[[Step], object]) -> Generator[StepProb
     return recorder.result(step)
 
 
+@one_blas_thread()
 def run_together(runs: Sequence[Asking], solve: SolveTogether) -> list[Any]:
     """The outcomes of the runs in their order; a `Failure` for each that raised, also when a solve failed.
 

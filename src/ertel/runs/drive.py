@@ -147,6 +147,7 @@ def run_of(case: Case) -> Run:
 # -- the loop ---------------------------------------------------------------------------------------------------------
 
 
+@workers.one_blas_thread()
 def drive(run: Run, observers: Sequence[Observer] = (), result: Any = None) -> Any:
     """Advance a run to its end, or until an observer asks for a stop; the last result.
 

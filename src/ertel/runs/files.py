@@ -44,6 +44,10 @@ class Damaged(StoreError):
         self.path = path
 
 
+class NotDrawn(UserWarning):
+    """A picture cannot be drawn; what it shows is written."""
+
+
 # -- replaced ---------------------------------------------------------------------------------------------------------
 
 

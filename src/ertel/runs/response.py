@@ -35,7 +35,7 @@ from ertel.results.dataset import assemble_steady
 from ertel.results.diagnostics import LARGE_ERROR
 from ertel.runs.drive import METHODS, Observer, Recorder, drive, warn
 from ertel.runs.stepping import Step, TransientRun, frame_of, turning_time
-from ertel.runs.workers import check_fork
+from ertel.runs.workers import check_fork, one_blas_thread
 from ertel.solvers import steady
 from ertel.solvers.response import RoughnessWave, WaveResponse, tangent_start, tangent_step, wave_response
 from ertel.solvers.steady import Rolling
@@ -200,6 +200,7 @@ def _field(fields: Iterable[Array], attributes: Mapping[str, str]) -> Field:
 
 
 @double_precision()
+@one_blas_thread()
 def respond_in_rolling(case: CaseLike, roughnesses: Sequence[Sequence[Feature]]) -> xr.Dataset:
     """The periodic response of a steady rolling contact to waviness that passes through it, linear in its height.
 
@@ -254,7 +255,7 @@ def respond_in_rolling(case: CaseLike, roughnesses: Sequence[Sequence[Feature]])
     data = data.assign(_oscillation("dP", PRESSURE_CHANGE, [film.whole(response.P) for response in responses]))
     data = data.assign(dH_error=("wave", _errors(case, rolling, features, responses), ERROR))
     failure = diagnostics.steady_failure(case, film)
-    warn([*([failure] if failure else []), *_error_warnings(data, film.grid.nodes)])
+    warn([*([failure] if failure else []), *_error_warnings(data, film.grid.nodes)], frames=3)  # above two decorators
     return data.assign_coords(roughness=_field((film.whole(wave.shape.real) for wave in waves), HEIGHT))
 
 

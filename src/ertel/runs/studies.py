@@ -17,6 +17,7 @@ edited and started again.  Runs that the study no longer has are left alone.
 
 import shutil
 import time
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
@@ -41,7 +42,7 @@ from ertel.runs.compile import check_jax
 from ertel.runs.directory import CASE, PROGRESS, STOP, Taken, heeding_stop, is_asked_to_stop, read_progress, status_of
 from ertel.runs.drive import bars
 from ertel.runs.engine import Engine
-from ertel.runs.files import StoreError, locked
+from ertel.runs.files import NotDrawn, StoreError, locked
 from ertel.runs.store import RunStore, compute
 from ertel.runs.workers import Condition, Failure, StopSignal, Task, Workers, never
 
@@ -373,9 +374,10 @@ def files_in(directory: Path, name: str = NAME) -> list[str]:
 
 
 def write_study(result: StudyResult, directory: Path, name: str = NAME) -> None:
-    """Write the numbers of all runs into the directory of the study."""
-    from ertel.plots.drawing import NoFigure  # here, so that workers need no matplotlib
+    """Write the numbers of all runs into the directory of the study, then draw them.
 
+    Issues a `NotDrawn` where they cannot be drawn, for want of a font or of space perhaps.
+    """
     data, table, picture = (directory / f"{name}.{ending}" for ending in ENDINGS)
     draft = directory / f".{data.name}-{uuid4().hex[:8]}"
     try:
@@ -386,5 +388,11 @@ def write_study(result: StudyResult, directory: Path, name: str = NAME) -> None:
         shutil.rmtree(draft, ignore_errors=True)
     result.to_csv(table)
     picture.unlink(missing_ok=True)
-    with suppress(NoFigure):
-        result.plot().savefig(picture)
+    try:
+        from ertel.plots.drawing import NoFigure  # here, so that workers need no matplotlib
+
+        with suppress(NoFigure):
+            result.plot().savefig(picture)
+    except Exception as error:  # of matplotlib, of the system
+        picture.unlink(missing_ok=True)
+        warnings.warn(NotDrawn(f"{picture} is not drawn ({error}); the numbers are written"), stacklevel=2)

@@ -8,9 +8,10 @@ A task is a function with its arguments.  One that raises has a `Failure` as its
 
 import os
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
+from threading import Lock
 from typing import Any, Protocol
 
 Condition = Callable[[], bool]
@@ -99,6 +100,37 @@ def cores() -> int:
     if hasattr(os, "sched_getaffinity"):  # not on macOS and Windows
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+# -- threads ----------------------------------------------------------------------------------------------------------
+#
+# Linear solves on the CPU are done by the BLAS of SciPy, which would take a thread a core.  In matrices as small as
+# ertel's its threads wait for each other, most of all where other programs are busy.
+
+_lock, _blocks, _limit = Lock(), 0, None
+
+
+@contextmanager
+def one_blas_thread() -> Iterator[None]:
+    """Let the libraries of BLAS in this process compute with one thread in this block; also a decorator.
+
+    The last block that ends, of all threads, sets back what was there before the first.
+    """
+    global _blocks, _limit
+    import scipy.linalg  # noqa: F401 - as JAX does at the first linear solve: a library that comes later has no limit
+    from threadpoolctl import threadpool_limits
+
+    with _lock:
+        _limit = _limit or threadpool_limits(1, "blas")
+        _blocks += 1
+    try:
+        yield
+    finally:
+        with _lock:
+            _blocks -= 1
+            if not _blocks:
+                _limit.restore_original_limits()
+                _limit = None
 
 
 # -- forks ------------------------------------------------------------------------------------------------------------

@@ -5,7 +5,7 @@ The case and the summary of a run are read again only when a file has changed, a
 
 import csv
 import os
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
@@ -110,15 +110,23 @@ class Folder:
             return False
         return is_inside and in_unicode(path.name) == path.name
 
-    def write(self, name: str, text: str, place: str = RUNS) -> tuple[Path, Path]:
+    def awaited(self) -> set[str]:
+        """The names of the files that studies of the folder have as their cases, also of those that are not there."""
+        found = set()
+        for file in self._files_of_studies().values():
+            with suppress(ValueError):
+                found.add(os.path.normpath(str(read_toml(file).get("case"))))
+        return found
+
+    def write(self, name: str, text: str, place: str = RUNS, but: Collection[str] = ()) -> tuple[Path, Path]:
         """Write a new file NAME.toml; its path, and that of its run or study, in `place`, which does not exist yet.
 
-        Where either is taken, the first of NAME-2, NAME-3, ... that is free.
+        Where either is taken, the first of NAME-2, NAME-3, ... that is free.  but: names of files that are not written.
         """
         for run in numbered(self.root / place / name):
             file = self.root / f"{run.name}.toml"
             with suppress(FileExistsError):
-                if not run.exists():
+                if not run.exists() and file.name not in but:
                     with file.open("x", encoding="utf-8") as opened:
                         opened.write(text)
                     return file, run

@@ -18,8 +18,9 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from importlib import import_module
 from io import BytesIO
-from multiprocessing import get_context, parent_process
+from multiprocessing import active_children, get_context, parent_process
 from pathlib import Path
+from time import monotonic
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -50,12 +51,18 @@ FIGURES = {  # in the order of their tabs: label, icon
 }
 LATEST = ("H_c", "H_min", "P_max", "F", "mu_sliding")  # shown of a run that goes on
 HEAVY = ("ertel.plots", "ertel.runs.arrays", "ertel.runs.outlook")  # imported before they are needed
-PICTURES = "/pictures"  # where pages get them
+PICTURES = "pictures"  # where pages get them, as seen from a page
 MEMORY = {-3: 2**17, -1: 2**17, -8: 1}  # M_MMAP_THRESHOLD, M_TRIM_THRESHOLD, M_ARENA_MAX of glibc's malloc.h
 MOST_NODES = 128  # along a side of a map, of what is under the pointer
 NAMES = {"x": "X", "y": "X", "h": "H", "p": "P"}  # the variables that have the units of these
 KEPT = 16  # pictures, of some 0.4 MB each with the fields under the pointer
 KEPT_OPEN = 3  # Datasets
+LIMIT, PAUSE = (
+    60.0,
+    600.0,
+)  # s for what the other process is asked, and until it is asked again
+LATE = "it takes too long to read, as a pipe or a device does; ertel show, or ertel check of a case, tells more"
+ENDED = "the process that draws has ended, perhaps for want of memory; it begins again"
 
 
 @dataclass(frozen=True)
@@ -144,10 +151,10 @@ class Picture(NamedTuple):
     readout: Readout | None
 
 
-def stamp_of(run: Path) -> int:
-    """A number that changes when data are written; 0 where there are none yet."""
+def stamp_of(path: Path, data: str = DATA) -> int:
+    """A number that changes when the data of a run or a study are written; 0 where there are none yet."""
     try:
-        return (run / DATA / "zarr.json").stat().st_mtime_ns
+        return (path / data / "zarr.json").stat().st_mtime_ns
     except OSError:
         return 0
 
@@ -303,10 +310,15 @@ def _process() -> Executor:
 
 
 class Worker:
-    """Draws pictures and keeps the last ones by their addresses.  make: the executor of what takes long."""
+    """Draws pictures and keeps the last ones by their addresses.  make: the executor of what takes long.
+
+    One thing is done after the other.  What takes too long, since a file of it is a pipe perhaps, is ended.  It is not
+    tried again for some time, so that only its own page is without an answer.
+    """
 
     def __init__(self, make: Callable[[], Executor] = _process):
         self._make, self._executor = make, make()
+        self._turn, self._endless = asyncio.Lock(), dict[str, float]()
         self.kept: OrderedDict[str, Picture] = OrderedDict()
 
     def begin(self) -> None:
@@ -328,12 +340,20 @@ class Worker:
 
     async def result_of(self, function: Callable[..., Any], *arguments: Any) -> Any:
         """The result from the other process; one that ended, for want of memory perhaps, is started again."""
-        loop = asyncio.get_running_loop()
-        try:
-            return await loop.run_in_executor(self._executor, _with_plain_errors, function, *arguments)
-        except BrokenProcessPool as error:
-            self._executor = self._make()
-            raise ValueError("the process that draws has ended, perhaps for want of memory; it begins again") from error
+        loop, asked = asyncio.get_running_loop(), repr((function, arguments))
+        async with self._turn:
+            if monotonic() < self._endless.get(asked, 0.0):
+                raise ValueError(LATE)
+            work = loop.run_in_executor(self._executor, _with_plain_errors, function, *arguments)
+            try:
+                return await asyncio.wait_for(work, LIMIT)
+            except (TimeoutError, BrokenProcessPool) as error:
+                for process in active_children():  # this program has no others of this kind
+                    process.kill()
+                self._executor = self._make()
+                if isinstance(error, TimeoutError):
+                    self._endless[asked] = monotonic() + PAUSE
+                raise ValueError(LATE if isinstance(error, TimeoutError) else ENDED) from error
 
     def close(self) -> None:
         """End the other process."""

@@ -136,9 +136,10 @@ class Processes:
     def start(self, name: str, case: str) -> Path:
         """Write a case file and run it; the directory of the run, which the process makes.
 
-        Raises OSError where the folder cannot be written.
+        Neither takes the name of a file that a study of the folder has as its case.  Raises OSError where the folder
+        cannot be written.
         """
-        file, run = self.folder.write(name, case)
+        file, run = self.folder.write(name, case, but=self.folder.awaited())
         self._launch(run, ["run", str(file), "--out", str(run), *FLUSH])
         return run
 

@@ -3,7 +3,9 @@
 Every process on this machine reaches a local port, also those of other users, and every page that is open in the
 browser can send requests there.  So a request needs
 
-* the token of this start of the app, which the address carries that `ertel app` prints, and then a cookie;
+* the path under which all pages of this start of the app are, which nobody can guess.  A browser sends the cookies of
+  one port to all ports of a host, but only to the paths that they are for, so no other server sees the app's;
+* the token of this start, which the address carries that `ertel app` prints, and then a cookie for that path;
 * the name of this machine's own loopback in the header Host: another name may have been made to lead here;
 * an Origin and a Sec-Fetch-Site of the app itself, where the browser sends them: other pages cannot choose these.
 
@@ -47,8 +49,8 @@ HEADERS = {
     "Referrer-Policy": "no-referrer",
 }
 # No redirection: browsers send no strict cookie after one that another page began, such as that of `doorway`.
-ENTRANCE = '<!doctype html><title>ertel</title><meta http-equiv="refresh" content="0; url=/"><a href="/">ertel</a>'
 DOORWAY = '<!doctype html><title>ertel</title><meta http-equiv="refresh" content="0; url={address}">'
+ENTRANCE = DOORWAY + '<a href="{address}">ertel</a>'
 PAGES: dict[str, Any] = {"/": home_page, "/new": NewCase, "/run": RunPage, "/study": StudyPage, "/compare": Comparison}
 
 
@@ -56,12 +58,15 @@ PAGES: dict[str, Any] = {"/": home_page, "/new": NewCase, "/run": RunPage, "/stu
 
 
 class Guard:
-    """An ASGI application that passes what may be answered to another, also websockets, and refuses the rest."""
+    """An ASGI application that passes what may be answered to another, also websockets, and refuses the rest.
 
-    def __init__(self, app: ASGIApp, port: int, token: str):
-        self._app, self._token = app, token
+    root: the path of the first page, with a slash at both ends.
+    """
+
+    def __init__(self, app: ASGIApp, port: int, root: str, token: str):
+        self._app, self._root, self._token = app, root, token
         self._hosts = {f"{name}:{port}" for name in OURS}
-        self._cookie = f"ertel-{port}"  # cookies are shared by all ports
+        self._cookie = f"ertel-{port}"
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer one request."""
@@ -71,21 +76,26 @@ class Guard:
             await self._app(scope, receive, send)
 
     def _answer(self, asked: HTTPConnection) -> ASGIApp:
-        if asked.headers.get("host") in self._hosts:
-            is_first = asked.scope["type"] == "http" and asked.scope["path"] == "/"
+        path = asked.scope["path"]
+        if asked.headers.get("host") in self._hosts and path.startswith(self._root):
+            is_first = asked.scope["type"] == "http" and path == self._root
             if is_first and self._is_token(asked.query_params.get(TOKEN)):
                 return self._entrance()
             if _is_own(asked) and self._is_token(asked.cookies.get(self._cookie)):
-                return self._app
+                return self._pass
         return PlainTextResponse(REFUSED, 403)
+
+    async def _pass(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on; its path without the root is what pages are known by."""
+        await self._app({**scope, "root_path": self._root.rstrip("/")}, receive, send)
 
     def _is_token(self, given: str | None) -> bool:
         return given is not None and compare_digest(given.encode(), self._token.encode())
 
     def _entrance(self) -> Response:
         """The page that gives the cookie and leads to the first page, whose address has no token."""
-        page = HTMLResponse(ENTRANCE, headers={"Cache-Control": "no-store"})
-        page.set_cookie(self._cookie, self._token, httponly=True, samesite="strict")
+        page = HTMLResponse(ENTRANCE.format(address=self._root), headers={"Cache-Control": "no-store"})
+        page.set_cookie(self._cookie, self._token, path=self._root, httponly=True, samesite="strict")
         return page
 
 
@@ -142,15 +152,15 @@ def serve(folder: Path, port: int, show: bool, ready: Callable[[str], None]) -> 
     """
     if helpers.is_port_open(LOOPBACK, port):
         raise ValueError(f"--port {port}: is taken, perhaps by this app in another terminal; choose another port")
-    token = token_urlsafe()
-    address = f"http://{LOOPBACK}:{port}/?{TOKEN}={token}"
+    root, token = f"/{token_urlsafe()}/", token_urlsafe()
+    address = f"http://{LOOPBACK}:{port}{root}?{TOKEN}={token}"
     keep_small()
     site = Site(Folder.at(folder), Processes(Folder.at(folder)), Worker())
     site.serve_pictures()
     app.on_startup(site.worker.begin)
     app.on_shutdown(site.worker.close)
     app.on_startup(lambda: ready(address))
-    app.add_middleware(Guard, port=port, token=token)
+    app.add_middleware(Guard, port=port, root=root, token=token)
     with suppress(KeyboardInterrupt), doorway(site.folder.root, address) as page:
         # a KeyboardInterrupt is how the server hands on a signal that ended it
         if show:

@@ -1,5 +1,7 @@
 """The parts that all pages share: the app, the frame with the list of runs and studies, and elements of pages."""
 
+import os
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -26,7 +28,8 @@ LOGO = (
     'stroke="#0b5673" stroke-width="3"><circle cx="20" cy="15" r="11"/><path d="M3 31 H13 Q20 25.5 27 31 H37"/>'
     '<path class="thin" d="M3 36 H37"/></svg>'
 )
-
+EMPTY = '<div class="hint">None yet in this folder. Start with a new case.</div>'
+DELETE = "(event) => { const row = event.target.closest('[data-run]'); if (row) emit(row.dataset.run) }"
 
 ui.button.default_props("no-caps")
 
@@ -58,7 +61,7 @@ class Site:
     def serve_pictures(self) -> None:
         """Answer requests for the pictures that pages were given the addresses of."""
 
-        @app.get(PICTURES + "/{name}")
+        @app.get(f"/{PICTURES}/{{name}}")
         def picture(name: str) -> Response:
             found = self.worker.kept.get(f"{PICTURES}/{name}")
             if found is None:
@@ -81,6 +84,16 @@ class Site:
         """The directory of a run, which may not be there yet if it was just started.  Raises ValueError."""
         path = self.folder.inside(name)
         return path if self.processes.knows(path) else self.folder.run(name)
+
+    def rows(self, root: str) -> str:
+        """The list of runs and studies in HTML, the same text for all pages.  root: of the addresses of pages."""
+        return sys.intern("".join(_row(entry, root) for entry in (*self.entries(), *self.studies())) or EMPTY)
+
+    def ask_about(self, key: str) -> None:
+        """Ask whether a run or a study in the list is to be deleted.  key: see `_row`."""
+        path = Path(os.fsdecode(bytes.fromhex(key)))
+        if path in [entry.path for entry in (*self.entries(), *self.studies())]:
+            self.ask_to_delete(path)
 
     def ask_to_delete(self, run: Path) -> None:
         """Ask whether a run, or the study that it belongs to, is to be deleted, and delete it."""
@@ -145,40 +158,39 @@ def frame(site: Site, pages: dict[str, Callable[..., Any]]) -> None:
 
 
 def _list(site: Site) -> None:
-    """The list of runs, which is renewed when something changes."""
-    known = [*site.entries(), *site.studies()]
-
-    @ui.refreshable
-    def rows() -> None:
-        ui.label("Runs").classes("eyebrow")
-        if not known:
-            ui.label("None yet in this folder. Start with a new case.").classes("hint")
-        for entry in known:
-            _row(site, entry)
+    """The list of runs, which is renewed when something changes: one element, as there may be hundreds of rows."""
+    root = ui.context.client.request.scope.get("root_path", "")
 
     def look() -> None:
-        found = [*site.entries(), *site.studies()]
-        if found != known:
-            known[:] = found
-            rows.refresh()
+        if (rows := site.rows(root)) != listed.content:
+            listed.set_content(rows)
 
-    rows()
+    ui.label("Runs").classes("eyebrow")
+    listed = ui.html(site.rows(root), sanitize=False).classes("entries").mark("runs")
+    listed.on("click", lambda event: site.ask_about(str(event.args)), js_handler=DELETE)
     ui.timer(SECONDS, look)
 
 
-def _row(site: Site, entry: Entry) -> None:
-    phase = entry.status.phase
-    with ui.element("div").classes("entry"):
-        with ui.link(target=entry.address).classes(f"run {phase.name.lower()}"):
-            ui.icon(phase.icon).classes("state")
-            with ui.element("div").classes("text"):
-                ui.label(in_unicode(entry.path.name)).classes("name").tooltip(entry.name)
-                is_part = phase in (Phase.RUNNING, Phase.INTERRUPTED) and entry.status.done
-                share = f"{phase.word} {entry.status.done:.0%}" if is_part else phase.word
-                ui.label(f"{share} · {entry.about}" if entry.about else share).classes("more")
-        if entry.path.exists() and not phase.is_active:
-            delete = ui.button(icon="delete_outline", color="grey", on_click=lambda: site.ask_to_delete(entry.path))
-            delete.props("flat round dense size=sm aria-label='Delete'").mark("delete")
+def _row(entry: Entry, root: str) -> str:
+    """A run or a study in the list, in HTML.  root: of the addresses of pages.
+
+    The key in data-run is the path in digits.  Two names that are not UTF-8 may be the same on pages.
+    """
+    phase, about = entry.status.phase, entry.about
+    is_part = phase in (Phase.RUNNING, Phase.INTERRUPTED) and entry.status.done
+    share = f"{phase.word} {entry.status.done:.0%}" if is_part else phase.word
+    address, hint, name = (escape(text) for text in (root + entry.address, entry.name, in_unicode(entry.path.name)))
+    text = f'<div class="name">{name}</div><div class="more">{escape(f"{share} · {about}" if about else share)}</div>'
+    link = f'<a class="run {phase.name.lower()}" href="{address}" title="{hint}">{_icon(phase.icon, "state")}'
+    delete = ""
+    if entry.path.exists() and not phase.is_active:
+        key = os.fsencode(entry.path).hex()
+        delete = f'<button type="button" data-run="{key}" aria-label="Delete">{_icon("delete_outline")}</button>'
+    return f'<div class="entry">{link}<div class="text">{text}</div></a>{delete}</div>'
+
+
+def _icon(name: str, kind: str = "") -> str:
+    return f'<i class="q-icon notranslate material-icons {kind}" aria-hidden="true">{name}</i>'
 
 
 def _closing(site: Site) -> None:

@@ -7,16 +7,17 @@ from nicegui import ui
 
 from ertel.apps.browser.folder import kind_of
 from ertel.apps.browser.form import require_inside
+from ertel.apps.browser.pictures import stamp_of
 from ertel.apps.browser.processes import Phase
 from ertel.apps.browser.site import Site, WatchedPage, address_of, sentence
 from ertel.inputs.case_files import read_text, read_toml
 from ertel.runs.directory import read_case
 
 
-def study_report(study: Path, kind: str) -> tuple[str, str]:
+def study_report(study: Path, kind: str, stamp: int) -> tuple[str, str]:
     """The table, the remarks and the picture of a study in HTML; and the run with the values of a fit, or "".
 
-    For the process that draws.  Raises ValueError where the outcome cannot be read.
+    For the process that draws.  stamp: of the data, see `stamp_of`.  Raises ValueError where they cannot be read.
     """
     import xarray as xr
 
@@ -63,7 +64,8 @@ class StudyPage(WatchedPage):
         changed, kind = self.renew(), kind_of(self.path)
         if (is_read := bool(kind) and not self.status.phase.is_active) and not self._is_read:
             try:
-                self._report, self._best = await self.site.worker.result_of(study_report, self.path, kind)
+                asked = study_report, self.path, kind, stamp_of(self.path, f"{kind}.zarr")
+                self._report, self._best = await self.site.worker.result_of(*asked)
             except ValueError as error:
                 self._report, self._best = escape(sentence(str(error))), ""
         if (changed or is_read is not self._is_read) and not self._top.is_deleted:  # the page was not left
