@@ -16,7 +16,7 @@ from ertel.case.conditions import FOREIGN, Conditions, Kind
 from ertel.case.reading import hint_for
 from ertel.case.records import ConfigError, law_data, oil_data, show, with_unit
 from ertel.case.sections import Output, Solver, Thermal, Time
-from ertel.inputs.case_files import parse_case
+from ertel.inputs.case_files import parse_case, with_all_units
 from ertel.inputs.layout import READER, Materials, NamedLubricant, field_names
 from ertel.inputs.quantities import NumberOrText, parse_quantity, plain_data
 from ertel.physics.fluidity import Fluidity
@@ -275,7 +275,7 @@ def _case(kind: Kind, given: Mapping[str, Any], keywords: Any) -> Case:
         "output": section(Output) or None,
     }
     case = parse_case({name: table for name, table in sections.items() if table is not None})
-    return replace(case, roughness=(*case.roughness, *records)) if records else case
+    return with_all_units(replace(case, roughness=(*case.roughness, *records))) if records else case
 
 
 def _in_tables(name: str, known: Sequence[str]) -> list[str]:
