@@ -345,10 +345,14 @@ def _over(amount: Any, mark: object, scales: Scales | None, place: str) -> float
 def amounts(record: Any, place: str) -> Iterator[tuple[str, Unit, Any]]:
     """The amounts of a record, and of records in it: place, unit and value of each."""
     kinds = marks(type(record))
-    named_parts = [(f"{place}.{item.name}", kinds.get(item.name), getattr(record, item.name)) for item in fields(record)]
+    named_parts = [
+        (f"{place}.{item.name}", kinds.get(item.name), getattr(record, item.name)) for item in fields(record)
+    ]
     if isinstance(record, Polyline):
         numbered = enumerate(record.points, 1)
-        named_parts = [(f"{place}[{n}]", *part) for n, point in numbered for part in zip(record.MARKS, point, strict=True)]
+        named_parts = [
+            (f"{place}[{n}]", *part) for n, point in numbered for part in zip(record.MARKS, point, strict=True)
+        ]
     for where, mark, value in named_parts:
         if isinstance(value, Polyline | Oscillation):
             yield from amounts(value, where)

@@ -11,9 +11,10 @@ from typing import Any
 
 from ertel.case.case import Case
 from ertel.case.conditions import Conditions
+from ertel.case.reading import regular_content
 from ertel.case.records import ConfigError, amounts, field_name, shortened, show
 from ertel.case.rules import plain_name
-from ertel.inputs.height_maps import regular_content, with_maps
+from ertel.inputs.height_maps import with_maps
 from ertel.inputs.layout import READER, Materials, field_names
 from ertel.inputs.names import require_rheology, without_names
 from ertel.inputs.quantities import parse_quantity, plain_data

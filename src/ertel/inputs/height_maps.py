@@ -15,7 +15,6 @@ import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from io import BytesIO, TextIOWrapper
-from os import fstat
 from pathlib import Path
 from string import printable
 from typing import IO, Any, NamedTuple
@@ -26,7 +25,7 @@ from numpy.lib.format import MAGIC_PREFIX
 from numpy.typing import NDArray
 
 from ertel.case.height_map import MOST, HeightMap, Measured, array_in, check_shape, check_size
-from ertel.case.reading import check_keys
+from ertel.case.reading import check_keys, regular_content
 from ertel.case.records import ConfigError, named, refusing, shortened, show
 from ertel.inputs import text_maps
 from ertel.inputs.layout import READER, MeasuredFile, field_names
@@ -113,25 +112,6 @@ def _with_map(written: Mapping[str, Any], folder: Path, place: str) -> tuple[dic
         heights = HeightMap(_smoothed(table, raw))
     filled = {"filled": gaps} if (gaps := int(np.ma.getmaskarray(raw.heights).sum())) else {}
     return {**placed, **_sizes(table, raw, heights), **filled, "file": heights.name}, heights
-
-
-def regular_content(path: Path, most: int) -> bytes:
-    """The content of a regular file (a pipe may never end).  Raises ValueError, without the name of the file."""
-    size, content = -1, b""
-    try:
-        if path.is_file() or not path.exists():
-            with path.open("rb") as file:
-                size = fstat(file.fileno()).st_size
-                content = file.read(size) if size <= most else b""
-    except (OSError, ValueError) as error:  # ValueError: a null character in the name
-        reason = (getattr(error, "strerror", None) or str(error)).lower()
-        where = "" if path.is_absolute() else f" in {shortened(str(path.parent.absolute()))}"
-        raise ValueError(f"cannot be read{where}, {reason}") from error
-    if size < 0:
-        raise ValueError("is not a regular file")
-    if size > most:
-        raise ValueError(f"is too large; must have at most {most / 1e6:g} MB")
-    return content
 
 
 # -- reading ----------------------------------------------------------------------------------------------------------

@@ -52,7 +52,7 @@ def read_text(content: bytes) -> Text:
     rows = {n: line for n, line in lines.items() if not line.startswith("#")}
     start = next((n for n, line in rows.items() if _is_row(line)), 0)
     if not start:
-        raise ValueError("is not a file of an instrument that SurfaceTopography reads, and has no rows of numbers")
+        raise ValueError("SurfaceTopography cannot read it, and it has no rows of numbers")
     rows = {n: line for n, line in rows.items() if n >= start}
     separator, comma = _written("\n".join(rows.values()))
     found: list[Numbers] = []
@@ -141,11 +141,15 @@ def _units(header: Sequence[str]) -> tuple[str, str, str]:
         names, units = zip(*HEADING.findall(line) or [("", "")], strict=True)
         order = "".join(name[0].lower() for name in names if name)
         if len(names) == 3 and (order not in ("xyz", "xyh") or 0 < sum(map(bool, units)) < 3):
-            raise ValueError(f"its header is {shortened(line)!r}; must have x, y and z in this order, with all units or none")
+            raise ValueError(
+                f"its header is {shortened(line)!r}; must have x, y and z in this order, with all units or none"
+            )
         if len(names) == 3:
-            return units  # type: ignore[return-value]
+            return units
         if re.search(r"[\[(]", line):
-            raise ValueError(f"its header {shortened(line)!r} is not understood; write for example x (um), y (um), z (nm)")
+            raise ValueError(
+                f"its header {shortened(line)!r} is not understood; write for example x (um), y (um), z (nm)"
+            )
     return "", "", ""
 
 
@@ -154,7 +158,9 @@ def check_matrix(text: Text) -> None:
     for what, rows in (("row", text.numbers), ("column", text.numbers.T)):
         if len(rows) > 3 and _even(rows[0, 1:]) and _like(rows[1], rows[2]) and not _like(rows[0], rows[1]):
             places = ", ".join(f"{value:g}" for value in rows[0, 1:4])
-            raise ValueError(f"line {text.lines[0]}: the first {what} has places ({places}, ...) and no heights; remove it")
+            raise ValueError(
+                f"line {text.lines[0]}: the first {what} has places ({places}, ...) and no heights; remove it"
+            )
 
 
 def _like(one: Numbers, two: Numbers) -> bool:
@@ -174,4 +180,6 @@ def check_marks(heights: Numbers) -> None:
         far = distance > np.ptp(inner) * (FAR if counts[end] == 1 else 1.0)
         if far or values[end] in SENTINELS:
             others = f"the others are from {inner[0]:g} to {inner[-1]:g}"
-            raise ValueError(f"its height {values[end]:g} marks a gap ({counts[end]} points, {others}); write nan for it")
+            raise ValueError(
+                f"its height {values[end]:g} marks a gap ({counts[end]} points, {others}); write nan for it"
+            )

@@ -232,8 +232,13 @@ def in_si(value: Any, mark: Mark) -> float:
 def si_numbers(given: Any, unit: Unit, written: str = "") -> Any:
     """Numbers in SI: plain ones, in the unit that is written, or a quantity of pint, which has its own.
 
-    given: a number or an array.  Raises ValueError for a unit that is not known or does not fit.
+    given: a number, a text with its unit, an array or a sequence of them.  Raises ValueError for a unit that is not
+    known or does not fit.
     """
+    if isinstance(given, str):
+        return in_si(given, replace(unit, signed=True))
+    if isinstance(given, list | tuple):
+        return [si_numbers(each, unit, written) for each in given]
     own = hasattr(given, "magnitude") and hasattr(given, "units")
     numbers, written = (given.magnitude, str(given.units)) if own else (given, written)
     if written in ("", unit.unit):
