@@ -103,11 +103,14 @@ def feature_data(feature: Feature) -> dict[str, Any]:
 
 
 def with_own_numbers(value: Any) -> Any:
-    """A record, or what stands in one, with Python's numbers in the place of NumPy's scalars."""
+    """A record, or what stands in one, with Python's numbers in the place of NumPy's scalars, and quantities in SI of pint's."""
     if value is None or type(value) in (float, int, str):  # most of what stands in one
         return value
     if isinstance(value, np.generic):
         return value.item()
+    if hasattr(value, "to_base_units"):  # of pint
+        base = value.to_base_units()
+        return Quantity(float(base.magnitude), {"meter": "m", "second": "s"}.get(str(base.units), str(base.units)))
     if type(value) is tuple:
         items = tuple(with_own_numbers(item) for item in value)
         return items if any(new is not old for new, old in zip(items, value, strict=True)) else value

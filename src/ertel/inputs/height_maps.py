@@ -139,7 +139,7 @@ def _of_instrument(table: Mapping[str, Any], content: bytes) -> _Raw:
         if not is_text:
             raise
     if is_text and _is_plain(channels):
-        text = text_maps.read_text(content)
+        text = text_maps.read_rows(content)
         if text_maps.is_list(text):
             return _of_points(table, text)
         text_maps.check_matrix(text)

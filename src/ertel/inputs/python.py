@@ -14,7 +14,7 @@ from typing import Any, TypedDict, Unpack, get_type_hints
 from ertel.case.case import Case
 from ertel.case.conditions import FOREIGN, Conditions, Kind
 from ertel.case.reading import hint_for
-from ertel.case.records import ConfigError, law_data, oil_data, show, with_unit
+from ertel.case.records import ConfigError, law_data, oil_data, show, with_own_numbers, with_unit
 from ertel.case.sections import Output, Solver, Thermal, Time
 from ertel.inputs.case_files import parse_case, with_all_units
 from ertel.inputs.layout import READER, Materials, NamedLubricant, field_names
@@ -288,7 +288,7 @@ def _in_tables(name: str, known: Sequence[str]) -> list[str]:
 def _lubricant(values: Mapping[str, Any]) -> dict[str, Any] | None:
     """The section [lubricant] of an oil, or of the name of an oil and its temperature."""
     oil = values.get("oil")
-    data = oil_data(oil) if isinstance(oil, Oil) else {} if oil is None else {"oil": oil}
+    data = oil_data(with_own_numbers(oil)) if isinstance(oil, Oil) else {} if oil is None else {"oil": oil}
     if "temperature" in values:
         data["temperature"] = with_unit(values["temperature"], TEMPERATURE)
     if isinstance(oil, Oil) and oil.is_newtonian:

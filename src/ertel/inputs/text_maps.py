@@ -41,7 +41,7 @@ class Text(NamedTuple):
         return "\n".join([*self.header, *rows, ""]).encode()
 
 
-def read_text(content: bytes) -> Text:
+def read_rows(content: bytes) -> Text:
     """The numbers in a text.  Raises ValueError, with the line, for a row of which a part is not a number."""
     try:
         text = content.decode("utf-16" if content[:2] in UTF_16 else "utf-8-sig")

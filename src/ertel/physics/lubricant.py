@@ -15,7 +15,7 @@ differentiates it.  It needs a registered name (`ertel.viscosity_laws.register`)
 """
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import log
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol
@@ -388,11 +388,6 @@ def _check_law(field_name: str, law: object, laws: Registry) -> None:
             *others, last = map(repr, able)
             allowed = f"{', '.join(others)} or {last}" if others else last
             raise ValueError(f"{given}: allowed: {allowed}")
-    elif isinstance(law, Mapping):
-        given = f"{field_name} = {str(law)[:60]}"
-        raise ValueError(
-            f"{given}: must be a name or the record of a law; a case takes a table, {field_name}={{'law': ...}}"
-        )
     else:
         laws.name_of(law)
 

@@ -90,7 +90,11 @@ class Measurement:
     def __post_init__(self) -> None:
         si_unit(self.quantity)
         values = np.atleast_1d(np.asarray(_in_si(self.quantity, self.values), dtype=np.float64))
-        x = np.zeros_like(values) if self.x is None else np.asarray(_in_si(self.axis, self.x), dtype=np.float64)
+        x = (
+            np.zeros_like(values)
+            if self.x is None
+            else np.asarray(_in_si(TIME if self.kind == "history" else "x", self.x), dtype=np.float64)
+        )
         if self.sigma is not None:
             object.__setattr__(self, "sigma", _in_si(self.quantity, self.sigma))
         sigma = np.asarray(1.0 if self.sigma is None else self.sigma, dtype=np.float64)

@@ -21,6 +21,7 @@ from ertel.physics import surfaces
 from ertel.physics.geometry import CIRCLE
 from ertel.physics.motion import Track
 from ertel.physics.surfaces import CELLS_KEPT
+from ertel.physics.units import plain
 from ertel.results import diagnostics
 from ertel.results.numbers import numbers
 from ertel.results.parameters import formula_films, parameter_summary, rheology_of
@@ -248,13 +249,13 @@ def _track(case: Case) -> str:
     """A sentence where a profile of the layer across the track says nothing: of one point, or beside the grid."""
     if not isinstance(case.oil.layer, Track) or case.track is None:
         return ""
-    places, edge = [y for y, _ in case.track.points], case.solver.half_width_y or case.solver.half_width
+    places, edge = [plain(y) for y, _ in case.track.points], case.solver.half_width_y or case.solver.half_width
     if len(places) == 1:
         return "lubricant.layer has one point: the layer is the same everywhere; give its thickness alone"
     if min(places) < edge and max(places) > -edge:
         return ""
     span = f"from y = {min(places):.3g} a to {max(places):.3g} a"
-    return f"the points of lubricant.layer lie {span}, beside the grid, which ends at {edge:g} a: the layer is uniform there"
+    return f"the points of lubricant.layer lie {span}, beside the grid, which ends at {edge:g} a"
 
 
 def _yielding(case: Case) -> Iterator[str]:
