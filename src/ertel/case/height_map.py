@@ -199,7 +199,7 @@ class Measured:
     def of(cls, heights: ArrayLike, spacing: float | tuple[float, float], **placed: Any) -> "Measured":
         """The shape of heights (ny, nx) in metres, rows along y, at points `spacing` metres apart.
 
-        spacing may be a pair, along x and along y.  Both may be quantities of pint, or texts with their unit.  placed:
+        spacing may be a pair, along x and along y.  Both may be quantities of pint, or have a text's unit.  placed:
         the other fields, such as x, y, cutoff.  Tilt and gaps are left as they are.  Raises ValueError as `HeightMap`, and for a spacing that is not above zero.
         """
         found = HeightMap(units.si_numbers(heights, units.LENGTH))

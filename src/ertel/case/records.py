@@ -103,7 +103,7 @@ def feature_data(feature: Feature) -> dict[str, Any]:
 
 
 def with_own_numbers(value: Any) -> Any:
-    """A record, or what stands in one, with Python's numbers in the place of NumPy's scalars, and quantities in SI of pint's."""
+    """A record, or what stands in one, with plain numbers for NumPy's scalars, and pint's in SI."""
     if value is None or type(value) in (float, int, str):  # most of what stands in one
         return value
     if isinstance(value, np.generic):

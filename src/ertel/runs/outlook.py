@@ -63,7 +63,7 @@ def outlook(case: Case) -> dict[str, Any]:
         name, kind, method, digest; rheology in words; parameters, see `parameters.parameter_summary`; films of a
         rolling contact at T = 0 by the formulas, in a^2/R; grid: nodes, nodes_across, spacing and sweep (a),
         cells_in_sweep, and spacing_m of a physical case; starvation: r and share, see `definition.starvation`, and
-        wet_radius (a) of an impact of circular symmetry, empty for a full gap; roughness: see `roughness_of`; memory: needed and available bytes, None
+        wet_radius (a) of an impact of circular symmetry, empty for a full gap; roughness: `roughness_of`; memory: needed and available bytes, None
         where that is not known; time: steps and seconds, roughly; warnings.
     """
     available, needed = memory_available(), memory_needed(case)
@@ -210,7 +210,7 @@ def _sliding(case: Case) -> str:
 
 
 def roughness_of(case: Case) -> list[dict[str, Any]]:
-    """Each roughness on the grid at T = 0: shape, size (a) of its finest detail, rms, lowest and highest (a^2/R, and in m)."""
+    """Each roughness on the grid at T = 0: shape, size of its finest detail (a), rms, lowest, highest (a^2/R; in m)."""
     s, spacing, found = case.scales, diagnostics.spacing_of(case), []
     if case.solver.method == "radial":
         X, Y = definition.radii(case.solver.nodes, case.solver.half_width)[None, :], np.zeros((1, 1))
