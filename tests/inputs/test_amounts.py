@@ -19,10 +19,17 @@ Q = pint.UnitRegistry().Quantity
 ROLLING = {"kind": "rolling", "radius": "10 mm", "load": "40 N", "mean_speed": "0.5 m/s", "E_prime": "220 GPa"}
 OIL = {"eta0": "40 mPa*s", "alpha": "20 / GPa"}
 NEEDED = {  # what a shape needs besides
-    "waviness": {"amplitude": "20 nm", "wavelength_x": "50 um"},
+    "waviness": {"amplitude": "20 nm", "wavelength_x": "50 um", "front": "-90 um"},
     "rings": {"amplitude": "20 nm", "wavelength": "50 um"},
     "spot": {"radius": "50 um", "depth": "20 nm"},
-    "self-affine": {"rms": "20 nm", "hurst": 0.8, "shortest": "30 um"},
+    "self-affine": {
+        "rms": "20 nm",
+        "hurst": 0.8,
+        "shortest": "30 um",
+        "longest": "60 um",
+        "front": "-90 um",
+        "ramp": "9 um",
+    },
 }
 
 
@@ -43,15 +50,16 @@ def test_the_table_has_all_shapes():
 
 @pytest.mark.parametrize(("section", "table", "key"), KEYS)
 def test_a_plain_number_for_a_length_or_a_time_of_a_case_in_si_is_refused(section, table, key):
+    number = 8.0 if key == "period" else 0.3
     data = {"contact": ROLLING, "lubricant": OIL, "solver": {"method": "transient"}}
-    table = {other: value for other, value in table.items() if {other, key} != {"depth", "height"}} | {key: 8.5e-6}
+    table = {other: value for other, value in table.items() if {other, key} != {"depth", "height"}} | {key: number}
     if section == "lubricant":
         data["lubricant"] = OIL | table
     elif section == "motion":
         data["motion"] = {"load": table}
     else:
         data["roughness"] = [{"shape": section, "surface": 2, **table}]
-    with pytest.raises(ConfigError, match=rf"{key} = 8.5e-06: is a plain number; in a case in SI it needs its unit"):
+    with pytest.raises(ConfigError, match=rf"{key} = {number}: is a plain number; in a case in SI it needs its unit"):
         parse_case(data)
 
 
@@ -61,7 +69,7 @@ def test_points_and_records_of_python_likewise():
         {"layer": 8.5e-6},
         {"layer": [["0 um", 1e-6], ["50 um", "1 um"]]},
         {"motion": {"load": [[0, 1], [5e-3, 2]]}, "method": "transient"},
-        {"roughness": [ertel.Spot(radius=ertel.quantity("50 um"), depth=2e-8)]},
+        {"roughness": [ertel.Feature(ertel.Spot(ertel.quantity("50 um"), depth=2e-8), 2)], "method": "transient"},
     ):
         with pytest.raises(ConfigError, match="is a plain number"):
             ertel.rolling(**keys, **more)

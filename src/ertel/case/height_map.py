@@ -200,7 +200,8 @@ class Measured:
         """The shape of heights (ny, nx) in metres, rows along y, at points `spacing` metres apart.
 
         spacing may be a pair, along x and along y.  Both may be quantities of pint, or have a text's unit.  placed:
-        the other fields, such as x, y, cutoff.  Tilt and gaps are left as they are.  Raises ValueError as `HeightMap`, and for a spacing that is not above zero.
+        the other fields, such as x, y, cutoff.  Tilt and gaps are left as they are.  Raises ValueError as `HeightMap`,
+        and for a spacing that is not above zero.
         """
         found = HeightMap(units.si_numbers(heights, units.LENGTH))
         steps = np.broadcast_to(np.asarray(units.si_numbers(spacing, units.LENGTH), dtype=float), (2,)).tolist()

@@ -83,7 +83,7 @@ def moment_of(dataset: xr.Dataset, at: At = None) -> Instant:
 def moment_text(at: Any) -> Any:
     """A moment as a number or a text, also where it is a quantity of ertel or of pint."""
     if hasattr(at, "units"):
-        return f"{float(si_numbers(at, TIME.in_si))!r} s"
+        return f"{si_numbers(at, TIME.in_si):.12g} s"
     return str(at) if isinstance(at, Quantity) else at
 
 

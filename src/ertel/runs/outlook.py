@@ -63,8 +63,8 @@ def outlook(case: Case) -> dict[str, Any]:
         name, kind, method, digest; rheology in words; parameters, see `parameters.parameter_summary`; films of a
         rolling contact at T = 0 by the formulas, in a^2/R; grid: nodes, nodes_across, spacing and sweep (a),
         cells_in_sweep, and spacing_m of a physical case; starvation: r and share, see `definition.starvation`, and
-        wet_radius (a) of an impact of circular symmetry, empty for a full gap; roughness: `roughness_of`; memory: needed and available bytes, None
-        where that is not known; time: steps and seconds, roughly; warnings.
+        wet_radius (a) of an impact of circular symmetry, empty for a full gap; roughness: `roughness_of`; memory:
+        needed and available bytes, None where that is not known; time: steps and seconds, roughly; warnings.
     """
     available, needed = memory_available(), memory_needed(case)
     shortage = memory_shortage(case) if 0 < available < needed else ""
@@ -236,8 +236,8 @@ def _rough(case: Case) -> Iterator[str]:
         if rough["highest"] > film:
             heights = [_height(case, height) for height in (rough["highest"], film)]
             yield (
-                f"roughness[{number}] stands {heights[0]} high, and the expected film is {heights[1]}: where the contact "
-                "does not flatten it, the film breaks down and solids touch, which ertel does not model"
+                f"roughness[{number}] stands {heights[0]} high, and the expected film is {heights[1]}: where the "
+                "contact does not flatten it, the film breaks down and solids touch, which ertel does not model"
             )
 
 
