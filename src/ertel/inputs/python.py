@@ -1,7 +1,8 @@
 """The Python API for cases: `impact(...)`, `rolling(...)`, `Oil(...)`.
 
-The keywords are the keys of case files.  A quantity is a float in SI or a text with a unit, "10 mm".  An amount (a time
-of the run, a size of the roughness) is a plain number in the units of the case, or a text with a unit.
+The keywords are the keys of case files.  A quantity is a float in SI or a text with a unit, "10 mm".  An amount (a
+layer, a size of the roughness, a time) is a text with a unit in a case in SI, a plain number in one without dimensions;
+those of the grid and of the end of a run may be plain numbers in both, see `case_files.with_all_units`.
 """
 
 from collections.abc import Callable, Mapping, Sequence

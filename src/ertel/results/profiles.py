@@ -80,11 +80,12 @@ def moment_of(dataset: xr.Dataset, at: At = None) -> Instant:
     raise ValueError(f"at = {at!r}: must be a time from {span} or an event of this run, which has {names}")
 
 
-def moment_text(at: Any) -> Any:
+def moment_text(at: Any) -> float | str | None:
     """A moment as a number or a text, also where it is a quantity of ertel or of pint."""
     if hasattr(at, "units"):
         return f"{si_numbers(at, TIME.in_si):.12g} s"
-    return str(at) if isinstance(at, Quantity) else at
+    moment: float | str | None = str(at) if isinstance(at, Quantity) else at
+    return moment
 
 
 def _in_t0(dataset: xr.Dataset, at: float | str) -> float:
