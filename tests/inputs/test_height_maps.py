@@ -383,12 +383,12 @@ def test_a_numpy_array_has_its_rows_along_y_whatever_its_file_is_called(tmp_path
 
 def test_the_file_that_ertel_wrote_is_taken_as_it_is(tmp_path) -> None:
     """Its trend is off already: a second time would change it."""
-    table = {"length_x": 1.0, "rms": 0.1}
+    table = {"length_x": "0.2 mm", "rms": "0.1 um"}
     own = HeightMap(WAVE + TILT)
     (tmp_path / own.name).write_bytes(own.to_bytes())
-    assert read(tmp_path, file=own.name, length_y=1.0, **table).file == own
+    assert read(tmp_path, file=own.name, length_y="0.2 mm", **table).file == own
     with pytest.raises(ConfigError, match=r'^roughness\[1\].detrend = "mean": was already applied when ertel wrote'):
-        read(tmp_path, file=own.name, detrend="mean", length_y=1.0, **table)
+        read(tmp_path, file=own.name, detrend="mean", length_y="0.2 mm", **table)
     with pytest.raises(ConfigError, match=r"^roughness\[1\].length_y: missing"):
         read(tmp_path, file=own.name, **table)
 

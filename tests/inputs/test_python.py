@@ -112,10 +112,10 @@ def test_si_and_texts_with_units_are_the_same_case():
 
 
 def test_every_section_arrives():
-    rough = ertel.Spot(radius=ertel.quantity("50 um"), depth=ertel.quantity("1 um"), x=-2.0)
-    table = {"shape": "spot", "radius": "50 um", "depth": "1 um", "x": -2.0}
+    rough = ertel.Spot(radius=ertel.quantity("50 um"), depth=ertel.quantity("1 um"), x=ertel.quantity("-0.2 mm"))
+    table = {"shape": "spot", "radius": "50 um", "depth": "1 um", "x": "-0.2 mm"}
     solver = {"method": "transient", "nodes": 65, "tolerance": 1e-4, "fold": False}
-    motion = {"load": [[0, 1], [1, 2]], "entrainment": {"mean": 1, "amplitude": 0.2, "period": "5 ms"}}
+    motion = {"load": [[0, 1], ["1 ms", 2]], "entrainment": {"mean": 1, "amplitude": 0.2, "period": "5 ms"}}
     time, output = {"until": "2 ms", "step": 0.01}, {"interval": 0.5}
     case = ertel.rolling(**ROLLING, oil=OIL, **solver, motion=motion, roughness=[rough], **time, **output, name="test")
     written = {

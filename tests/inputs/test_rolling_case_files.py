@@ -71,9 +71,9 @@ def test_a_negative_mean_speed_reverses_the_flow():
     forth, back = (in_time(TRACK | {"mean_speed": f"{sign}0.5 m/s"}) for sign in ("", "-"))
     assert back.parameters == forth.parameters
     assert (forth.motion.entrainment(0.0), back.motion.entrainment(0.0)) == (1.0, -1.0)
-    table = {"mean": 1.0, "amplitude": 0.5, "period": 2.0}
+    table = {"mean": 1.0, "amplitude": 0.5, "period": "2 ms"}
     back = in_time(TRACK | {"mean_speed": "-0.5 m/s"}, motion={"entrainment": table})
-    assert back.motion.entrainment == Oscillation(-1.0, -0.5, 2.0)
+    assert back.motion.entrainment == Oscillation(-1.0, -0.5, 0.002 / back.scales.t0)
 
 
 def test_the_ball_s_mass_is_its_inertia():
@@ -144,14 +144,14 @@ def test_times_with_units():
         C1,
         motion={
             "load": {"mean": 1, "amplitude": 0.1, "period": "2 ms"},
-            "entrainment": [["0 s", 1], ["1 ms", 2], [5, 1]],
+            "entrainment": [["0 s", 1], ["1 ms", 2], ["5 ms", 1]],
         },
         time={"until": "3 ms", "step": "10 us"},
         output={"interval": "1 ms"},
     )
     t0 = found.scales.t0
     assert found.motion.load == Oscillation(1.0, 0.1, 0.002 / t0)
-    assert found.motion.entrainment == Polyline(((0.0, 1.0), (0.001 / t0, 2.0), (5.0, 1.0)))
+    assert found.motion.entrainment == Polyline(((0.0, 1.0), (0.001 / t0, 2.0), (0.005 / t0, 1.0)))
     plan = found.schedule
     assert (plan.until, plan.step, plan.interval) == (0.003 / t0, 1e-5 / t0, 0.001 / t0)
 

@@ -79,11 +79,23 @@ def needs(content: Mapping[str, Any]) -> dict[str, str]:
     return {
         "rheology": content["rheology"],
         **layers,
+        **{f"roughness[{number}]": _rough(rough) for number, rough in enumerate(content["roughness"], 1)},
         "grid": f"{size}, spacing {grid['spacing']:.3g} a{in_si}",
         "pressure sweep": f"{grid['sweep']:.3g} a long, {grid['cells_in_sweep']:.1f} cells (about 10 needed)",
         "memory": f"about {memory['needed'] / 1e9:.2g} GB{there}",
         "time": f"roughly {duration(time['seconds'])}{steps}",
     }
+
+
+def _rough(rough: Mapping[str, Any]) -> str:
+    """Size and heights of a roughness in words, in SI where they have it."""
+
+    def shown(name: str, unit: str) -> str:
+        return with_prefix(rough[f"{name}_m"], "m") if f"{name}_m" in rough else f"{rough[name]:.3g} {unit}"
+
+    heights = [shown(name, "a^2/R") for name in ("rms", "lowest", "highest")]
+    there = "rms {} on the grid at the start, from {} to {}".format(*heights)
+    return f"{rough['shape']}, finest detail {shown('size', 'a')}, {there}"
 
 
 # -- a run ------------------------------------------------------------------------------------------------------------

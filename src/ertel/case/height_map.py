@@ -199,11 +199,12 @@ class Measured:
     def of(cls, heights: ArrayLike, spacing: float | tuple[float, float], **placed: Any) -> "Measured":
         """The shape of heights (ny, nx) in metres, rows along y, at points `spacing` metres apart.
 
-        spacing may be a pair, along x and along y.  placed: the other fields, such as x, y, cutoff.  Tilt and gaps are
-        left as they are.  Raises ValueError as `HeightMap`, and for a spacing that is not above zero.
+        spacing may be a pair, along x and along y.  Both may be quantities of pint, or have a text's unit.  placed:
+        the other fields, such as x, y, cutoff.  Tilt and gaps are left as they are.  Raises ValueError as `HeightMap`,
+        and for a spacing that is not above zero.
         """
-        found = HeightMap(heights)
-        steps = np.broadcast_to(np.asarray(spacing, dtype=float), (2,)).tolist()
+        found = HeightMap(units.si_numbers(heights, units.LENGTH))
+        steps = np.broadcast_to(np.asarray(units.si_numbers(spacing, units.LENGTH), dtype=float), (2,)).tolist()
         if not all(np.isfinite(step) and step > 0 for step in steps):
             raise ValueError(f"spacing = {spacing}: must be above zero, in metres")
         rows, columns = found.heights.shape

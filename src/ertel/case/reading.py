@@ -9,12 +9,14 @@ from contextlib import suppress
 from dataclasses import MISSING, dataclass, field, fields
 from difflib import get_close_matches
 from math import inf
+from os import fstat
+from pathlib import Path
 from typing import Any, TypeVar, get_args
 
 from ertel.case import records
 from ertel.case.definition import SECTIONS
 from ertel.case.height_map import NO_MAPS, HeightMap
-from ertel.case.records import ConfigError, check_value, is_number, named, refusing, show
+from ertel.case.records import ConfigError, check_value, is_number, named, refusing, shortened, show
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Density, Viscosity
 from ertel.physics.motion import Oscillation, Polyline, Signal, Track, constant
@@ -55,6 +57,25 @@ def parse_number(value: Any, bounds: Bounds) -> float:
     """A plain number within bounds; an int stays an int if the number must be whole."""
     check_value(value, bounds)
     return value if bounds.whole else float(value)
+
+
+def regular_content(path: Path, most: int) -> bytes:
+    """The content of a regular file (a pipe may never end).  Raises ValueError, without the name of the file."""
+    size, content = -1, b""
+    try:
+        if path.is_file() or not path.exists():
+            with path.open("rb") as file:
+                size = fstat(file.fileno()).st_size
+                content = file.read(size) if size <= most else b""
+    except (OSError, ValueError) as error:  # ValueError: a null character in the name
+        reason = (getattr(error, "strerror", None) or str(error)).lower()
+        where = "" if path.is_absolute() else f" in {shortened(str(path.parent.absolute()))}"
+        raise ValueError(f"cannot be read{where}, {reason}") from error
+    if size < 0:
+        raise ValueError("is not a regular file")
+    if size > most:
+        raise ValueError(f"is too large; must have at most {most / 1e6:g} MB")
+    return content
 
 
 def check_keys(

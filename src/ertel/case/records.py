@@ -103,11 +103,14 @@ def feature_data(feature: Feature) -> dict[str, Any]:
 
 
 def with_own_numbers(value: Any) -> Any:
-    """A record, or what stands in one, with Python's numbers in the place of NumPy's scalars."""
+    """A record, or what stands in one, with plain numbers for NumPy's scalars, and pint's in SI."""
     if value is None or type(value) in (float, int, str):  # most of what stands in one
         return value
     if isinstance(value, np.generic):
         return value.item()
+    if hasattr(value, "to_base_units"):  # of pint
+        base = value.to_base_units()
+        return Quantity(float(base.magnitude), {"meter": "m", "second": "s"}.get(str(base.units), str(base.units)))
     if type(value) is tuple:
         items = tuple(with_own_numbers(item) for item in value)
         return items if any(new is not old for new, old in zip(items, value, strict=True)) else value
@@ -340,6 +343,24 @@ def _over(amount: Any, mark: object, scales: Scales | None, place: str) -> float
         if complaint := mark.complaint(number):
             raise ValueError(f"is {number:g} {mark.own} in this contact; {complaint}")
     return number
+
+
+def amounts(record: Any, place: str) -> Iterator[tuple[str, Unit, Any]]:
+    """The amounts of a record, and of records in it: place, unit and value of each."""
+    kinds = marks(type(record))
+    named_parts = [
+        (f"{place}.{item.name}", kinds.get(item.name), getattr(record, item.name)) for item in fields(record)
+    ]
+    if isinstance(record, Polyline):
+        numbered = enumerate(record.points, 1)
+        named_parts = [
+            (f"{place}[{n}]", *part) for n, point in numbered for part in zip(record.MARKS, point, strict=True)
+        ]
+    for where, mark, value in named_parts:
+        if isinstance(value, Polyline | Oscillation):
+            yield from amounts(value, where)
+        elif isinstance(mark, Unit) and mark.scale and value is not None:
+            yield where, mark, value
 
 
 def scaled_all(records: Sequence[T], scales: Scales | None, place: str) -> tuple[T, ...]:

@@ -4,19 +4,21 @@ import re
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from math import inf
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
 from ertel.case.case import Case
 from ertel.case.conditions import Conditions
-from ertel.case.records import ConfigError, field_name, shortened, show
+from ertel.case.reading import regular_content
+from ertel.case.records import ConfigError, amounts, field_name, shortened, show
 from ertel.case.rules import plain_name
-from ertel.inputs.height_maps import regular_content, with_maps
+from ertel.inputs.height_maps import with_maps
 from ertel.inputs.layout import READER, Materials, field_names
 from ertel.inputs.names import require_rheology, without_names
 from ertel.inputs.quantities import parse_quantity, plain_data
-from ertel.physics.units import Unit, marks
+from ertel.physics.units import Quantity, Unit, marks
 
 __all__ = ["ConfigError", "apply_overrides", "as_case", "load_case", "parse_case", "path_of", "read_toml", "to_toml"]
 
@@ -76,6 +78,22 @@ def parse_case(data: Mapping[str, object], folder: str | Path = ".") -> Case:
     except ValueError as error:
         raise ConfigError(_as_written(str(error), named["contact"])) from error
     require_rheology(case, data.get("lubricant"))
+    return with_all_units(case)
+
+
+def with_all_units(case: Case) -> Case:
+    """The same case.  Raises ConfigError for one in SI where a length or a time is a plain number other than zero.
+
+    Of [lubricant], [motion] and [[roughness]].  The numbers of [solver], [time] and [output] belong to the computation:
+    they are in the units of the contact, a, t0 and a^2/R, in every case.
+    """
+    shapes = {f"roughness[{number}]": feature.shape for number, feature in enumerate(case.roughness, 1)}
+    records = {"lubricant": case.oil, "motion": case.drive, **shapes} if case.scales else {}
+    for place, record in records.items():
+        for where, mark, amount in amounts(record, place) if record else ():
+            if not isinstance(amount, Quantity) and amount not in (0.0, inf):
+                needs = f'in a case in SI it needs its unit, such as "{mark.example}"'
+                raise ConfigError(f"{where} = {show(amount)}: is a plain number; {needs}")
     return case
 
 

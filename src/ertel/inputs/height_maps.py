@@ -15,7 +15,6 @@ import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from io import BytesIO, TextIOWrapper
-from os import fstat
 from pathlib import Path
 from string import printable
 from typing import IO, Any, NamedTuple
@@ -26,8 +25,9 @@ from numpy.lib.format import MAGIC_PREFIX
 from numpy.typing import NDArray
 
 from ertel.case.height_map import MOST, HeightMap, Measured, array_in, check_shape, check_size
-from ertel.case.reading import check_keys
+from ertel.case.reading import check_keys, regular_content
 from ertel.case.records import ConfigError, named, refusing, shortened, show
+from ertel.inputs import text_maps
 from ertel.inputs.layout import READER, MeasuredFile, field_names
 from ertel.inputs.quantities import parse_quantity
 from ertel.physics.units import LENGTH, Quantity
@@ -114,25 +114,6 @@ def _with_map(written: Mapping[str, Any], folder: Path, place: str) -> tuple[dic
     return {**placed, **_sizes(table, raw, heights), **filled, "file": heights.name}, heights
 
 
-def regular_content(path: Path, most: int) -> bytes:
-    """The content of a regular file (a pipe may never end).  Raises ValueError, without the name of the file."""
-    size, content = -1, b""
-    try:
-        if path.is_file() or not path.exists():
-            with path.open("rb") as file:
-                size = fstat(file.fileno()).st_size
-                content = file.read(size) if size <= most else b""
-    except (OSError, ValueError) as error:  # ValueError: a null character in the name
-        reason = (getattr(error, "strerror", None) or str(error)).lower()
-        where = "" if path.is_absolute() else f" in {shortened(str(path.parent.absolute()))}"
-        raise ValueError(f"cannot be read{where}, {reason}") from error
-    if size < 0:
-        raise ValueError("is not a regular file")
-    if size > most:
-        raise ValueError(f"is too large; must have at most {most / 1e6:g} MB")
-    return content
-
-
 # -- reading ----------------------------------------------------------------------------------------------------------
 
 
@@ -140,15 +121,32 @@ def _array(table: Mapping[str, Any], content: bytes) -> _Raw:
     """A NumPy array, which has no sizes and no unit."""
     if "channel" in table:
         raise ConfigError(f"channel = {show(table['channel'])}: a NumPy array has none; leave it out")
-    return _Raw(_with_gaps(array_in(content).astype(np.float64)), None, _metre(table))
+    heights = array_in(content).astype(np.float64)
+    text_maps.check_marks(heights)
+    return _Raw(_with_gaps(heights), None, _metre(table))
 
 
 def _of_instrument(table: Mapping[str, Any], content: bytes) -> _Raw:
     """A file that SurfaceTopography reads."""
     module = _surface_topography(f"file = {show(table['file'])}")
     check_declared(content)
-    with _reading():
-        channels = module.open_topography(BytesIO(content)).channels
+    is_text = not content[:PART].translate(None, TEXT) or content[:2] in text_maps.UTF_16
+    channels: Any = ()
+    try:
+        with _reading():
+            channels = module.open_topography(BytesIO(content)).channels
+    except ValueError:
+        if not is_text:
+            raise
+    if is_text and _is_plain(channels):
+        text = text_maps.read_rows(content)
+        if text_maps.is_list(text):
+            return _of_points(table, text)
+        text_maps.check_matrix(text)
+        if not channels or tuple(channels[0].nb_grid_pts) != text.numbers.shape[::-1]:
+            with _reading():
+                channels = module.open_topography(BytesIO(text.content)).channels
+        text_maps.check_marks(text.numbers)
     channel = _channel(table, channels)
     if channel.unit is not None and "unit" in table:
         raise ConfigError(f"unit = {show(table['unit'])}: the file says {channel.unit}; leave it out")
@@ -165,6 +163,21 @@ def _of_instrument(table: Mapping[str, Any], content: bytes) -> _Raw:
     along_x, along_y = map(float, found.physical_sizes)
     lengths = None if sizes else (along_x, along_y)
     return _Raw(_with_gaps(heights), lengths, _metre(table) if channel.unit is None else 1.0)
+
+
+def _is_plain(channels: Any) -> bool:
+    """Whether no reader of an instrument's own format knows the channels of a text."""
+    kinds = {type(channel.reader).__name__ for channel in channels}
+    flavours = [channel.info.get("raw_metadata", {}).get("format_flavor") for channel in channels]
+    return len(channels) < 2 and kinds <= {"AscReader", "XYZReader"} and not any(flavours)
+
+
+def _of_points(table: Mapping[str, Any], text: text_maps.Text) -> _Raw:
+    heights, lengths, in_metres = text_maps.map_of_points(text)
+    if in_metres and "unit" in table:
+        raise ConfigError(f"unit = {show(table['unit'])}: the file has units; leave it out")
+    text_maps.check_marks(heights)
+    return _Raw(_with_gaps(heights), lengths, 1.0 if in_metres else _metre(table))
 
 
 def _with_gaps(heights: NDArray[np.float64]) -> NDArray[np.float64]:

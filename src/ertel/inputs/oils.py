@@ -36,11 +36,10 @@ from functools import cache
 from pathlib import Path
 from typing import Annotated, Any
 
-from ertel.case.reading import Reader, check_keys
+from ertel.case.reading import Reader, check_keys, regular_content
 from ertel.case.records import ConfigError, refusing, show
-from ertel.inputs.height_maps import regular_content
 from ertel.inputs.layout import READER, DataSheet
-from ertel.inputs.quantities import NumberOrText, number_or_quantity, parse_temperature
+from ertel.inputs.quantities import NumberOrText, number_or_quantity, parse_temperature, plain_data
 from ertel.physics import temperature_laws
 from ertel.physics.fluidity import Carreau, Fluidity
 from ertel.physics.lubricant import Oil
@@ -240,6 +239,7 @@ def _whole(data: Any, source: str) -> Sourced[Any]:
 
 def oil_at(oil: NamedOil, temperature: NumberOrText, rheology: str | Fluidity | None = None) -> Oil:
     """An oil at a temperature; rheology as in `at`.  Raises ConfigError for a temperature outside its data."""
+    temperature = plain_data(temperature)
     with refusing("temperature", temperature):
         T = parse_temperature(temperature)
     try:

@@ -1,7 +1,8 @@
 """The Python API for cases: `impact(...)`, `rolling(...)`, `Oil(...)`.
 
-The keywords are the keys of case files.  A quantity is a float in SI or a text with a unit, "10 mm".  An amount (a time
-of the run, a size of the roughness) is a plain number in the units of the case, or a text with a unit.
+The keywords are the keys of case files.  A quantity is a float in SI or a text with a unit, "10 mm".  An amount (a
+layer, a size of the roughness, a time) is a text with a unit in a case in SI, a plain number in one without dimensions;
+those of the grid and of the end of a run may be plain numbers in both, see `case_files.with_all_units`.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -14,9 +15,9 @@ from typing import Any, TypedDict, Unpack, get_type_hints
 from ertel.case.case import Case
 from ertel.case.conditions import FOREIGN, Conditions, Kind
 from ertel.case.reading import hint_for
-from ertel.case.records import ConfigError, law_data, oil_data, show, with_unit
+from ertel.case.records import ConfigError, law_data, oil_data, show, with_own_numbers, with_unit
 from ertel.case.sections import Output, Solver, Thermal, Time
-from ertel.inputs.case_files import parse_case
+from ertel.inputs.case_files import parse_case, with_all_units
 from ertel.inputs.layout import READER, Materials, NamedLubricant, field_names
 from ertel.inputs.quantities import NumberOrText, parse_quantity, plain_data
 from ertel.physics.fluidity import Fluidity
@@ -275,7 +276,7 @@ def _case(kind: Kind, given: Mapping[str, Any], keywords: Any) -> Case:
         "output": section(Output) or None,
     }
     case = parse_case({name: table for name, table in sections.items() if table is not None})
-    return replace(case, roughness=(*case.roughness, *records)) if records else case
+    return with_all_units(replace(case, roughness=(*case.roughness, *records))) if records else case
 
 
 def _in_tables(name: str, known: Sequence[str]) -> list[str]:
@@ -288,7 +289,7 @@ def _in_tables(name: str, known: Sequence[str]) -> list[str]:
 def _lubricant(values: Mapping[str, Any]) -> dict[str, Any] | None:
     """The section [lubricant] of an oil, or of the name of an oil and its temperature."""
     oil = values.get("oil")
-    data = oil_data(oil) if isinstance(oil, Oil) else {} if oil is None else {"oil": oil}
+    data = oil_data(with_own_numbers(oil)) if isinstance(oil, Oil) else {} if oil is None else {"oil": oil}
     if "temperature" in values:
         data["temperature"] = with_unit(values["temperature"], TEMPERATURE)
     if isinstance(oil, Oil) and oil.is_newtonian:

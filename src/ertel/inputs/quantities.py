@@ -20,6 +20,7 @@ from ertel.physics.units import PREFIXED, Bounds, Mark, Unit, reads_quantities
 
 NumberOrText = float | str  # in SI, or a text with a unit
 HOTTER_THAN_ANY = 1e4  # K
+PIXELS = ("px", "pixel", "pixels", "dot", "pel", "css_pixel")  # pint has sizes for some of them
 LONGEST = 60  # characters of a quantity
 
 # What pint may see: names of units with powers of at most two digits, * and / between them, one level of parentheses.
@@ -41,7 +42,7 @@ def plain_data(value: Any) -> Any:
         return {key: plain_data(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
         return [plain_data(item) for item in value]
-    if isinstance(value, np.generic):
+    if isinstance(value, np.generic) or (isinstance(value, np.ndarray) and value.ndim == 0):
         return value.item()
     if hasattr(value, "magnitude") and hasattr(value, "units"):
         return f"{plain_data(value.magnitude)!r} {value.units}"
@@ -122,6 +123,8 @@ def _factor(written: str, unit: Unit) -> Decimal:
     power = 0 if written == unit.unit else PREFIXED.get((written.replace("1/ ", "1/"), unit.unit))
     if power is not None:
         return Decimal(10) ** power
+    if written in PIXELS:
+        raise ValueError('is in pixels; give the size of one as its unit, such as "0.8 um"')
     unknown = f'has an unknown unit "{written}"; write for example "{unit.example}"'
     if not _UNIT.fullmatch(written):
         raise ValueError(unknown)

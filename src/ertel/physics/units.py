@@ -229,6 +229,24 @@ def in_si(value: Any, mark: Mark) -> float:
     return float(value)
 
 
+def si_numbers(given: Any, unit: Unit, written: str = "") -> Any:
+    """Numbers in SI: plain ones, in the unit that is written, or a quantity of pint, which has its own.
+
+    given: a number, a text with its unit, an array or a sequence of them.  Raises ValueError for a unit that is not
+    known or does not fit.
+    """
+    if isinstance(given, str):
+        return in_si(given, replace(unit, signed=True))
+    if isinstance(given, list | tuple):
+        return [si_numbers(each, unit, written) for each in given]
+    own = hasattr(given, "magnitude") and hasattr(given, "units")
+    numbers, written = (given.magnitude, str(given.units)) if own else (given, written)
+    if written in ("", unit.unit):
+        return numbers
+    one = in_si(written if written[0].isdigit() else f"1 {written}", replace(unit, signed=True))
+    return numbers + (one - 1.0) if unit.unit == "K" else one * numbers  # degC has an offset
+
+
 def explained(record: Record) -> Record:
     """A decorator that puts meaning, unit and default of each field into the docstring of a record."""
     texts, kinds = meanings(record), marks(record)

@@ -13,8 +13,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ertel.physics.units import Unit, in_si
+from ertel.case.reading import regular_content
+from ertel.physics.units import Unit, si_numbers
 
+LARGEST_FILE = 20_000_000  # bytes: a million rows
 SEPARATORS = ";", "\t", ","
 HEADING = re.compile(r"(?P<name>.+?)\s*(?:[\[(]\s*(?P<unit>[^\])]+?)\s*[\])]|/\s*(?P<after>\S+))?\s*")
 GAPS = {"", "nan", "na", "n/a", "-", "---"}
@@ -76,25 +78,32 @@ class Columns:
         if not unit:
             advice = f'write {name}_{si_unit} in the header or give {name}="{si_unit}"'
             raise ValueError(f"{self.file}: column {name!r} has no unit; {advice}")
-        factor = 1.0
-        if unit != si_unit:
-            try:
-                factor = in_si(f"1 {unit}", Unit(si_unit, f"1 {si_unit}"))
-            except ValueError as error:
-                raise ValueError(f"{self.file}: column {name!r} in {unit!r}: {error}") from error
         numbers = [_number(text) for text in self.texts[name]]
+        marks = [
+            next((n for n, text in zip(self.lines, self.texts[name], strict=True) if mark in text), 0) for mark in ",."
+        ]
+        if all(marks):
+            raise ValueError(
+                f"{self.file}: column {name!r} has a comma in line {marks[0]} and a point in line {marks[1]}"
+            )
         for line, text, number in zip(self.lines, self.texts[name], numbers, strict=True):
             if np.isnan(number) and text.lower() not in GAPS:
                 raise ValueError(f"{self.file}: column {name!r} has {text!r} in line {line}; must be a number")
-        return factor * np.array(numbers)
+        try:
+            found: NDArray[np.float64] = si_numbers(np.array(numbers), Unit(si_unit, f"1 {si_unit}"), unit)
+        except ValueError as error:
+            raise ValueError(f"{self.file}: column {name!r} in {unit!r}: {error}") from error
+        return found
 
 
 def _rows(path: Path) -> tuple[list[int], list[list[str]]]:
     """The numbers of the lines of a file, and their cells; the first one is its header if it has one."""
+    if not path.exists() or path.is_dir():
+        raise ValueError(f"{path.name}: not a file in {path.parent.absolute()}")
     try:
-        content = path.read_bytes()
-    except (FileNotFoundError, IsADirectoryError) as error:
-        raise ValueError(f"{path.name}: not a file in {path.parent.absolute()}") from error
+        content = regular_content(path, LARGEST_FILE)
+    except ValueError as error:
+        raise ValueError(f"{path.name}: {error}") from error
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -104,9 +113,17 @@ def _rows(path: Path) -> tuple[list[int], list[list[str]]]:
         raise ValueError(f"{path.name}: has no rows of numbers")
     first = next(iter(lines.values()))
     separator = next((each for each in SEPARATORS if each in first), None)
-    cells = [next(csv.reader([line], delimiter=separator)) if separator else line.split() for line in lines.values()]
-    rows = [[cell.strip() for cell in row] for row in cells]
+    rows = []
+    for number, line in lines.items():
+        try:
+            row = next(csv.reader([line], delimiter=separator)) if separator else line.split()
+        except csv.Error as error:
+            raise ValueError(f"{path.name}: line {number}: {error}") from error
+        rows.append([cell.strip() for cell in row])
     for number, row in zip(lines, rows, strict=True):
+        if separator == "," and row is not rows[0] and (commas := [cell for cell in row if "," in cell]):
+            why = "has a comma inside of a column, and commas part the columns; write a point, or nothing for thousands"
+            raise ValueError(f"{path.name}: line {number}: {commas[0][:40]!r} {why}")
         if len(row) != len(rows[0]):
             raise ValueError(f"{path.name}: line {number} has {len(row)} columns and the first has {len(rows[0])}")
     return list(lines), rows

@@ -17,11 +17,11 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ertel.case.reading import hint_for
-from ertel.physics.units import Quantity, Unit, in_si
+from ertel.physics.units import Quantity, Unit, si_numbers
 from ertel.results.alignment import INTENSITY, QUANTITIES, Comparison, as_shown, best, best_centre, light_along, si_unit
 from ertel.results.columns import Columns
 from ertel.results.numbers import IN_SI, numbers
-from ertel.results.profiles import At, profile
+from ertel.results.profiles import At, moment_text, profile
 from ertel.results.variables import to_si, with_prefix
 
 Values = NDArray[np.float64]
@@ -88,11 +88,17 @@ class Measurement:
     optics: Any = None
 
     def __post_init__(self) -> None:
-        values = np.atleast_1d(np.asarray(self.values, dtype=np.float64))
-        x = np.zeros_like(values) if self.x is None else np.asarray(self.x, dtype=np.float64)
+        si_unit(self.quantity)
+        values = np.atleast_1d(np.asarray(_in_si(self.quantity, self.values), dtype=np.float64))
+        x = (
+            np.zeros_like(values)
+            if self.x is None
+            else np.asarray(_in_si(TIME if self.kind == "history" else "x", self.x), dtype=np.float64)
+        )
+        if self.sigma is not None:
+            object.__setattr__(self, "sigma", _in_si(self.quantity, self.sigma))
         sigma = np.asarray(1.0 if self.sigma is None else self.sigma, dtype=np.float64)
         align = (self.align,) if isinstance(self.align, str) else tuple(self.align)
-        si_unit(self.quantity)
         light = self.quantity == INTENSITY
         possible = ("centre", "tilt", "index", *ALWAYS_ALIGNED) if light else ALIGNMENTS
         if unknown := [name for name in align if name not in possible]:
@@ -122,7 +128,7 @@ class Measurement:
         object.__setattr__(self, "values", values)
         object.__setattr__(self, "x", None if self.x is None else x)
         object.__setattr__(self, "align", align)
-        object.__setattr__(self, "at", str(self.at) if isinstance(self.at, Quantity) else self.at)
+        object.__setattr__(self, "at", moment_text(self.at))
 
     @classmethod
     def number(cls, quantity: str, value: Size, sigma: Size | None = None) -> "Measurement":
@@ -348,10 +354,12 @@ def _from_the_start(history: xr.Dataset) -> xr.Dataset:
     return xr.concat([start, history], "t", combine_attrs="no_conflicts") if float(history["t"][0]) > 0 else history
 
 
-def _in_si(quantity: str, value: Size) -> float:
+def _in_si(quantity: str, value: Any) -> Any:
+    """A value or an array of a quantity in SI."""
     unit, value = si_unit(quantity), str(value) if isinstance(value, Quantity) else value
-    is_number = unit == "1" or not isinstance(value, str)
     try:
-        return float(value) if is_number else in_si(value, Unit(unit, f"1 {unit}", True))
+        return (
+            float(value) if unit == "1" and isinstance(value, str) else si_numbers(value, Unit(unit, f"1 {unit}", True))
+        )
     except ValueError as error:
-        raise ValueError(f"{quantity} = {value!r}: {error}") from error
+        raise ValueError(f"{quantity} = {str(value)[:60]!r}: {error}") from error

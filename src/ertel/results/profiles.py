@@ -9,13 +9,13 @@ from collections.abc import Mapping
 from contextlib import suppress
 from math import nan
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ertel.physics.units import TIME, Quantity, in_si
+from ertel.physics.units import TIME, Quantity, in_si, si_numbers
 from ertel.results.dataset import with_units
 from ertel.results.variables import EVENTS, VARIABLES, is_steady, to_si, with_prefix
 
@@ -62,7 +62,7 @@ def moment_of(dataset: xr.Dataset, at: At = None) -> Instant:
     last map where there is none.  Raises ValueError where the run has no maps yet, or does not have this moment.
     """
     T, events = np.asarray(dataset["frame"].values), events_of(dataset)
-    at = str(at) if isinstance(at, Quantity) else at
+    at = moment_text(at)
     if not T.size:
         raise ValueError("dataset: has no maps yet")
     if at is None:
@@ -78,6 +78,14 @@ def moment_of(dataset: xr.Dataset, at: At = None) -> Instant:
     in_seconds = f" ({with_prefix(T[0] * t0, 's')} to {with_prefix(T[-1] * t0, 's')})" if t0 else ""
     span = f"{T[0]:.4g} to {T[-1]:.4g} t0{in_seconds}"
     raise ValueError(f"at = {at!r}: must be a time from {span} or an event of this run, which has {names}")
+
+
+def moment_text(at: Any) -> float | str | None:
+    """A moment as a number or a text, also where it is a quantity of ertel or of pint."""
+    if hasattr(at, "units"):
+        return f"{si_numbers(at, TIME.in_si):.12g} s"
+    moment: float | str | None = str(at) if isinstance(at, Quantity) else at
+    return moment
 
 
 def _in_t0(dataset: xr.Dataset, at: float | str) -> float:

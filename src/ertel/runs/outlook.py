@@ -10,18 +10,25 @@ from contextlib import suppress
 from math import ceil, inf, isfinite, prod
 from typing import Any
 
+import numpy as np
+
 from ertel.case import definition
 from ertel.case.case import Case
 from ertel.case.definition import grid_of, wet_radius
 from ertel.case.sections import Time
 from ertel.inputs import materials
+from ertel.physics import surfaces
 from ertel.physics.geometry import CIRCLE
+from ertel.physics.motion import Track
+from ertel.physics.surfaces import CELLS_KEPT
+from ertel.physics.units import plain
 from ertel.results import diagnostics
 from ertel.results.numbers import numbers
 from ertel.results.parameters import formula_films, parameter_summary, rheology_of
 from ertel.results.variables import FIELDS, with_prefix
 from ertel.runs.compile import jax_devices, may_use_accelerator
 
+MOST_SHOWN = 257  # points a side at which the heights of a roughness are looked at
 SMALLEST_FILM = 1e-9  # m: about the size of the oil's molecules
 
 # Time steps and seconds, measured on one to two cores with `benchmarks/steps.py`, `scaling.py` and `time_error.py`,
@@ -56,8 +63,8 @@ def outlook(case: Case) -> dict[str, Any]:
         name, kind, method, digest; rheology in words; parameters, see `parameters.parameter_summary`; films of a
         rolling contact at T = 0 by the formulas, in a^2/R; grid: nodes, nodes_across, spacing and sweep (a),
         cells_in_sweep, and spacing_m of a physical case; starvation: r and share, see `definition.starvation`, and
-        wet_radius (a) of an impact of circular symmetry, empty for a full gap; memory: needed and available bytes, None
-        where that is not known; time: steps and seconds, roughly; warnings.
+        wet_radius (a) of an impact of circular symmetry, empty for a full gap; roughness: `roughness_of`; memory:
+        needed and available bytes, None where that is not known; time: steps and seconds, roughly; warnings.
     """
     available, needed = memory_available(), memory_needed(case)
     shortage = memory_shortage(case) if 0 < available < needed else ""
@@ -74,6 +81,7 @@ def outlook(case: Case) -> dict[str, Any]:
         "films": [film._asdict() for film in formula_films(case, case.motion.load(0.0), case.motion.entrainment(0.0))],
         "grid": _grid(case),
         "starvation": _starvation(case),
+        "roughness": roughness_of(case),
         "memory": {"needed": needed, "available": available or None},
         "time": {"steps": expected_steps(case), "seconds": expected_seconds(case)},
         "warnings": [sentence for sentence in sentences if sentence],
@@ -182,6 +190,7 @@ def beyond(case: Case, computed: float | None = None) -> list[str]:
     """
     film = ("expected", definition.film_estimate(case)) if computed is None else ("minimum", computed)
     sentences = (*_yielding(case), _pressure_of_the_oil(case), _shear_stress(case), _thin_film(*film), _layer(case))
+    sentences += (_sliding(case), *_rough(case), _track(case))
     return [sentence for sentence in sentences if sentence]
 
 
@@ -190,6 +199,63 @@ def with_case_warnings(case: Case, summary: Mapping[str, Any]) -> dict[str, Any]
     minimum = numbers(summary).get("H_min")
     computed = minimum.value * minimum.factor if minimum and minimum.factor is not None else None
     return {**summary, "warnings": [*beyond(case, computed), *summary["warnings"]]}
+
+
+def _sliding(case: Case) -> str:
+    """A sentence where the surfaces move against each other: a slide-to-roll ratio in per cent is far above two."""
+    if abs(case.motion.slide_to_roll) <= 2.0:
+        return ""
+    given = f"slide_to_roll = {case.motion.slide_to_roll:g}"
+    return f"{given}: above 2 the surfaces move in opposite directions; a ratio in per cent is divided by 100"
+
+
+def roughness_of(case: Case) -> list[dict[str, Any]]:
+    """Each roughness on the grid at T = 0: shape, size of its finest detail (a), rms, lowest, highest (a^2/R; in m)."""
+    s, spacing, found = case.scales, diagnostics.spacing_of(case), []
+    if case.solver.method == "radial":
+        X, Y = definition.radii(case.solver.nodes, case.solver.half_width)[None, :], np.zeros((1, 1))
+    else:
+        grid = grid_of(case)
+        X, Y = grid.x[None, :: grid.nodes // MOST_SHOWN + 1], grid.y[:: grid.nodes_y // MOST_SHOWN + 1, None]
+    for feature in case.features:
+        heights = np.broadcast_to(
+            surfaces.height((feature,), case.motion, 0.0, X, Y, CELLS_KEPT * spacing), (Y.size, X.size)
+        )
+        sizes = {"size": getattr(feature.shape, "size", inf), "rms": heights.std()}
+        sizes |= {"lowest": heights.min(), "highest": heights.max()}
+        in_si = {f"{name}_m": value * (s.a if name == "size" else s.film) for name, value in sizes.items()} if s else {}
+        shape = {"shape": type(feature.shape).__name__}
+        found.append(shape | {name: float(value) for name, value in {**sizes, **in_si}.items()})
+    return found
+
+
+def _rough(case: Case) -> Iterator[str]:
+    """A sentence for every roughness that stands higher than the expected film is thick."""
+    film = case.film_scale * definition.starvation(case)[1]
+    for number, rough in enumerate(roughness_of(case), 1):
+        if rough["highest"] > film:
+            heights = [_height(case, height) for height in (rough["highest"], film)]
+            yield (
+                f"roughness[{number}] stands {heights[0]} high, and the expected film is {heights[1]}: where the "
+                "contact does not flatten it, the film breaks down and solids touch, which ertel does not model"
+            )
+
+
+def _height(case: Case, value: float) -> str:
+    return with_prefix(value * case.scales.film, "m") if case.scales else f"{value:.3g} a^2/R"
+
+
+def _track(case: Case) -> str:
+    """A sentence where a profile of the layer across the track says nothing: of one point, or beside the grid."""
+    if not isinstance(case.oil.layer, Track) or case.track is None:
+        return ""
+    places, edge = [plain(y) for y, _ in case.track.points], case.solver.half_width_y or case.solver.half_width
+    if len(places) == 1:
+        return "lubricant.layer has one point: the layer is the same everywhere; give its thickness alone"
+    if min(places) < edge and max(places) > -edge:
+        return ""
+    span = f"from y = {min(places):.3g} a to {max(places):.3g} a"
+    return f"the points of lubricant.layer lie {span}, beside the grid, which ends at {edge:g} a"
 
 
 def _yielding(case: Case) -> Iterator[str]:

@@ -1,0 +1,102 @@
+"""Text maps as programs export them: read right, or refused with the line; never silently wrong."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ertel.inputs.case_files import parse_case
+from ertel.inputs.text_maps import check_marks, check_matrix, is_list, map_of_points, read_rows
+
+X, Y = np.meshgrid(np.arange(6) * 0.5, np.arange(5) * 0.5)
+HEIGHTS = np.round(0.05 * np.sin(3 * X) * np.cos(2 * Y) + 0.01 * np.cos(7 * X + Y), 5)
+POINTS = np.column_stack([X.ravel(), Y.ravel(), HEIGHTS.ravel()])
+
+
+def rows(numbers: np.ndarray, separator: str = " ", comma: bool = False) -> list[str]:
+    lines = [separator.join(f"{number:.5f}" for number in row) for row in numbers]
+    return [line.replace(".", ",") for line in lines] if comma else lines
+
+
+def read(lines: list[str]) -> tuple[np.ndarray, float]:
+    """The heights and the length along x; 0 of a matrix."""
+    text = read_rows("\n".join(lines).encode())
+    if is_list(text):
+        heights, (length, _), _ = map_of_points(text)
+    else:
+        check_matrix(text)
+        heights, length = text.numbers, 0.0
+    check_marks(heights)
+    return heights, length
+
+
+def changed(row: int, column: int, word: str) -> list[str]:
+    lines = [line.split() for line in rows(HEIGHTS)]
+    lines[row][column] = word
+    return [" ".join(line) for line in lines]
+
+
+@pytest.mark.parametrize(
+    ("lines", "length"),
+    [
+        (rows(HEIGHTS), 0.0),
+        (rows(HEIGHTS, ","), 0.0),
+        (rows(HEIGHTS, ";", comma=True), 0.0),
+        (rows(HEIGHTS, "\t", comma=True), 0.0),
+        (rows(HEIGHTS, " ", comma=True), 0.0),
+        (["# some words", *rows(HEIGHTS)], 0.0),
+        (rows(POINTS), 3.0),
+        (rows(POINTS[::-1]), 3.0),
+        (rows(np.random.default_rng(0).permutation(POINTS)), 3.0),
+        (["X [mm]\tY [mm]\tZ [mm]", *rows(POINTS, "\t")], 3e-3),
+    ],
+)
+def test_what_is_read_is_right(lines, length):
+    heights, found = read(lines)
+    np.testing.assert_allclose(heights, HEIGHTS * (length / 3.0 if length else 1.0), rtol=1e-9, atol=1e-12)
+    assert found == pytest.approx(length)
+
+
+def test_units_of_a_header_may_differ():
+    lines = ["X [mm]\tY [mm]\tZ [um]", *(f"{x * 1e-3:.5f}\t{y * 1e-3:.5f}\t{z:.5f}" for x, y, z in POINTS)]
+    heights, length = read(lines)
+    assert length == pytest.approx(3e-6)
+    np.testing.assert_allclose(heights, 1e-6 * HEIGHTS, rtol=1e-9, atol=1e-18)
+
+
+AXES = np.column_stack([np.r_[0.0, Y[:, 0]], np.vstack([X[0], HEIGHTS])])
+
+
+@pytest.mark.parametrize(
+    ("lines", "complaint"),
+    [
+        (changed(2, 3, "***"), r"line 3: '\*\*\*' is not a number; a gap is written nan"),
+        (changed(0, 0, "***"), r"line 1: '\*\*\*' is not a number"),
+        ([*rows(HEIGHTS)[:2], "0.1 0.2", *rows(HEIGHTS)[2:]], "line 3 has 2 numbers, and line 1 has 6"),
+        (rows(AXES), "line 1: the first row has places"),
+        (rows(np.vstack([X[0], HEIGHTS])), "line 1: the first row has places"),
+        (rows(np.column_stack([Y[:, 0], HEIGHTS])), "the first column has places"),
+        *((changed(1, 1, mark), "marks a gap") for mark in ("-9999", "-32768", "1e30", "9999", "-1e10", "3.4e38")),
+        (rows(np.column_stack([POINTS, np.arange(30)])), "a list of points with 4 columns"),
+        (rows(np.column_stack([np.arange(30), POINTS])), "a list of points with 4 columns"),
+        (rows(np.delete(POINTS, 7, axis=0)), "1 of its 6 x 5 points are missing"),
+        (rows(np.vstack([POINTS, POINTS[4]])), "this point is given 2 times"),
+        (["Y [mm] X [mm] Z [um]", *rows(POINTS)], "must have x, y and z in this order"),
+        (["X Y Z [um]", *rows(POINTS)], "with all units or none"),
+        (["distance (mm)", *rows(POINTS)], "is not understood"),
+        ([line.replace(" ", ";").replace(".", ",", 1) for line in rows(HEIGHTS)], "commas and points"),
+        (["0,0000,42,0735,7,0560", "1,0000,42,0735,7,0560"], "may be the decimals of another number"),
+        (["some words"], "no rows of numbers"),
+    ],
+)
+def test_what_may_be_read_in_two_ways_is_refused(lines, complaint):
+    with pytest.raises(ValueError, match=complaint):
+        read(lines)
+
+
+def test_the_files_arrive_there(tmp_path: Path):
+    """Through a case: what the reader of the instrument's files took for a map of 30 x 4 is refused."""
+    np.savetxt(tmp_path / "map.txt", np.column_stack([POINTS, np.arange(30)]))
+    table = {"shape": "measured", "file": "map.txt", "unit": "um", "length_x": 3.0}
+    with pytest.raises(ValueError, match=r"^roughness\[1\].file = \"map.txt\": is a list of points with 4 columns"):
+        parse_case({"contact": {"M": 1000, "L": 10}, "roughness": [table]}, tmp_path)
