@@ -236,7 +236,7 @@ def test_flow_at_an_angle() -> None:
     at = film_formulas.HamrockDowson(ugw.U * 0.6, ugw.G, ugw.W * 0.36)
     central = rows["Chittenden et al."].central or 0.0
     assert central * WORKED.film == pytest.approx(film_formulas.chittenden_central(at) * 0.01 / 0.6)
-    assert not rows["Hamrock-Dowson"].inside and rows["Chittenden et al."].inside is None
+    assert not rows["Hamrock-Dowson"].inside and rows["Chittenden et al."].inside
     assert not rows["Nijenbanning-Venner-Moes"].inside and "Dowson-Toyoda" not in rows
 
 

@@ -78,6 +78,7 @@ def needs(content: Mapping[str, Any]) -> dict[str, str]:
         layers["wet radius"] = f"at most {starved['wet_radius']:.3g} a at maximum approach"
     return {
         "rheology": content["rheology"],
+        **({"regime": content["regime"]} if content["regime"] else {}),
         **layers,
         "grid": f"{size}, spacing {grid['spacing']:.3g} a{in_si}",
         "pressure sweep": f"{grid['sweep']:.3g} a long, {grid['cells_in_sweep']:.1f} cells (about 10 needed)",
@@ -184,7 +185,7 @@ def film_rows(case: "Case", films: "Sequence[FormulaFilm]", computed: Mapping[st
     if any(each.error is not None for each in both):
         rows.append(row("computed, extrapolated", best, ["", ""]))
     for f in films:
-        name = f.name if f.inside is not False else f"({f.name})"
+        name = f.name if f.inside else f"({f.name})"
         rows.append(row(name, (f.central, f.minimum), map(_deviation, (f.central, f.minimum), best)))
     return rows
 

@@ -18,7 +18,7 @@ from ertel.inputs import materials
 from ertel.physics.geometry import CIRCLE
 from ertel.results import diagnostics
 from ertel.results.numbers import numbers
-from ertel.results.parameters import formula_films, parameter_summary, rheology_of
+from ertel.results.parameters import formula_films, parameter_summary, regime, rheology_of
 from ertel.results.variables import FIELDS, with_prefix
 from ertel.runs.compile import jax_devices, may_use_accelerator
 
@@ -54,10 +54,10 @@ def outlook(case: Case) -> dict[str, Any]:
     -------
     dict
         name, kind, method, digest; rheology in words; parameters, see `parameters.parameter_summary`; films of a
-        rolling contact at T = 0 by the formulas, in a^2/R; grid: nodes, nodes_across, spacing and sweep (a),
-        cells_in_sweep, and spacing_m of a physical case; starvation: r and share, see `definition.starvation`, and
-        wet_radius (a) of an impact of circular symmetry, empty for a full gap; memory: needed and available bytes, None
-        where that is not known; time: steps and seconds, roughly; warnings.
+        rolling contact at T = 0 by the formulas, in a^2/R; its regime in words, empty for an impact; grid: nodes,
+        nodes_across, spacing and sweep (a), cells_in_sweep, and spacing_m of a physical case; starvation: r and share,
+        see `definition.starvation`, and wet_radius (a) of an impact of circular symmetry, empty for a full gap; memory:
+        needed and available bytes, None where that is not known; time: steps and seconds, roughly; warnings.
     """
     available, needed = memory_available(), memory_needed(case)
     shortage = memory_shortage(case) if 0 < available < needed else ""
@@ -72,6 +72,7 @@ def outlook(case: Case) -> dict[str, Any]:
         "rheology": rheology_of(case),
         "parameters": parameter_summary(case),
         "films": [film._asdict() for film in formula_films(case, case.motion.load(0.0), case.motion.entrainment(0.0))],
+        "regime": regime(case),
         "grid": _grid(case),
         "starvation": _starvation(case),
         "memory": {"needed": needed, "available": available or None},
