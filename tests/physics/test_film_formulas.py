@@ -179,13 +179,13 @@ def test_regimes_by_name() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", range(6))
+@pytest.mark.parametrize("number", range(4))
 def test_inside_against_computed_films(number: int) -> None:
-    """Seeded contacts in Hamrock and Dowson's range, on 129 nodes: their formula is within 1.25 of the film."""
+    """Seeded contacts in Hamrock and Dowson's range, on 65 nodes: their formula is within 1.25 of the film."""
     draw = np.random.default_rng(number)
     M, L = exp(draw.uniform(log(12), log(150))), exp(draw.uniform(log(3), log(14)))
     oil = ertel.Oil(viscosity="barus", density="incompressible")
-    film = ertel.simulate(ertel.rolling(M=M, L=L, nodes=129, oil=oil)).summary["H_c"]
+    film = ertel.simulate(ertel.rolling(M=M, L=L, nodes=65, oil=oil)).summary["H_c"]
     U = 1e-11
     ugw = HamrockDowson(U, L / (2 * U) ** 0.25, M * (2 * U) ** 0.75)
     rows = {row.name: row for row in film_formulas.films(Parameters.from_moes(M, L), ugw)}

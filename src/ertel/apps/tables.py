@@ -76,6 +76,9 @@ def needs(content: Mapping[str, Any]) -> dict[str, str]:
         layers["layers of oil"] = f"r = {starved['r']:.3g}, about {starved['share']:.0%} of the flooded film"
     if "wet_radius" in starved:
         layers["wet radius"] = f"at most {starved['wet_radius']:.3g} a at maximum approach"
+    start = content["start"]
+    if start:
+        layers["first film"] = f"{start['film']:.4g} a*^2/R, under {start['load']:.2g} F*"
     return {
         "rheology": content["rheology"],
         **({"regime": content["regime"]} if content["regime"] else {}),

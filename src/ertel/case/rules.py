@@ -140,6 +140,8 @@ def _time(case: Definition) -> Complaints:
         return
     if time.start_approach is not None:
         yield "time.start_approach", "not for a rolling contact, its start is the steady film"
+    if time.start is not None:
+        yield "time.start", "not for a rolling contact, its start is the steady film"
     if isinstance(time.until, str):
         yield "time.until", "is an event of an impact; a rolling contact needs a time, in units t0"
 
@@ -288,7 +290,9 @@ def _outside(case: Definition) -> Complaints:
     if needed > WIDEST_HALF_WIDTH:
         beyond = f"reaches beyond the largest domain (half_width = {WIDEST_HALF_WIDTH:g})"
         in_si = f" = {rigid_film(p.M) * case.scales.film * 1e6:.3g} um" if case.scales else ""
-        film = f"the film is that of rigid bodies, about {rigid_film(p.M):.3g} a^2/R{in_si}; ertel film prints the formulas"
+        film = (
+            f"the film is a rigid ball's, {rigid_film(p.M):.3g} a^2/R{in_si}; ertel film has the formulas"
+        )
         error = TooLight(f"contact: M = {p.M:.3g} is too low: the oil that carries the load {beyond}; {film}")
         error.case = case
         raise error

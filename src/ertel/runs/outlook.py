@@ -54,9 +54,10 @@ def outlook(case: Case) -> dict[str, Any]:
     -------
     dict
         name, kind, method, digest; rheology in words; parameters, see `parameters.parameter_summary`; films of a
-        rolling contact at T = 0 by the formulas, in a^2/R; its regime in words, empty for an impact; grid: nodes,
-        nodes_across, spacing and sweep (a), cells_in_sweep, and spacing_m of a physical case; starvation: r and share,
-        see `definition.starvation`, and wet_radius (a) of an impact of circular symmetry, empty for a full gap; memory:
+        rolling contact at T = 0 by the formulas, in a^2/R; its regime in words, empty for an impact; start: film
+        (a^2/R) and load (F*) with which an impact starts, empty for rolling; grid: nodes, nodes_across, spacing and
+        sweep (a), cells_in_sweep, and spacing_m of a physical case; starvation: r and share, see
+        `definition.starvation`, and wet_radius (a) of an impact of circular symmetry, empty for a full gap; memory:
         needed and available bytes, None where that is not known; time: steps and seconds, roughly; warnings.
     """
     available, needed = memory_available(), memory_needed(case)
@@ -73,6 +74,7 @@ def outlook(case: Case) -> dict[str, Any]:
         "parameters": parameter_summary(case),
         "films": [film._asdict() for film in formula_films(case, case.motion.load(0.0), case.motion.entrainment(0.0))],
         "regime": regime(case),
+        "start": dict(zip(("film", "load"), case.first_film, strict=True)) if case.starts_apart else {},
         "grid": _grid(case),
         "starvation": _starvation(case),
         "memory": {"needed": needed, "available": available or None},
