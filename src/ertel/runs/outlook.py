@@ -22,6 +22,9 @@ from ertel.results.parameters import formula_films, parameter_summary, regime, r
 from ertel.results.variables import FIELDS, with_prefix
 from ertel.runs.compile import jax_devices, may_use_accelerator
 
+OIL_DENSITY = 900.0  # kg/m^3, typical
+LOW_STOKES = 50.0  # below which the tension in a full gap changes restitution by more than a tenth
+TENSION = 5.0  # St times that change: .41 at St = 5 (nothing comes back), .26 at 20
 SMALLEST_FILM = 1e-9  # m: about the size of the oil's molecules
 
 # Time steps and seconds, measured on one to two cores with `benchmarks/steps.py`, `scaling.py` and `time_error.py`,
@@ -184,8 +187,8 @@ def beyond(case: Case, computed: float | None = None) -> list[str]:
     computed: the minimum film (m) of the run, None where only the expected one is known.
     """
     film = ("expected", definition.film_estimate(case)) if computed is None else ("minimum", computed)
-    sentences = (*_yielding(case), _pressure_of_the_oil(case), _shear_stress(case), _thin_film(*film), _layer(case))
-    return [sentence for sentence in sentences if sentence]
+    oil = (_pressure_of_the_oil(case), _shear_stress(case), _oil_inertia(case), _no_tension(case))
+    return [sentence for sentence in (*_yielding(case), *oil, _thin_film(*film), _layer(case)) if sentence]
 
 
 def with_case_warnings(case: Case, summary: Mapping[str, Any]) -> dict[str, Any]:
@@ -234,6 +237,33 @@ def _shear_stress(case: Case) -> str:
         f"the oil is Newtonian, and sliding would give it a mean shear stress of about {with_prefix(stress, 'Pa')}; "
         "oils begin to thin at some MPa: friction and power loss are not meaningful, the film hardly depends on it; "
         'give lubricant.rheology, for example { law = "ree-eyring", tau0 = "5 MPa" }'
+    )
+
+
+def _oil_inertia(case: Case) -> str:
+    """A sentence where the oil that an impact squeezes out has more inertia than viscosity: rho v h/eta0 above 1."""
+    s, eta0 = case.scales, case.oil.eta0
+    if not case.starts_apart or s is None or eta0 is None:
+        return ""
+    thickness = (case.layer or 1.0) * s.film
+    inertia = OIL_DENSITY * s.speed * thickness / eta0
+    if inertia <= 1.0:
+        return ""
+    return (
+        f"the inertia of the oil rules this impact: rho v h/eta0 = {inertia:.2g} is above 1 (v = {s.speed:.3g} m/s, "
+        f"h = {with_prefix(thickness, 'm')}, an oil of {OIL_DENSITY:g} kg/m^3), and the model has none: load, film and "
+        "restitution are not those of this oil"
+    )
+
+
+def _no_tension(case: Case) -> str:
+    """A sentence on the rebound from a full gap at a low Stokes number, where tension in the oil counts."""
+    St = case.parameters.stokes
+    if not case.starts_apart or case.layer or case.schedule.until != "rebound" or St >= LOW_STOKES:
+        return ""
+    return (
+        f"the Stokes number is {St:.3g}, and oil without tension does not hold the ball back: restitution is an upper "
+        f"bound; oil that carries tension takes about {TENSION:g}/St = {min(TENSION / St, 1.0):.2g} more"
     )
 
 
