@@ -136,7 +136,7 @@ def test_the_record_says_all_that_is_solved() -> None:
     assert case.output == Output()
     assert (case.oil.eta0, case.oil.alpha) == (0.04, 2.2e-8)
     assert case.motion == FREE_BALL
-    assert case.schedule == (-1.0, "max-approach", 5e-5, None, 0.1)
+    assert case.schedule == (-1.0, "max-approach", 5e-5, None, 0.1, None)
 
 
 def test_a_steady_case_has_no_time() -> None:

@@ -203,11 +203,11 @@ class Schedule(NamedTuple):
     """`Time` and `Output` in units t0."""
 
     start_approach: float
-    start: Start | None
     until: Stop | float
     tolerance: float
     step: float | None
     interval: float
+    start: Start | None
 
     @property
     def duration(self) -> float:
