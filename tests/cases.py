@@ -74,6 +74,7 @@ def impact(M: float, L: float, nodes: int, **sections: dict[str, Any]) -> Case:
 
 _OTHERS: dict[str, Any] = {
     **{"nodes": 129, "method": "radial", "half_width_y": 6.0, "until": 2.0, "surface": 2, "inlet_factor": "none"},
+    "start": None,  # left out
     **{"density": "incompressible", "rheology": {"law": "ree-eyring", "tau0": "5000000.0 Pa"}},
 }
 

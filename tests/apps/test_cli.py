@@ -250,6 +250,16 @@ def test_params():
     assert {"stokes", "trapped_film"}.isdisjoint(rolls) and "contact_time_s" not in rolls["si"]
 
 
+def test_film_of_a_contact_that_is_too_light_to_run(here):
+    """A ball of 3 mm under 2 mN: the formulas answer, where a run and check name the film."""
+    ball = ("radius=3 mm", "load=2 mN", "mean_speed=2 m/s", "E_prime=226 GPa")
+    light = [f"contact.{entry}" for entry in ball] + ["lubricant.eta0=50 mPa*s", "lubricant.alpha=22 / GPa"]
+    settings = [entry.replace("=", '="', 1) + '"' for entry in light]
+    assert "9.458 mm" in ertel_("film", *given(*settings)).stdout
+    (here / "light.toml").write_text('[contact]\nkind = "rolling"\n')
+    assert "a rigid ball's" in refused("check", "light.toml", *given(*settings))
+
+
 def test_film_side_by_side():
     """Hamrock and Dowson's, and Nijenbanning's, of reference/rolling.json."""
     films = {film["name"]: film["si"] for film in numbers("film", *given(*ROLLED))["films"]}

@@ -60,7 +60,7 @@ def in_si(kind: str, **contact: Any) -> dict[str, Any]:
 
 
 BASES: list[dict[str, Any]] = [  # every field is given in one of them, or has a default
-    {"contact": MOES, "roughness": [WAVE, RINGS, SPOT], "time": {"until": 1.0, "step": 0.01}},
+    {"contact": MOES, "roughness": [WAVE, RINGS, SPOT], "time": {"until": 1.0, "step": 0.01, "start": "undeformed"}},
     {"contact": MOES, "roughness": [CAVITY], "motion": {"load": 0.5, "entrainment": 0.5, "slide_to_roll": 0.5}},
     {"contact": MOES, "lubricant": {"layer": 0.1, "z": 0.6}, "solver": {"inlet": 2.5}},
     {"contact": MOES, "lubricant": {"layer_1": 0.1, "layer_2": 0.05}, "solver": {"half_width_y": 4.0}},
@@ -136,7 +136,7 @@ def test_the_record_says_all_that_is_solved() -> None:
     assert case.output == Output()
     assert (case.oil.eta0, case.oil.alpha) == (0.04, 2.2e-8)
     assert case.motion == FREE_BALL
-    assert case.schedule == (-1.0, "max-approach", 5e-5, None, 0.1)
+    assert case.schedule == (-1.0, "max-approach", 5e-5, None, 0.1, None)
 
 
 def test_a_steady_case_has_no_time() -> None:
@@ -221,6 +221,7 @@ REFUSED: list[Refusal] = [
     (STEADY, {"time": Time(until=5.0)}, "time.until = 5.0: a steady contact has no time"),
     (STEADY, {"output": Output(1.0)}, "output.interval = 1.0: a steady contact has no time"),
     (IN_TIME, {"time": Time(-1.0)}, "time.start_approach = -1.0: not for a rolling contact"),
+    (IN_TIME, {"time": Time(start="undeformed")}, 'time.start = "undeformed": not for a rolling contact'),
     (IN_TIME, {"time": Time(until="rebound")}, 'time.until = "rebound": is an event of an impact'),
     (impact(), {"time": Time(until="later")}, 'time.until = "later": must be a finite number above zero, in'),
     (impact(), {"time": Time(start_approach=1.0)}, "time.start_approach = 1.0: must be less than 0"),

@@ -222,7 +222,7 @@ def consistent(data: Data, in_si: bool) -> Data:
             oil["density"] = "incompressible"
             _drop(contact, "L", "alpha_bar")
     _drop(solver, "inlet", "half_width_y", *(["half_width"] if method in ("steady", "transient") else []))
-    _drop(data.get("time", {}), *(["start_approach"] if contact["kind"] == "rolling" else []))
+    _drop(data.get("time", {}), *(["start_approach", "start"] if contact["kind"] == "rolling" else []))
     _drop(motion, *(["inertia"] if in_si or contact["kind"] == "impact" else []), *(["slide_to_roll"] if in_si else []))
     if "slide_to_roll" in contact and not {"speed_1", "mean_speed"} & contact.keys():
         contact["mean_speed"] = "0.5 m/s"

@@ -38,7 +38,7 @@ def test_keywords_are_the_keys_of_case_files(function, kind):
     time = names(Time) - {"tolerance"} | {"time_tolerance"}
     expected = names(Conditions) - {"kind"} - set(FOREIGN[kind]) | names(Solver) | time | names(Output)
     if kind == "rolling":
-        expected -= {"start_approach"}  # of an impact
+        expected -= {"start_approach", "start"}  # of an impact
         expected |= {"thermal"}  # of a steady contact
     parameters = inspect.signature(function).parameters
     beside = {"oil", "temperature", "rheology", "material_1", "material_2", "motion", "roughness", "name"}

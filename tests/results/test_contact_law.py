@@ -56,6 +56,7 @@ def test_a_study_may_vary_one_value_only() -> None:
 def test_the_file_is_read_without_ertel(tmp_path: Path) -> None:
     LAW.save(tmp_path / "law.nc")
     table = xr.load_dataset(tmp_path / "law.nc")
+    assert "St_c differs from oil to oil" in table.attrs["comment"]
     assert table["speed"].values.tolist() == [0.1, 0.2, 0.4]
     units = {"speed": "m/s", "layer": "m", "duration": "s", "force": "N"}
     assert {name: table[name].attrs["units"] for name in units} == units

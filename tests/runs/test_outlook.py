@@ -74,6 +74,37 @@ def test_films_of_molecules() -> None:
     assert "molecules" not in said(**OWN, mean_speed=1e-2)
 
 
+def test_the_inertia_of_the_oil() -> None:
+    """A glass bead of 5.5 mm falls on 0.2 mm of water with 1 m/s: rho v h/eta0 = 900 1 2e-4/1e-3 = 180."""
+    bead = {"radius": "2.75 mm", "ball_density": "2580 kg/m^3", "material_1": "glass", "material_2": "glass"}
+    water = ertel.Oil(eta0="1 mPa*s", viscosity="isoviscous", density="incompressible")
+    case = ertel.impact(**bead, speed="1 m/s", oil=water, layer="0.2 mm", method="radial", half_width=14, nodes=193)
+    assert any("rho v h/eta0 = 1.8e+02 is above 1" in sentence for sentence in outlook(case)["warnings"])
+    oil = replace(water, eta0=1.0)
+    slow = ertel.impact(**bead, speed="1 m/s", oil=oil, layer="0.2 mm", method="radial", half_width=14, nodes=193)
+    assert not any("inertia" in sentence for sentence in outlook(slow)["warnings"])
+
+
+def test_no_tension_at_a_low_stokes_number() -> None:
+    """Of a rebound from a full gap: restitution is an upper bound."""
+    of = {"L": 5, "method": "radial", "until": "rebound"}
+    heavy, light, to_the_bottom = ertel.impact(M=1000, **of), ertel.impact(M=20, **of), {**of, "until": "max-approach"}
+    held = [
+        any("upper bound" in sentence for sentence in outlook(case)["warnings"])
+        for case in (heavy, light, ertel.impact(M=20, **to_the_bottom), ertel.impact(M=20, layer=0.1, **of))
+    ]
+    assert held == [False, True, False, False]
+
+
+def test_the_first_film_of_an_impact() -> None:
+    """Squeezed by a ball from far, or the gap itself."""
+    near = {"M": 200, "L": 10, "method": "radial", "start_approach": -0.03}
+    assert outlook(ertel.impact(**near))["start"] == pytest.approx({"film": 0.1984, "load": 0.1228}, abs=1e-4)
+    undeformed = ertel.impact(**near, start="undeformed")
+    assert outlook(undeformed)["start"] == pytest.approx({"film": 0.03, "load": 0.0})
+    assert undeformed.digest != ertel.impact(**near).digest
+
+
 def test_python_warns_before_the_run_and_once() -> None:
     case = ertel.rolling(**{**BALL, "nodes": 17, "tolerance": 0.5}, **VG68, slide_to_roll=0.1)
     seen: list[int] = []

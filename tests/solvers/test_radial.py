@@ -276,6 +276,21 @@ class MyBarus:
         return 2.0 ** (self.alpha / log(2) * P)
 
 
+def test_the_start_of_an_impact() -> None:
+    """From far: the film and the load that `check` says; undeformed: the gap, without pressure inside and outside."""
+    case = barus(50, 5, 33, start_approach=-0.5)
+    method = RadialImpact(case)
+    film, load = case.first_film
+    first = method.measure(method.start())
+    assert film > 0.5 and (first["H_c"], first["F"]) == (pytest.approx(film, rel=2e-3), pytest.approx(load, rel=2e-2))
+    rest = RadialImpact(barus(50, 5, 33, start_approach=-0.5, start="undeformed"))
+    start = rest.start()
+    assert start.velocity == 1.0 and start.outside == 0.0 and not np.any(start.P)
+    np.testing.assert_allclose(start.H, 0.5 + rest.coordinates["r"] ** 2 / 2)
+    ahead, behind = method.advance([method.start()], 0.1), rest.advance([start], 0.1)
+    assert behind.status.ok and 0.0 < float(np.max(behind.P)) and float(behind.H[0]) < float(ahead.H[0])
+
+
 def test_not_a_number_is_a_status() -> None:
     case = replace(barus(50, 5, 33), oil=Oil(viscosity=Nonsense(), density="incompressible"))
     method = RadialImpact(case)

@@ -254,7 +254,7 @@ def test_one_compilation_serves_every_case_of_a_shape() -> None:
 
 
 def test_the_film_formula_for_trapped_oil() -> None:
-    """Isoviscous: H_c = 0.3135 sqrt(lambda_bar); Barus incompressible: 0.85 to 0.88 sqrt(L/M) (design/equations.md).
+    """Isoviscous: H_c = 0.3135 sqrt(lambda_bar); Barus incompressible: 0.69 to 0.92 sqrt(L/M), 0.85 for L = 10.
 
     Extrapolated from two grids.
     """

@@ -55,6 +55,20 @@ def film(case_file: OptionalCase = None, set_: Set = None, as_json: Json = False
 
 
 def _case_asked_for(case_file: Path | None, settings: list[str] | None, kind: str) -> "Case":
+    """The same as `_case_given`, also of a contact that is too light for a run: the formulas know it."""
+    from ertel.case.records import ConfigError
+    from ertel.case.rules import TooLight
+
+    try:
+        return _case_given(case_file, settings, kind)
+    except ConfigError as error:
+        if not isinstance(error.__cause__, TooLight):
+            raise
+        case: Case = error.__cause__.case
+        return case
+
+
+def _case_given(case_file: Path | None, settings: list[str] | None, kind: str) -> "Case":
     """The case of a file, or of settings alone, whose oil follows Barus and is incompressible unless they say more."""
     from ertel.inputs.case_files import apply_overrides, load_case, parse_case
 

@@ -76,8 +76,12 @@ def needs(content: Mapping[str, Any]) -> dict[str, str]:
         layers["layers of oil"] = f"r = {starved['r']:.3g}, about {starved['share']:.0%} of the flooded film"
     if "wet_radius" in starved:
         layers["wet radius"] = f"at most {starved['wet_radius']:.3g} a at maximum approach"
+    start = content["start"]
+    if start:
+        layers["first film"] = f"{start['film']:.4g} a*^2/R, under {start['load']:.2g} F*"
     return {
         "rheology": content["rheology"],
+        **({"regime": content["regime"]} if content["regime"] else {}),
         **layers,
         **{f"roughness[{number}]": _rough(rough) for number, rough in enumerate(content["roughness"], 1)},
         "grid": f"{size}, spacing {grid['spacing']:.3g} a{in_si}",
@@ -196,7 +200,7 @@ def film_rows(case: "Case", films: "Sequence[FormulaFilm]", computed: Mapping[st
     if any(each.error is not None for each in both):
         rows.append(row("computed, extrapolated", best, ["", ""]))
     for f in films:
-        name = f.name if f.inside is not False else f"({f.name})"
+        name = f.name if f.inside else f"({f.name})"
         rows.append(row(name, (f.central, f.minimum), map(_deviation, (f.central, f.minimum), best)))
     return rows
 

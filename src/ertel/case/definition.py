@@ -19,7 +19,7 @@ from ertel.case.sections import SOLVERS, START_APPROACH, Drive, Output, Schedule
 from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry, nodes_across
 from ertel.physics import film_formulas, hertz, surfaces
 from ertel.physics.film_formulas import IMPACT_EXPONENT, ROLLING_EXPONENT, starved_share
-from ertel.physics.geometry import CIRCLE, Geometry
+from ertel.physics.geometry import CIRCLE, ContactMotion, Geometry, squeezed_film
 from ertel.physics.lubricant import ALPHA, Lubricant, Oil
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, Track, constant, reversed_sign
 from ertel.physics.scales import Parameters, Scales
@@ -154,6 +154,19 @@ class Definition:
         given = replace(self.time, start_approach=self.time.start_approach or START_APPROACH)
         time, output = scaled(given, self.scales, "time"), scaled(self.output, self.scales, "output")
         return Schedule(**vars(time), **vars(output))
+
+    @property
+    def first_motion(self) -> ContactMotion:
+        """The motion that makes the first pressure of an impact: that of a ball from far; undeformed bodies rest."""
+        given = self.schedule
+        rest = ContactMotion(given.start_approach, 0.0, 0.0, 0.0)
+        return rest if given.start else rest._replace(velocity=1.0, entrainment=self.motion.entrainment(0.0))
+
+    @property
+    def first_film(self) -> tuple[float, float]:
+        """Central film (a^2/R) and load (F*) with which an impact starts."""
+        full = 0.0 if self.layer else self.parameters.lambda_bar  # no pressure before the ball is in its layer
+        return squeezed_film(self.first_motion, full, self.geometry)
 
     @cached_property
     def track(self) -> Track | None:

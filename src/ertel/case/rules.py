@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import is_dataclass
 from math import cbrt, inf
+from typing import Any
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from ertel.case.definition import Definition
 from ertel.case.records import ConfigError, show
 from ertel.case.sections import METHODS, WIDEST_HALF_WIDTH
 from ertel.numerics import grid
+from ertel.physics.film_formulas import rigid_film
 from ertel.physics.geometry import CIRCLE, HERTZ_LOAD, ContactMotion, far_film
 from ertel.physics.lubricant import DowsonHigginson
 from ertel.physics.registry import FLUIDITY_LAWS
@@ -28,6 +30,12 @@ TRANSIENT = 'solver.method = "transient"'
 
 Complaints = Iterator[tuple[str, str]]  # the field, to which its value is added unless it is there; what is wrong
 Rule = Callable[[Definition], Complaints]
+
+
+class TooLight(ConfigError):
+    """A rolling contact that only the formulas know: no domain is wide enough.  case: it, complete in all else."""
+
+    case: Any
 
 
 def refuse(case: Definition, rules: Iterable[Rule]) -> None:
@@ -132,6 +140,8 @@ def _time(case: Definition) -> Complaints:
         return
     if time.start_approach is not None:
         yield "time.start_approach", "not for a rolling contact, its start is the steady film"
+    if time.start is not None:
+        yield "time.start", "not for a rolling contact, its start is the steady film"
     if isinstance(time.until, str):
         yield "time.until", "is an event of an impact; a rolling contact needs a time, in units t0"
 
@@ -279,8 +289,11 @@ def _outside(case: Definition) -> Complaints:
     needed = 1.6 * p.lambda_bar * abs(case.motion.entrainment(0.0)) / (HERTZ_LOAD * case.motion.load(0.0))
     if needed > WIDEST_HALF_WIDTH:
         beyond = f"reaches beyond the largest domain (half_width = {WIDEST_HALF_WIDTH:g})"
-        film = "the film is that of rigid bodies, see the formulas"
-        yield "contact", f"M = {p.M:.3g} is too low: the oil that carries the load {beyond}; {film}"
+        in_si = f" = {rigid_film(p.M) * case.scales.film * 1e6:.3g} um" if case.scales else ""
+        film = f"the film is a rigid ball's, {rigid_film(p.M):.3g} a^2/R{in_si}; ertel film has the formulas"
+        error = TooLight(f"contact: M = {p.M:.3g} is too low: the oil that carries the load {beyond}; {film}")
+        error.case = case
+        raise error
     if needed > case.solver.half_width:
         least = f"must be at least {needed:.3g} at M = {p.M:.3g}, where the oil far away carries much of the load"
         yield "solver.half_width", f"{least}; leave it out for a domain that is wide enough"
@@ -335,7 +348,7 @@ COMPLETE = (  # rules for a case with its defaults, in the order in which they a
     _layer,
     _schedule,
     _motion,
-    _outside,
     _roughness,
     _thermal,
+    _outside,  # the last: see `TooLight`
 )

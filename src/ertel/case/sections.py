@@ -14,6 +14,7 @@ from ertel.physics.units import Amount, Bounds, Meaning, Quantity, explained
 
 Method = Literal["2d", "radial", "steady", "transient"]
 Stop = Literal["max-approach", "rebound"]
+Start = Literal["undeformed"]
 METHODS: Mapping[Kind, tuple[Method, ...]] = {"impact": ("2d", "radial"), "rolling": ("steady", "transient")}
 ROLLING_UNTIL = 6.0  # t0: the surfaces roll through a domain of the default length for M >= 5
 FEWEST_NODES, MOST_NODES, WIDEST_HALF_WIDTH = 17, 4097, 1000.0
@@ -140,6 +141,10 @@ class Time:
         Bounds(lt=0),
         Meaning("impact: approach Delta at the start, below zero: apart; left out: above the layer of oil, too", -1.0),
     ] = None
+    start: Annotated[
+        Start | None,
+        Meaning("impact: bodies without deformation and oil without pressure; left out: as if from far", "undeformed"),
+    ] = None
     until: Annotated[
         Stop | Amount | None,
         units.DURATION,
@@ -202,6 +207,7 @@ class Schedule(NamedTuple):
     tolerance: float
     step: float | None
     interval: float
+    start: Start | None
 
     @property
     def duration(self) -> float:

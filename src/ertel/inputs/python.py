@@ -10,7 +10,7 @@ from contextlib import suppress
 from dataclasses import replace
 from inspect import Parameter, Signature
 from textwrap import wrap
-from typing import Any, TypedDict, Unpack, get_type_hints
+from typing import Any, Literal, TypedDict, Unpack, get_type_hints
 
 from ertel.case.case import Case
 from ertel.case.conditions import FOREIGN, Conditions, Kind
@@ -84,6 +84,7 @@ class ImpactKeywords(_Keywords, total=False):
     speed: NumberOrText | None
     drop_height: NumberOrText | None
     start_approach: float | None
+    start: Literal["undeformed"] | None
 
 
 class RollingKeywords(_Keywords, total=False):

@@ -271,3 +271,12 @@ def rigid_pressure(
     film = geometry.gap(X, Y) - motion.approach
     flow = geometry.far_flow(motion.velocity, motion.entrainment, X, Y)
     return np.maximum(lambda_bar * flow / np.maximum(film**2, lambda_bar), 0.0)
+
+
+def squeezed_film(motion: ContactMotion, lambda_bar: float, geometry: Geometry = CIRCLE) -> tuple[float, float]:
+    """The central film (a^2/R) under `rigid_pressure`, which deforms the bodies, and its load (F*)."""
+    r, angle = np.geomspace(1e-6, 1e6, 2000)[:, None], (np.arange(64) + 0.5) * np.pi / 32
+    P = rigid_pressure(r * np.cos(angle), r * np.sin(angle), motion, lambda_bar, geometry).mean(axis=1)
+    ring = 2.0 * np.pi * r[:, 0] * P  # the integral over each circle
+    deformation, load = (np.trapezoid(ring * power, np.log(r[:, 0])) for power in (1.0, r[:, 0]))
+    return geometry.compliance * float(deformation) - motion.approach, float(load) / geometry.hertz_load

@@ -23,7 +23,7 @@ All functions take and return SI units.
 """
 
 from dataclasses import dataclass
-from math import cbrt, inf, pi, sqrt
+from math import cbrt, cos, inf, pi, radians, sin, sqrt
 from typing import NamedTuple
 
 from ertel.physics.geometry import FREE_BALL_INERTIA, HertzEllipse, hertz_ellipse
@@ -321,3 +321,30 @@ def hamrock_dowson(scales: Scales, eta0: float, alpha: float) -> HamrockDowson:
         G=alpha * scales.E_prime,
         W=scales.load / (scales.E_prime * scales.R**2),
     )
+
+
+class FlowDirection(NamedTuple):
+    """The contact as the flow sees it: R_x/R_e, and R_e/R_s, both of the radii along and across the flow."""
+
+    curvature: float
+    radius_ratio: float
+
+    @classmethod
+    def at(cls, radius_ratio: float, angle: float) -> "FlowDirection":
+        """For R_x/R_y and the angle (degrees) from x to the flow: Euler's theorem for the curvature."""
+        if radius_ratio == 1.0 or angle % 180.0 == 0.0:
+            return cls(1.0, radius_ratio)
+        if angle % 90.0 == 0.0:
+            return cls(radius_ratio, 1.0 / radius_ratio)
+        c2, s2 = cos(radians(angle)) ** 2, sin(radians(angle)) ** 2
+        along, across = c2 + radius_ratio * s2, s2 + radius_ratio * c2
+        return cls(along, across / along)
+
+    def moes(self, parameters: Parameters) -> tuple[float, float]:
+        """M and L with the radius along the flow."""
+        root = sqrt(sqrt(self.curvature))
+        return parameters.M * self.curvature * root, parameters.L * root
+
+    def ugw(self, ugw: HamrockDowson) -> HamrockDowson:
+        """U, G, W with the radius along the flow."""
+        return HamrockDowson(ugw.U * self.curvature, ugw.G, ugw.W * self.curvature**2)

@@ -16,6 +16,11 @@ from ertel.results.variables import name_in_si
 
 NUMBERS = {"restitution": "restitution", "contact_time": "duration", "F_max": "force"}  # of a run, in a law
 
+COMMENT = (
+    "For the oil and the ball of the study alone: in 1 - e = St_c/St, St_c differs from oil to oil (2.5 to 4.5 on the "
+    "same layer). The oil carries no tension: with a full gap and a Stokes number below 50, e is an upper bound."
+)
+
 
 class ContactValues(NamedTuple):
     """The outcome of impacts, each of the shape of what was asked.
@@ -35,7 +40,11 @@ class ContactLaw:
     """Restitution, duration and largest force over what a study varies.
 
     The logarithms of 1 - e, duration and force are interpolated linearly between the logarithms of what varies.  So
-    power laws are exact, such as 1 - e = St_c/St.
+    power laws are exact, such as 1 - e = St_c/St.  The law is that of the study's oil and ball: St_c differs from oil
+    to oil (2.5 to 4.5 on the same layer), so that one study does not give the e of another oil by its Stokes number.
+
+    The oil carries no tension: in a full gap e is an upper bound below St = 50 (St = 20: 0.73, with tension 0.47; at
+    St = 5 0.41, where with tension nothing comes back).
 
     Parameters
     ----------
@@ -125,7 +134,7 @@ def contact_law(study: StudyResult) -> ContactLaw:
             raise ValueError(f"study: {name} must have two or more values above zero; it has {axis.values.tolist()}")
     stored = {name if name in data else name_in_si(name): new for name, new in NUMBERS.items()}
     empty = xr.full_like(data["warnings"], np.nan, dtype=float)
-    about = {name: data.attrs[name] for name in ("title", "source", "date_created")}
+    about = {name: data.attrs[name] for name in ("title", "source", "date_created")} | {"comment": COMMENT}
     table = xr.Dataset({new: data.get(name, empty) for name, new in stored.items()}, attrs=about)
     lacking = table.to_array().isnull().any("variable").values
     if lacking.any():

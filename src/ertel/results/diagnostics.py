@@ -365,7 +365,8 @@ def _gap(case: Case) -> Iterator[str]:
     if gap < GAP_SHARE * film and case.layer is None:  # whose oil has no pressure before the ball is in it
         yield (
             f"the initial gap {gap:.3g} is not much larger than the trapped film {film:.3g} (units a*^2/R): the shape "
-            f"of the film depends on it; use time.start_approach <= {-GAP_SHARE * film:.3g}"
+            f"of the film depends on it, and the first film is {case.first_film[0]:.3g} (time.start); "
+            f"use time.start_approach <= {-GAP_SHARE * film:.3g}"
         )
 
 

@@ -12,7 +12,7 @@ from ertel.physics import film_formulas, hertz
 from ertel.physics.film_formulas import FormulaFilm
 from ertel.physics.materials import RHEOLOGY
 from ertel.physics.registry import FLUIDITY_LAWS
-from ertel.physics.scales import HamrockDowson, Parameters, Scales, hamrock_dowson
+from ertel.physics.scales import FlowDirection, HamrockDowson, Parameters, Scales, hamrock_dowson
 
 
 def parameters_of(case: Case) -> dict[str, float]:
@@ -99,8 +99,7 @@ def formula_films(case: Case, load: float = 1.0, entrainment: float = 1.0) -> li
     speed = abs(entrainment)
     if case.starts_apart or load <= 0 or speed == 0:
         return []
-    p = case.parameters
-    at = Parameters.from_moes(p.M * load * speed**-0.75, p.L * speed**0.25, p.radius_ratio)
+    at = _at(case, load, speed)
     ugw = _ugw(case, case.scales) if case.scales else None
     formulas = film_formulas.films(at, ugw and HamrockDowson(ugw.U * speed, ugw.G, ugw.W * load), case.contact.angle)
     unit = cbrt(load) ** 2  # the formulas' a^2 is that of the load w
@@ -111,4 +110,20 @@ def formula_films(case: Case, load: float = 1.0, entrainment: float = 1.0) -> li
     if case.layer is None:
         return flooded
     oil = case.layer / float(case.lubricant.density(cbrt(load)))
-    return [*flooded, *(film.starved(oil) for film in flooded if film.central and film.inside is not False)]
+    return [*flooded, *(film.starved(oil) for film in flooded if film.central and film.inside)]
+
+
+def _at(case: Case, load: float, speed: float) -> Parameters:
+    """The parameters of a moment with the load w in F* and the speed U in u_m, both above zero."""
+    p = case.parameters
+    return Parameters.from_moes(p.M * load * speed**-0.75, p.L * speed**0.25, p.radius_ratio)
+
+
+def regime(case: Case) -> str:
+    """The regime of a rolling contact at T = 0 with its g_V and g_E, see `film_formulas.regime_of`; "" of an impact."""
+    if case.starts_apart:
+        return ""
+    flow = FlowDirection.at(case.parameters.radius_ratio, case.contact.angle)
+    M, L = flow.moes(_at(case, case.motion.load(0.0), abs(case.motion.entrainment(0.0))))
+    g_V, g_E = film_formulas.regime_numbers(M, L)
+    return f"{film_formulas.regime_of(M, L, flow.radius_ratio)} (g_V = {g_V:.3g}, g_E = {g_E:.3g})"

@@ -24,11 +24,14 @@ from ertel.physics.surfaces import CELLS_KEPT
 from ertel.physics.units import plain
 from ertel.results import diagnostics
 from ertel.results.numbers import numbers
-from ertel.results.parameters import formula_films, parameter_summary, rheology_of
+from ertel.results.parameters import formula_films, parameter_summary, regime, rheology_of
 from ertel.results.variables import FIELDS, with_prefix
 from ertel.runs.compile import jax_devices, may_use_accelerator
 
 MOST_SHOWN = 257  # points a side at which the heights of a roughness are looked at
+OIL_DENSITY = 900.0  # kg/m^3, typical
+LOW_STOKES = 50.0  # below which the tension in a full gap changes restitution by more than a tenth
+TENSION = 5.0  # St times that change: .41 at St = 5 (nothing comes back), .26 at 20
 SMALLEST_FILM = 1e-9  # m: about the size of the oil's molecules
 
 # Time steps and seconds, measured on one to two cores with `benchmarks/steps.py`, `scaling.py` and `time_error.py`,
@@ -61,9 +64,11 @@ def outlook(case: Case) -> dict[str, Any]:
     -------
     dict
         name, kind, method, digest; rheology in words; parameters, see `parameters.parameter_summary`; films of a
-        rolling contact at T = 0 by the formulas, in a^2/R; grid: nodes, nodes_across, spacing and sweep (a),
-        cells_in_sweep, and spacing_m of a physical case; starvation: r and share, see `definition.starvation`, and
-        wet_radius (a) of an impact of circular symmetry, empty for a full gap; roughness: `roughness_of`; memory:
+        rolling contact at T = 0 by the formulas, in a^2/R; its regime in words, empty for an impact; start: film
+        (a^2/R) and load (F*) with which an impact starts, empty for rolling; grid: nodes, nodes_across, spacing and
+        sweep (a), cells_in_sweep, and spacing_m of a physical case; starvation: r and share, see
+        `definition.starvation`, and wet_radius (a) of an impact of circular symmetry, empty for a full gap;
+        roughness: `roughness_of`; memory:
         needed and available bytes, None where that is not known; time: steps and seconds, roughly; warnings.
     """
     available, needed = memory_available(), memory_needed(case)
@@ -79,6 +84,8 @@ def outlook(case: Case) -> dict[str, Any]:
         "rheology": rheology_of(case),
         "parameters": parameter_summary(case),
         "films": [film._asdict() for film in formula_films(case, case.motion.load(0.0), case.motion.entrainment(0.0))],
+        "regime": regime(case),
+        "start": dict(zip(("film", "load"), case.first_film, strict=True)) if case.starts_apart else {},
         "grid": _grid(case),
         "starvation": _starvation(case),
         "roughness": roughness_of(case),
@@ -189,9 +196,9 @@ def beyond(case: Case, computed: float | None = None) -> list[str]:
     computed: the minimum film (m) of the run, None where only the expected one is known.
     """
     film = ("expected", definition.film_estimate(case)) if computed is None else ("minimum", computed)
-    sentences = (*_yielding(case), _pressure_of_the_oil(case), _shear_stress(case), _thin_film(*film), _layer(case))
-    sentences += (_sliding(case), *_rough(case), _track(case))
-    return [sentence for sentence in sentences if sentence]
+    oil = (_pressure_of_the_oil(case), _shear_stress(case), _oil_inertia(case), _no_tension(case))
+    others = (_thin_film(*film), _layer(case), _sliding(case), *_rough(case), _track(case))
+    return [sentence for sentence in (*_yielding(case), *oil, *others) if sentence]
 
 
 def with_case_warnings(case: Case, summary: Mapping[str, Any]) -> dict[str, Any]:
@@ -297,6 +304,33 @@ def _shear_stress(case: Case) -> str:
         f"the oil is Newtonian, and sliding would give it a mean shear stress of about {with_prefix(stress, 'Pa')}; "
         "oils begin to thin at some MPa: friction and power loss are not meaningful, the film hardly depends on it; "
         'give lubricant.rheology, for example { law = "ree-eyring", tau0 = "5 MPa" }'
+    )
+
+
+def _oil_inertia(case: Case) -> str:
+    """A sentence where the oil that an impact squeezes out has more inertia than viscosity: rho v h/eta0 above 1."""
+    s, eta0 = case.scales, case.oil.eta0
+    if not case.starts_apart or s is None or eta0 is None:
+        return ""
+    thickness = (case.layer or 1.0) * s.film
+    inertia = OIL_DENSITY * s.speed * thickness / eta0
+    if inertia <= 1.0:
+        return ""
+    return (
+        f"the inertia of the oil rules this impact: rho v h/eta0 = {inertia:.2g} is above 1 (v = {s.speed:.3g} m/s, "
+        f"h = {with_prefix(thickness, 'm')}, an oil of {OIL_DENSITY:g} kg/m^3), and the model has none: load, film and "
+        "restitution are not those of this oil"
+    )
+
+
+def _no_tension(case: Case) -> str:
+    """A sentence on the rebound from a full gap at a low Stokes number, where tension in the oil counts."""
+    St = case.parameters.stokes
+    if not case.starts_apart or case.layer or case.schedule.until != "rebound" or St >= LOW_STOKES:
+        return ""
+    return (
+        f"the Stokes number is {St:.3g}, and oil without tension does not hold the ball back: restitution is an upper "
+        f"bound; oil that carries tension takes about {TENSION:g}/St = {min(TENSION / St, 1.0):.2g} more"
     )
 
 

@@ -29,7 +29,7 @@ from ertel.numerics import bdf
 from ertel.numerics.integrals import Disc
 from ertel.numerics.programs import ANY_SIZE, Program, require_double
 from ertel.numerics.stencils import Pair, banded_product, diagonals
-from ertel.physics.geometry import CIRCLE, ContactMotion
+from ertel.physics.geometry import CIRCLE
 from ertel.physics.lubricant import Lubricant
 
 Floats = NDArray[np.float64]
@@ -263,21 +263,21 @@ class RadialImpact(Method):
         self.outside = outside.around_circle(np.asarray(self.mesh.r), 0.0 if case.layer else lambda_bar)
         self.closure = NewtonsLaw(case.motion.inertia, case.motion.load)
         self.tolerance = case.solver.tolerance * case.parameters.trapped_film
-        self.start_approach = case.schedule.start_approach
+        self.first_motion = case.first_motion
         self.coordinates = {"r": np.asarray(self.mesh.r)}
         nodes, rings = case.solver.nodes, RINGS if self.layer is None else RINGS_BESIDE_A_MENISCUS
         self.ring = jax.device_put(np.arange(nodes) // -(-nodes // rings))
 
     def start(self) -> State:
-        """The separated ball approaching with unit speed, under the pressure of the oil that it squeezes."""
-        motion = ContactMotion(self.start_approach, 1.0, 0.0, 0.0)
+        """The separated ball approaching with unit speed, see `Definition.first_motion`."""
+        motion = self.first_motion
         around, P = self.outside.at(motion), np.asarray(self.outside.at_first(motion))
         r, kernel, weights = map(np.asarray, (self.mesh.r, self.mesh.kernel, self.mesh.disc.weights))
-        H = CIRCLE.gap(r, 0.0) - self.start_approach + kernel @ P + around.uplift
+        H = CIRCLE.gap(r, 0.0) - motion.approach + kernel @ P + around.uplift
         full = self.mesh.oil.density(P) * H
         oil = full if self.layer is None else np.minimum(full, self.layer)
         fields = jax.device_put({"P": P, "H": H, "mass": oil})
-        return State(0.0, self.start_approach, 1.0, fields, outside=around.load, load=float(weights @ P))
+        return State(0.0, motion.approach, 1.0, fields, outside=around.load, load=float(weights @ P))
 
     def attempt(self, levels: Sequence[State], step: float) -> Stepping:
         """One BDF step (BDF1 from one level, BDF2 from more), newest level first: yields one `RadialProblem`."""

@@ -28,7 +28,6 @@ from ertel.numerics.grid import Symmetry, check_coarsening
 from ertel.numerics.integrals import Plane
 from ertel.numerics.programs import Compiled, Program
 from ertel.numerics.stencils import total, unfolded
-from ertel.physics.geometry import ContactMotion
 from ertel.solvers import nonlinear, steady
 from ertel.solvers.nonlinear import PRECISION, Algorithms, Problem
 
@@ -156,12 +155,12 @@ class Transient2D(Method):
         self._programs: dict[Any, Compiled] = {}
 
     def start(self) -> State:
-        """The separated bodies approaching with unit speed, the oil squeezed; or the steady film at T = 0."""
+        """The separated bodies with unit speed, see `Definition.first_motion`; or the steady film at T = 0."""
         if not self.case.starts_apart:
             s = self._rolling.finest
             work = Work(s.newton, s.krylov, self._rolling.convolutions)
             return State(0.0, s.approach, 0.0, s.fields, s.status, work, s.outside, s.load)
-        motion = ContactMotion(self.case.schedule.start_approach, 1.0, 0.0, self.case.motion.entrainment(0.0))
+        motion = self.case.first_motion
         around, P = self.outside.at(motion), jax.device_put(self.outside.at_first(motion))
         fields, load = _squeezed(self.contact_at(0.0), P, motion.approach, around.uplift, self.layer)
         work = Work(convolutions=1.0)
