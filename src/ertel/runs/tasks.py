@@ -27,7 +27,7 @@ import numpy as np
 import xarray as xr
 
 from ertel.case.records import ConfigError, show
-from ertel.runs.files import reading, replace, with_checksum, without_checksum
+from ertel.runs.files import content_of, reading, replace, with_checksum, without_checksum
 from ertel.runs.workers import Failure as Failure
 from ertel.runs.workers import LocalWorker, Workers, cores
 from ertel.runs.workers import Task as Task
@@ -95,7 +95,7 @@ def kept(tasks: Iterable[Task], directory: Path | None) -> dict[str, Any]:
         file, present = _file(directory, task), _stamp(task)
         try:
             with reading(file, "delete it"):
-                stamp, result = json.loads(without_checksum(file.read_bytes()), object_hook=_decoded)
+                stamp, result = json.loads(without_checksum(content_of(file)), object_hook=_decoded)
         except FileNotFoundError:
             continue
         except (ValueError, OSError) as error:  # damaged, or written by another version
