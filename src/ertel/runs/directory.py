@@ -113,12 +113,12 @@ def _moved(draft: Path, directory: Path) -> bool:
 
 # -- its files --------------------------------------------------------------------------------------------------------
 
-_DRAWN, _ZARR = r"(png|svg|pdf|gif|webp|mp4|csv|nc|vti|pvd)", r"(c(/\d+)*|zarr\.json)(\.[0-9a-f]{32})?(\.partial)?"
+_DRAWN, _ZARR = r"(png|svg|pdf|gif|webp|mp4|csv|nc|vti|pvd)", r"(c(/\d+)*|zarr(\.json)?)(\.[0-9a-f]{32})?(\.partial)?"
 _DRAFT = "(-[0-9a-f]{8})?"
 _ANY = rf"(progress\.json|stop|\{LOCK}|\.stop-[0-9a-f]{{8}})(\.partial)?"
 _RUN = (
     rf"{_ANY}|(case\.toml|checkpoint\.npz|summary\.json|heights-[0-9a-f]{{16}}\.npy)(\.partial)?|"
-    rf"run\.zarr(\.old|\.partial)?/(\w+/)?{_ZARR}|(plots|export)/[\w.-]+\.{_DRAWN}"
+    rf"run\.zarr(\.old|\.partial)?/(\w+/)?{_ZARR}|(plots|export)/[^/]+\.{_DRAWN}"
 )
 _STUDY = r"(sweep|traction|fit|convergence)\."
 WRITTEN = re.compile(

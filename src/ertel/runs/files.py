@@ -118,10 +118,9 @@ def content_of(path: Path, most: int = LARGEST) -> bytes:
         status = os.fstat(file.fileno())
         if not S_ISREG(status.st_mode):
             raise OSError(errno.EINVAL, "not a regular file", str(path))
-        content = file.read(most + 1) if status.st_size <= most else b""
-    if max(status.st_size, len(content)) > most:
-        raise OSError(errno.EFBIG, os.strerror(errno.EFBIG), str(path))
-    return content
+        if status.st_size > most:
+            raise OSError(errno.EFBIG, os.strerror(errno.EFBIG), str(path))
+        return file.read(status.st_size)
 
 
 def _without_waiting(path: str, flags: int) -> int:
