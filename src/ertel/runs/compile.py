@@ -255,7 +255,7 @@ def _above(directory: Path) -> list[Path]:
     """The directories above one, as it is named and where links lead, up to the home of this user or the root."""
     home = Path(os.path.expanduser("~"))  # unlike Path.home() also without one
     ends = [home, home.resolve()]
-    found = []
+    found: list[Path] = []
     for above in (directory.absolute().parents, directory.resolve().parents):
         found += above[: next((n + 1 for n, path in enumerate(above) if path in ends), None)]
     return found
