@@ -195,6 +195,15 @@ def test_runs_and_studies_are_deleted_whole_and_never_while_they_run(tmp_path):
     with pytest.raises(ValueError, match=r"speeds: holds other files \(notes.txt\)"):
         processes.delete(study)
     (study / "notes.txt").unlink()
+    mine = (".env", ".git/HEAD", "fit.ipynb", "traction.xlsx", "runs/a.csv", "runs/mine/film.png", "sweep.zarr/a.py")
+    for file in (*mine, f"runs/{runs[0].name}/notes.txt", f"runs/{runs[0].name}/run.zarr/c/a"):
+        (study / file).parent.mkdir(parents=True, exist_ok=True)
+        (study / file).touch()
+        with pytest.raises(ValueError, match=rf"speeds: holds other files \({file}\); move them away first"):
+            processes.delete(study)
+        (study / file).unlink()
+    (study / "sweep.csv").unlink()
+    (study / "sweep.csv").symlink_to(tmp_path)
     processes.delete(runs[0])
     assert not runs[0].exists() and runs[1].exists()
     processes.delete(study)

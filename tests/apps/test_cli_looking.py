@@ -147,6 +147,35 @@ def test_maps_for_paraview(runs, tmp_path):
     assert np.array_equal(values, stored["H"].values[1].ravel())
 
 
+def test_files_that_ertel_did_not_write_stay(runs, tmp_path):
+    """A photograph, a table, what links lead to; those of an earlier command are replaced."""
+    plane, photo, table = str(runs / "plane"), tmp_path / "film.png", tmp_path / "history.csv"
+    photo.write_bytes(b"\x89PNG\r\n\x1a\n of a camera")
+    table.write_text("t_s,h_m\n1,2\n")
+    for command, file in ((("plot", "--what", "film"), photo), (("export",), table)):
+        given_ = command[0], plane, *command[1:], "--out", str(tmp_path)
+        before = file.read_bytes()
+        assert f"{file}: ertel did not write this file; move it, or add --overwrite" in refused(*given_)
+        assert file.read_bytes() == before
+        ertel_(*given_, "--overwrite")
+        assert ertel_(*given_).stdout == f"{file}\n" and file.read_bytes() != before
+    own = tmp_path / "own.csv"
+    table.rename(own)
+    table.symlink_to(own)
+    before = own.read_bytes() + b"7"
+    own.write_bytes(before)
+    ertel_("export", plane, "--out", str(tmp_path))
+    assert own.read_bytes() == before and not table.is_symlink()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["film.png", "history.csv", "own.csv"]
+
+
+def test_a_run_of_somebody_else_does_not_say_where_pictures_go(runs, tmp_path):
+    (runs / "plane" / "export").symlink_to(tmp_path)
+    assert "plane/export: is a symbolic link" in refused("export", str(runs / "plane"))
+    (runs / "plane" / "export").unlink()
+    assert not list(tmp_path.iterdir())
+
+
 def test_what_to_install_is_said(runs, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyevtk.hl", None)
     assert 'pip install "ertel[paraview]"' in refused("export", str(runs / "plane"), "--to", "vtk")

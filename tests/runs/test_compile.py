@@ -192,6 +192,22 @@ def test_a_cache_to_which_others_may_write_is_not_used(place):
     assert is_safe(place)
 
 
+@pytest.mark.skipif(os.name == "nt", reason="directories have no rights there")
+def test_no_directory_above_a_cache_may_be_renamed_by_others(place, tmp_path, monkeypatch):
+    """Up to the home of its user; where all may write, as in /tmp, only owners rename."""
+    place.mkdir(parents=True)
+    above = place.parents[1]
+    above.chmod(0o777)
+    assert is_refused(place, above)
+    (tmp_path / "link").symlink_to(place)
+    assert is_refused(tmp_path / "link", above)
+    above.chmod(0o1777)
+    assert is_safe(place)
+    above.chmod(0o777)
+    monkeypatch.setenv("HOME", str(place.parent))
+    assert is_safe(place)
+
+
 @pytest.mark.skipif(os.name == "nt" or os.getuid() != 0, reason="only root gives files away")
 @pytest.mark.parametrize("planted", ["", "a-cache"])
 def test_a_cache_of_another_user_is_not_used(place, planted):

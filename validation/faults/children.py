@@ -23,7 +23,7 @@ import xarray as xr
 
 from ertel.__main__ import main
 from ertel.runs.store import RunStore, open_run
-from ertel.runs.studies import NAME, RUNS
+from ertel.runs.studies import RUNS
 
 KILLED = 137
 PATIENCE = 120.0  # s: a child that takes longer is taken for one that never ends
@@ -61,8 +61,8 @@ def die(event: str, path: str, flags: int) -> None:
 
 def die_torn(event: str, path: str, flags: int) -> None:
     """End the process after a file was opened and emptied, before anything was written to it."""
-    if event == "open" and flags & os.O_TRUNC and not os.path.isdir(path):
-        os.close(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC))
+    if event == "open" and flags & (os.O_TRUNC | os.O_EXCL) and not os.path.isdir(path):
+        os.close(os.open(path, os.O_WRONLY | os.O_CREAT | (flags & (os.O_TRUNC | os.O_EXCL))))
     os._exit(KILLED)
 
 
@@ -299,11 +299,12 @@ def gathered(directory: Path) -> dict[str, str]:
     """A digest of what a study wrote of all its runs, which is written again when it goes on; nothing of a run."""
     if not (directory / RUNS).exists():
         return {}
-    with xr.open_zarr(directory / f"{NAME}.zarr", chunks=None, consolidated=False) as data:
+    name = next(directory.glob("[!.]*.zarr")).stem
+    with xr.open_zarr(directory / f"{name}.zarr", chunks=None, consolidated=False) as data:
         numbers = data.drop_vars(OWN, errors="ignore").load()
-    table = csv.DictReader((directory / f"{NAME}.csv").open())
+    table = csv.DictReader((directory / f"{name}.csv").open())
     rows = sorted(key for row in table for key in row.items() if key[0] not in OWN)
-    return {**_digests(numbers), "table": _digest(_text(rows)), "picture": str((directory / f"{NAME}.png").exists())}
+    return {**_digests(numbers), "table": _digest(_text(rows)), "picture": str((directory / f"{name}.png").exists())}
 
 
 def _digests(data: xr.Dataset) -> dict[str, str]:

@@ -21,7 +21,7 @@ from typer.testing import CliRunner
 from ertel.apps.cli import app
 from ertel.case.case import Case
 from ertel.inputs.case_files import load_case
-from ertel.inputs.studies import load_study
+from ertel.inputs.studies import convergence_series, load_study
 from ertel.numerics.programs import Program
 from ertel.results.summary import comparisons
 from ertel.runs import workers
@@ -56,9 +56,14 @@ CASES = {
     "thinning in time": STEEL + OIL + EYRING + IN_TIME + MAPS,
     "thermal": f"{STEEL}{SQUALANE}{CARREAU}[thermal]\n{TWO_GRIDS}",
     "measured": STEEL + OIL + IN_TIME + MAPS + HEIGHTS,
+    "starved": f"{ROLLING}[solver]\nnodes = 33\n[lubricant]\nlayer = 0.05\n",
+    "layer": RADIAL + MAPS + "[lubricant]\nlayer = 0.05\n",
+    "track": ROLLING + IN_TIME + MAPS + "[lubricant]\nlayer = 0.05\n",
+    "converge": RADIAL.replace("33", "65") + MAPS,
     "study": RADIAL.replace("M = 20", "M = [20, 25]") + MAPS,
 }
-FLAGS = {"error": ("--quiet", "--error"), "study": ("--quiet", "--jobs", "1")}
+STUDIES = {"study": "sweep", "converge": "converge"}  # their commands
+FLAGS = {"error": ("--quiet", "--error"), **dict.fromkeys(STUDIES, ("--quiet", "--jobs", "1"))}
 NAMES = [*CASES]
 
 
@@ -73,16 +78,18 @@ class Kind:
     @property
     def is_study(self) -> bool:
         """Whether it is a study of several runs, whose directory has them in `runs`."""
-        return self.name == "study"
+        return self.name in STUDIES
 
     def command(self, run: Path) -> list[str]:
         """What begins the run in a directory, or goes on with it."""
         if self.is_study:
-            return ["sweep", str(self.case), "--out", str(run), *self.flags]
+            return [STUDIES[self.name], str(self.case), "--out", str(run), *self.flags]
         return [*(["resume", str(run)] if run.exists() else ["run", str(self.case), "--out", str(run)]), *self.flags]
 
     def cases(self) -> Sequence[Case]:
         """The cases that it computes."""
+        if self.name == "converge":
+            return convergence_series(load_case(self.case)).cases
         return load_study(self.case).cases if self.is_study else [load_case(self.case)]
 
 

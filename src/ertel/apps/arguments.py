@@ -107,6 +107,7 @@ Moment = Annotated[str | None, option('A time, "60 us" or a number in t0, or max
 RunDirectory = Annotated[Path, path_argument("DIR", "Directory of a run.", run_directories)]
 SET_HELP = "Replace a value of the case, e.g. solver.nodes=129."
 Set = Annotated[list[str] | None, option(SET_HELP, "KEY=VALUE", settings, "--set")]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace files that ertel did not write, too.")]
 Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Show no progress and no summary.")]
 

@@ -12,6 +12,7 @@ from ertel.apps.arguments import (
     Json,
     Measured,
     Moment,
+    Overwrite,
     Report,
     RunDirectory,
     figures,
@@ -21,7 +22,7 @@ from ertel.apps.arguments import (
     path_option,
     run_directories,
 )
-from ertel.apps.terminal import BAD_INPUT, bad_input, leave, print_json, print_path, say, shown
+from ertel.apps.terminal import BAD_INPUT, bad_input, leave, placing, print_json, print_path, say, shown
 
 if TYPE_CHECKING:  # these take long to import
     from ertel.results.measurements import Measurement
@@ -86,6 +87,7 @@ def compare(
     ] = None,
     along: Along = "x",
     as_json: Json = False,
+    overwrite: Overwrite = False,
 ) -> None:
     """Compare two runs: where their cases differ, and their numbers side by side. Or a run with a measurement.
 
@@ -99,7 +101,7 @@ def compare(
     if second.is_file():
         if second.suffix in (".toml", ".json", ".npz"):  # of cases and runs
             leave(BAD_INPUT, f"{shown(second)} is not a file of columns; for a run give its directory")
-        _compare_measured(first, _measurement(second, given, along=along), plot, as_json)
+        _compare_measured(first, _measurement(second, given, along=along), plot, as_json, overwrite)
         return
     wrong = [name for name, each in {**vars(given), "along": along != "x"}.items() if each]
     if wrong and second.is_dir():
@@ -122,8 +124,8 @@ def compare(
 
         data = [run.dataset() for run in (one, two)]
         short = [run.case.name or run.directory.name for run in (one, two)]
-        with bad_input():
-            plots.comparison(data, names if short[0] == short[1] else short).savefig(plot)
+        with bad_input(), placing(plot.parent, overwrite) as place:
+            plots.comparison(data, names if short[0] == short[1] else short).savefig(place / plot.name)
         print_path(plot)
 
 
@@ -141,7 +143,9 @@ def _measurement(file: Path, given: Measured, light: str = "mono", along: str = 
         return Measurement.read(file, at=given.at, along=along, align=names, optics=rig, index=given.index, **units)
 
 
-def _compare_measured(directory: Path, measurement: "Measurement", plot: Path | None, as_json: bool) -> None:
+def _compare_measured(
+    directory: Path, measurement: "Measurement", plot: Path | None, as_json: bool, overwrite: bool
+) -> None:
     """Print a measurement beside a run, and draw both."""
     from ertel.runs.store import RunStore
 
@@ -149,7 +153,8 @@ def _compare_measured(directory: Path, measurement: "Measurement", plot: Path | 
     with bad_input():
         found = result.compare(measurement)
         if plot:
-            result.plot.measured(found).savefig(plot)
+            with placing(plot.parent, overwrite) as place:
+                result.plot.measured(found).savefig(place / plot.name)
     if as_json:
         columns = {name: getattr(found, name).tolist() for name in ("x", "measured", "computed", "difference")}
         quantity = found.measurement.quantity
@@ -220,6 +225,7 @@ def plot(
     ] = None,
     title: Annotated[bool, typer.Option("--title/--no-title", help="Draw headings.")] = True,
     out: Annotated[Path | None, path_option("Directory for the figures; default DIR/plots.")] = None,
+    overwrite: Overwrite = False,
 ) -> None:
     """Draw the figures of a run, or an interferogram of its film. Those at a time show the map next to it.
 
@@ -270,11 +276,11 @@ def plot(
             names = [what] if what else overlaid or plots.names_of(data)
             writers = {each: plots.draw(data, each, given.at, **sheet).savefig for each in names}
     target = out or directory / "plots"
-    target.mkdir(parents=True, exist_ok=True)
-    for name, write in writers.items():
-        path = target / f"{name}.{format_}"
-        write(path)
-        print_path(path)
+    with placing(target, overwrite, may_be_link=out is not None) as place:
+        for name, write in writers.items():
+            write(place / f"{name}.{format_}")
+    for name in writers:
+        print_path(target / f"{name}.{format_}")
 
 
 def _find_ffmpeg() -> None:
@@ -298,6 +304,7 @@ def export(
     along: Along = "x",
     in_si: Annotated[bool, typer.Option("--si", help="Convert to SI; needs a case in SI.")] = False,
     out: Annotated[Path | None, path_option("Directory for the files; default DIR/export.")] = None,
+    overwrite: Overwrite = False,
 ) -> None:
     """Write a run for other programs.
 
@@ -321,12 +328,13 @@ def export(
     if along != "x" and not what:
         leave(BAD_INPUT, f"--along {along}: only for --what profile")
     data = RunStore.open(directory).dataset()
-    with bad_input():
+    target = out or directory / "export"
+    with bad_input(), placing(target, overwrite, may_be_link=out is not None) as place:
         if what:
-            path, moment = write_profile(data, out or directory / "export", at, along)
+            path, moment = write_profile(data, place, at, along)
             say(f"along {along}, {moment}")
             paths = [path]
         else:
-            paths = EXPORTS[to](to_si(data) if in_si else data, out or directory / "export")
+            paths = EXPORTS[to](to_si(data) if in_si else data, place)
     for path in paths:
-        print_path(path)
+        print_path(target / path.name)

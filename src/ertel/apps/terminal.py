@@ -4,14 +4,18 @@ import json
 import shlex
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from os.path import lexists
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, NoReturn
 
 import typer
 
 LONGEST = 2000  # characters of a message
 FAILED, BAD_INPUT = 1, 2  # exit codes; and 128 + the number of a signal, see `process`
+MARKS = (b"Matplotlib", b"ertel")  # of pictures but movies, and of NetCDF
+LONGEST_LINE, LARGEST_OUTPUT = 10**5, 4 * 10**9  # bytes: of the first line of a file, and of a file
 ASKED = 130  # stopped by a file, see `ertel.runs.directory`: as by Ctrl-C
 
 
@@ -72,6 +76,43 @@ def writing_to(directory: Path, advice: str) -> Iterator[None]:
         yield
     except OSError as error:
         leave(FAILED, f"cannot write to {shown(directory)}: {reason_of(error)}; {advice}")
+
+
+@contextmanager
+def placing(directory: Path, overwrite: bool = False, may_be_link: bool = True) -> Iterator[Path]:
+    """Give a new directory for the files of this block; then move them into this one, also in place of ertel's own.
+
+    A file that is there already is taken for ertel's own where it begins as the new one does, see `_kind`.
+    """
+    if not may_be_link and directory.is_symlink():
+        leave(BAD_INPUT, f"{shown(directory)}: is a symbolic link; delete it, or name a directory with --out")
+    made = [path for path in (directory, *directory.parents) if not path.exists()]
+    directory.mkdir(parents=True, exist_ok=True)
+    try:
+        with TemporaryDirectory(prefix=".ertel-", dir=directory) as draft:
+            yield Path(draft)
+            new = sorted(Path(draft).iterdir())
+            for path, place in ((path, directory / path.name) for path in new):
+                if lexists(place) and not overwrite and _kind(path) != _kind(place):
+                    leave(BAD_INPUT, f"{shown(place)}: ertel did not write this file; move it, or add --overwrite")
+            for path in new:
+                path.replace(directory / path.name)
+    finally:
+        for path in made:
+            with suppress(OSError):  # it has files
+                path.rmdir()
+
+
+def _kind(path: Path) -> tuple[bytes, ...]:
+    """The beginning of a file, of text its first line, with the marks of Matplotlib and of ertel in it."""
+    from ertel.runs.files import content_of
+
+    try:
+        content = content_of(path, LARGEST_OUTPUT)
+    except OSError:  # a directory, a pipe, a link to nowhere
+        return ()
+    line = content[:LONGEST_LINE].splitlines()[0] if content else b""
+    return (line if line.decode(errors="replace").isprintable() else content[:4], *(m for m in MARKS if m in content))
 
 
 # -- paths ------------------------------------------------------------------------------------------------------------

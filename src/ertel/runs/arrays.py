@@ -14,11 +14,10 @@ advice: how to go on where the data are damaged.
 
 import asyncio
 import json
-import shutil
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from math import ceil, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -27,14 +26,15 @@ import numpy as np
 import xarray as xr
 import zarr
 from numpy.typing import NDArray
-from zarr.abc.buffer import Buffer
+from zarr.abc.buffer import Buffer, BufferPrototype
 from zarr.codecs import Crc32cCodec, ZstdCodec
+from zarr.core.buffer import default_buffer_prototype
 from zarr.storage import LocalStore
 
 from ertel.case.status import Status
 from ertel.results import dataset
 from ertel.results.dataset import Frame, provenance
-from ertel.runs.files import Damaged, StoreError, content_of, reading, replace, require_regular, sealed, unsealed
+from ertel.runs.files import Damaged, StoreError, content_of, delete, reading, replace, sealed, unsealed
 
 if TYPE_CHECKING:  # they bring JAX
     from ertel.runs.drive import SteadyRun
@@ -47,13 +47,33 @@ NO_NUMBER = -1  # what a missing chunk of integers holds
 LARGEST_CHUNK = 256 * 10**6  # bytes: a map of 4097 x 4097 nodes has half of it
 THREADS = 8  # waiting for the disk together takes a tenth of the time
 FORMAT: Final = 3  # of Zarr; earlier ones may hold pickles
+OLD_FORMAT = (".zarray", ".zgroup", ".zattrs", ".zmetadata")  # the metadata of earlier ones
+CODECS = ("bytes", "zstd", "crc32c", "vlen-utf8")  # of what ertel writes, the last one of texts
 WRITTEN = "store_written"  # in a checkpoint: how many rows of the arrays belong to it
 
 Root = dict[str, Any]  # the content of ROOT without its checksum
 Record = Mapping[str, float]
 
 
-class SyncedStore(LocalStore):
+class RegularStore(LocalStore):
+    """A local store, perhaps made by somebody else, with regular files of a sensible size and arrays as ertel's only.
+
+    Reading a pipe may never end.  Other formats and codecs may run programs that the data name.
+    """
+
+    async def get(self, key: str, prototype: BufferPrototype | None = None, *_: Any, **__: Any) -> Buffer | None:
+        if key.endswith(OLD_FORMAT):
+            return None
+        try:
+            content = await asyncio.to_thread(content_of, self.root / key, LARGEST_CHUNK)
+        except (FileNotFoundError, NotADirectoryError):
+            return None
+        if key.endswith(ROOT):
+            require_plain(json.loads(content), key)
+        return (prototype or default_buffer_prototype()).buffer.from_bytes(content)
+
+
+class SyncedStore(RegularStore):
     """A local store whose chunks are on the disk when they are written."""
 
     async def set(self, key: str, value: Any) -> None:
@@ -63,14 +83,25 @@ class SyncedStore(LocalStore):
             await asyncio.to_thread(replace, self.root / key, value.to_bytes())
 
 
-class RegularStore(LocalStore):
-    """A local store in which all but regular files of a sensible size are an error: reading a pipe may never end."""
+def require_plain(metadata: Any, name: str) -> None:
+    """Raise ValueError unless all metadata in JSON, also consolidated ones, are of format 3 with codecs of ertel."""
+    waiting = [metadata]
+    while waiting:
+        part = waiting.pop()
+        if isinstance(part, dict):
+            if part.get("zarr_format", FORMAT) != FORMAT:
+                raise ValueError(f"{name} has arrays of Zarr's format {part['zarr_format']}, which may hold programs")
+            codecs = [each["name"] if isinstance(each, dict) else each for each in part.get("codecs", [])]
+            if wrong := [each for each in codecs if each not in CODECS] or part.get("storage_transformers"):
+                raise ValueError(f"{name} has arrays with codecs that ertel does not write ({wrong[0]})")
+            part = list(part.values())
+        waiting.extend(part if isinstance(part, list) else [])
 
-    async def get(self, key: str, *arguments: Any, **options: Any) -> Buffer | None:
-        with suppress(FileNotFoundError, NotADirectoryError):
-            require_regular(self.root / key, LARGEST_CHUNK)
-            return await super().get(key, *arguments, **options)
-        return None
+
+def opened(path: Path, consolidated: bool) -> xr.Dataset:
+    """The data of a run, a study or a fit, whose values are read when they are needed."""
+    data: xr.Dataset = xr.open_zarr(RegularStore(path, read_only=True), chunks=None, consolidated=consolidated)
+    return data
 
 
 def write(store: LocalStore, data: xr.Dataset) -> None:
@@ -121,7 +152,11 @@ def read_root(path: Path, advice: str) -> Root:
     except (FileNotFoundError, NotADirectoryError) as error:
         raise Damaged(path / ROOT, "missing", advice) from error
     with reading(path / ROOT, advice):
-        return unsealed(text, "attributes")
+        root = unsealed(text, "attributes")
+        require_plain(root, ROOT)
+        if wrong := [name for name in _metadata(root) if not name.isidentifier()]:  # such as ../../letters
+            raise ValueError(f"{wrong[0]!r} is not the name of an array")
+        return root
 
 
 def write_root(path: Path, root: Root) -> None:
@@ -163,7 +198,7 @@ def delete_uncounted(path: Path, root: Root) -> None:
         kept = ceil(metadata["shape"][0] / chunk)
         for file in (path / name / "c").glob("*"):
             if int(file.name) >= kept:
-                shutil.rmtree(file) if file.is_dir() else file.unlink()
+                delete(file)
 
 
 # -- reading ----------------------------------------------------------------------------------------------------------
@@ -278,13 +313,13 @@ class ReplacedData:
     def flush(self, path: Path, records: Sequence[Record], frames: Sequence[Frame], result: Any) -> dict[str, Any]:
         """Write the data again; the old data remain readable between the two renames."""
         old, draft = old_of(path), path.with_name(f"{path.name}.partial")
-        shutil.rmtree(draft, ignore_errors=True)
+        delete(draft)
         self._write(draft, result)
         if path.exists():
-            shutil.rmtree(old, ignore_errors=True)
+            delete(old)
             path.rename(old)
         draft.rename(path)
-        shutil.rmtree(old, ignore_errors=True)
+        delete(old)
         return {}
 
     def restore(self, path: Path, checkpoint: Mapping[str, Any], result: Any) -> None:

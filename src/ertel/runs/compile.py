@@ -16,6 +16,7 @@ from importlib.metadata import entry_points, version
 from importlib.util import find_spec
 from itertools import takewhile
 from pathlib import Path
+from stat import S_ISVTX
 from typing import TYPE_CHECKING, Any
 
 from ertel.version import own_sources
@@ -231,13 +232,15 @@ def _processor() -> str:
 def _is_safe(directory: Path) -> bool:
     """Return whether nobody but this user can put a program into a directory, made if need be; warn where not.
 
-    Neither the directory nor the one that it is in may be another user's, and no file in it.
+    Neither the directory nor the one that it is in may be another user's, and no file in it.  No other user may rename
+    one of the directories above.
     """
     try:
         for folder in (*reversed(directory.parents[:2]), directory):
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         closed = not directory.stat().st_mode & 0o077  # nobody else may enter
         wrong = [folder for folder in (directory, directory.parent) if not _is_own(folder)]
+        wrong += [folder for folder in _above(directory) if not _is_guarded(folder)]
         wrong += [path for path in directory.iterdir() if not _is_own(path, closed)]
     except OSError:  # it cannot be made, read, ...
         return False
@@ -246,6 +249,24 @@ def _is_safe(directory: Path) -> bool:
         advice = "make sure that only you can, or set JAX_COMPILATION_CACHE_DIR to another directory"
         warnings.warn(f"compiled programs are not kept: {why}; {advice}", RuntimeWarning, stacklevel=3)
     return not wrong
+
+
+def _above(directory: Path) -> list[Path]:
+    """The directories above one, as it is named and where links lead, up to the home of this user or the root."""
+    home = Path(os.path.expanduser("~"))  # unlike Path.home() also without one
+    ends = [home, home.resolve()]
+    found: list[Path] = []
+    for above in (directory.absolute().parents, directory.resolve().parents):
+        found += above[: next((n + 1 for n, path in enumerate(above) if path in ends), None)]
+    return found
+
+
+def _is_guarded(path: Path) -> bool:
+    """Return whether only this user and the system may rename what lies in a directory."""
+    info = path.stat()
+    return os.name == "nt" or (
+        info.st_uid in (0, os.getuid()) and (not info.st_mode & 0o022 or info.st_mode & S_ISVTX > 0)
+    )
 
 
 def _is_own(path: Path, closed: bool = False) -> bool:

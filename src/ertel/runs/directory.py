@@ -29,6 +29,7 @@ over; the lock tells.
 import errno
 import json
 import os
+import re
 import shutil
 import time
 from collections import deque
@@ -47,7 +48,7 @@ from ertel.case.conditions import Kind
 from ertel.case.status import Status
 from ertel.inputs.case_files import ConfigError, parse_case, read_toml, to_toml
 from ertel.results.numbers import Scalar, as_now, lines, scalars
-from ertel.runs.files import StoreError, content_of, is_locked, reading, replace, sync_directory, unsealed
+from ertel.runs.files import LOCK, StoreError, content_of, is_locked, reading, replace, sync_directory, unsealed
 
 if TYPE_CHECKING:  # it brings JAX, which readers do not need
     from ertel.runs.drive import Run
@@ -110,6 +111,28 @@ def _moved(draft: Path, directory: Path) -> bool:
     return True
 
 
+# -- its files --------------------------------------------------------------------------------------------------------
+
+_DRAWN, _ZARR = r"(png|svg|pdf|gif|webp|mp4|csv|nc|vti|pvd)", r"(c(/\d+)*|zarr(\.json)?)(\.[0-9a-f]{32})?(\.partial)?"
+_DRAFT = "(-[0-9a-f]{8})?"
+_ANY = rf"(progress\.json|stop|\{LOCK}|\.stop-[0-9a-f]{{8}})(\.partial)?"
+_RUN = (
+    rf"{_ANY}|(case\.toml|checkpoint\.npz|summary\.json|heights-[0-9a-f]{{16}}\.npy)(\.partial)?|"
+    rf"run\.zarr(\.old|\.partial)?/(\w+/)?{_ZARR}|(plots|export)/[^/]+\.{_DRAWN}"
+)
+_STUDY = r"(sweep|traction|fit|convergence)\."
+WRITTEN = re.compile(
+    rf"{_RUN}|runs/\.?[0-9a-f]{{16}}{_DRAFT}/({_RUN})|{_STUDY}(csv|png)|\.?{_STUDY}zarr{_DRAFT}/([\w.-]+/)?{_ZARR}"
+)
+
+
+def others_in(directory: Path) -> list[str]:
+    """The files in the directory of a run, or of a study, that do not have the name of one that ertel writes there."""
+    found = [Path(folder) / name for folder, *names in os.walk(directory) for name in chain(*names)]
+    names = [str(path.relative_to(directory)) for path in found if path.is_symlink() or not path.is_dir()]
+    return [name for name in names if not WRITTEN.fullmatch(name.replace(os.sep, "/"))]
+
+
 # -- the case ---------------------------------------------------------------------------------------------------------
 
 
@@ -150,7 +173,7 @@ def ask_to_stop(directory: Path) -> None:
 
     Any machine may ask; the run can be resumed.  Raises OSError where the file cannot be made.
     """
-    (directory / STOP).touch()
+    replace(directory / STOP, b"", durable=False)
 
 
 def is_asked_to_stop(directory: Path) -> bool:

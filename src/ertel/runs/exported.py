@@ -21,7 +21,7 @@ import numpy as np
 from jax import export, tree
 
 from ertel.numerics.programs import LEVEL, LEVEL_OF_SMALL, Compiled, Program, build, compiled_at, largest
-from ertel.runs.files import replace, with_checksum, without_checksum
+from ertel.runs.files import content_of, replace, with_checksum, without_checksum
 
 HURRIED = 2 * 513 * 513  # entries of the largest array, up to which a film is solved sooner than its program optimised
 KNOWN = ("ertel", "jax", "jaxlib", "numpy", "functools", "builtins")  # the stamp covers the code of these packages
@@ -92,7 +92,7 @@ class ExportedPrograms:
     def _read(self, file: Path) -> bytes:
         """The kept program; empty where none is kept with this stamp, or it is damaged."""
         with suppress(OSError, ValueError):
-            stamp, _, content = without_checksum(file.read_bytes()).partition(b"\n")
+            stamp, _, content = without_checksum(content_of(file)).partition(b"\n")
             if stamp == self.stamp.encode():
                 return content
         return b""

@@ -7,14 +7,16 @@ flipped bit, and a file that was cut short, from content.
 import errno
 import json
 import os
+import shutil
 import time
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
 from hashlib import sha256
+from itertools import chain
 from pathlib import Path
-from stat import S_ISDIR, S_ISREG
+from stat import S_ISREG
 from typing import Any
 
 try:
@@ -52,7 +54,7 @@ class NotDrawn(UserWarning):
 
 
 def replace(path: Path, content: bytes, durable: bool = True) -> None:
-    """Replace a file atomically.
+    """Replace a file atomically; a link in its place, or in that of its draft, is replaced and never followed.
 
     durable: make its directory if it is not there, and return when the file is on the disk.
     """
@@ -60,7 +62,8 @@ def replace(path: Path, content: bytes, durable: bool = True) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
     draft = path.with_name(f"{path.name}.partial")
     try:
-        with draft.open("wb") as file:
+        draft.unlink(missing_ok=True)  # of a killed process; or a link that somebody else has put there
+        with draft.open("xb") as file:
             file.write(content)
             file.flush()
             if durable:
@@ -71,6 +74,22 @@ def replace(path: Path, content: bytes, durable: bool = True) -> None:
         raise
     if durable:
         sync_directory(path.parent)
+
+
+def delete(path: Path) -> None:
+    """Delete a file, a link (not what it leads to) or a directory with all that it holds, where it is there."""
+    if path.is_symlink() or path.is_file():
+        path.unlink()
+    else:
+        shutil.rmtree(path, ignore_errors=True)
+
+
+def require_no_links(directory: Path) -> None:
+    """Raise StoreError where a directory is a symbolic link or holds one: what is written there would go elsewhere."""
+    inside = (Path(folder) / name for folder, *names in os.walk(directory) for name in chain(*names))
+    for path in chain([directory], inside):
+        if path.is_symlink():
+            raise StoreError(f"{path}: is a symbolic link, and ertel would write where it leads; delete it")
 
 
 def sync_directory(directory: Path) -> None:
@@ -94,21 +113,23 @@ def _sync(handle: int) -> None:
 # -- read -------------------------------------------------------------------------------------------------------------
 
 
-def require_regular(path: Path, most: int = LARGEST) -> None:
-    """Raise OSError unless a path leads to a regular file of at most so many bytes: reading a pipe may never end."""
-    status = path.stat()
-    if S_ISDIR(status.st_mode):
-        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
-    if not S_ISREG(status.st_mode):
-        raise OSError(errno.EINVAL, "not a regular file", str(path))
-    if status.st_size > most:
-        raise OSError(errno.EFBIG, os.strerror(errno.EFBIG), str(path))
-
-
 def content_of(path: Path, most: int = LARGEST) -> bytes:
-    """The content of a regular file.  Raises OSError, see `require_regular`."""
-    require_regular(path, most)
-    return path.read_bytes()
+    """The content of a regular file of at most so many bytes, opened once: reading a pipe may never end.
+
+    Raises OSError where it is something else, too large, or cannot be read.
+    """
+    with open(path, "rb", opener=_without_waiting) as file:
+        status = os.fstat(file.fileno())
+        if not S_ISREG(status.st_mode):
+            raise OSError(errno.EINVAL, "not a regular file", str(path))
+        if status.st_size > most:
+            raise OSError(errno.EFBIG, os.strerror(errno.EFBIG), str(path))
+        return file.read(status.st_size)
+
+
+def _without_waiting(path: str, flags: int) -> int:
+    """Open a file, a pipe without waiting for its other end."""
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
 
 
 # -- checksums --------------------------------------------------------------------------------------------------------

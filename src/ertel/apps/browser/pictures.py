@@ -245,15 +245,12 @@ def _unreadable(run: Path) -> ValueError:
 @lru_cache(maxsize=KEPT_OPEN)
 def _opened(run: Path, stamp: int) -> "xr.Dataset":
     """The data of a run as they were at a moment; the maps are read when they are drawn."""
-    import xarray as xr
-
-    from ertel.runs.arrays import RegularStore
+    from ertel.runs.arrays import opened
 
     if not stamp:
         raise ValueError("nothing is written yet")
     try:
-        store = RegularStore(run / DATA, read_only=True)
-        data: xr.Dataset = xr.open_zarr(store, chunks=None, consolidated=True)
+        data = opened(run / DATA, consolidated=True)
         rest = data if is_steady(data) else data[[name for name in data if data[name].ndim < 2]]
         rest.load()
     except Exception as error:  # of zarr, its codecs, the system

@@ -18,19 +18,17 @@ from time import monotonic
 from typing import IO, Any
 from uuid import uuid4
 
-from ertel.apps.browser.folder import RUNS, Folder, fault_of, progress_of, summary_of
+from ertel.apps.browser.folder import Folder, fault_of, progress_of, summary_of
 from ertel.apps.terminal import capital
 from ertel.case.status import Status
 from ertel.results.numbers import duration
 from ertel.runs import files
-from ertel.runs.directory import ask_to_stop, find_runs, is_asked_to_stop, is_run
+from ertel.runs.directory import ask_to_stop, find_runs, is_asked_to_stop, others_in
 
 ERTEL = (sys.executable, "-P", "-m", "ertel")  # -P: a file typer.py in the folder is none of ours
 STOPPED = (0, 130, 143, -signal.SIGTERM)  # exit codes of a run that ended or was asked to
 KILLED = -9
 FLUSH = ("--flush", "2")  # seconds between what a live picture can show
-# the files in the directory of a study, without endings
-OF_STUDIES = (RUNS, "stop", "progress", "sweep", "traction", "fit", "convergence")
 SAID = "ertel: "  # how a message begins
 
 COMPILING = (
@@ -194,14 +192,13 @@ class Processes:
         """Delete a run, or a study with all its runs.
 
         It is moved to a hidden name first, so that it is gone as a whole.  Raises ValueError where a process works on
-        it, and where a study's directory has files that are not of the study; OSError where the system refuses.
+        it, and where its directory has files that ertel does not write; OSError where the system refuses.
         """
         name = self.folder.name_of(place)
         runs = list(find_runs(place))
         if any(files.is_locked(each) for each in (place, *runs)) or {place, *runs} & {*self.ours()}:
             raise ValueError(f"{name}: is running; stop it before you delete it")
-        others = [] if is_run(place) else [path.name for path in place.glob("[!.]*") if path.stem not in OF_STUDIES]
-        if others:
+        if others := others_in(place):
             raise ValueError(f"{name}: holds other files ({', '.join(sorted(others)[:5])}); move them away first")
         hidden = place.with_name(f".{place.name}-{uuid4().hex[:8]}")
         with files.locked(place):

@@ -19,13 +19,12 @@ def study_report(study: Path, kind: str, stamp: int) -> tuple[str, str]:
 
     For the process that draws.  stamp: of the data, see `stamp_of`.  Raises ValueError where they cannot be read.
     """
-    import xarray as xr
-
     from ertel.results.fit_result import FitResult
     from ertel.results.study_result import StudyResult
+    from ertel.runs.arrays import opened
 
     try:
-        data = xr.open_zarr(study / f"{kind}.zarr", chunks=None, consolidated=False).load()
+        data = opened(study / f"{kind}.zarr", consolidated=False).load()
         best = str(data.attrs.get("best", ""))
         if not (study / best).resolve().is_relative_to(study.resolve()):
             raise ValueError(f"{best} lies outside of the study")
