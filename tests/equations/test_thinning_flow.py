@@ -134,6 +134,14 @@ def test_the_secant_mobility_is_that_along_the_gradient():
     assert_allclose(slid / plain * size**2, 12.0 * (film.flux * gradient).sum(axis=0), rtol=1e-9, atol=1e-14)
 
 
+def test_the_edge_thins_the_oil_by_no_gradient_of_its_own():
+    """A uniform pressure that fills the grid: the mobility on the edge is that inside."""
+    grid = square_grid(33)
+    same = jnp.ones((33, 33))
+    for along in DETAILS(thinning(grid), same, 0.3 * same, 1.0, Plane.of(grid)).mobility:
+        assert_allclose(along, along[16, 16], rtol=1e-12)
+
+
 def test_nothing_flows_where_the_surfaces_overlap():
     grid = square_grid(33)
     c, (P, H) = thinning(grid), fields(grid)

@@ -121,3 +121,14 @@ def test_a_wave_of_eight_nodes_loses_less_than_half_a_percent_per_wavelength(ste
     wave = np.stack([np.cos(np.pi / 4 * LINE), np.sin(np.pi / 4 * LINE)])
     kept = np.hypot(*np.asarray(shifted(jnp.asarray(wave), step))[:, MIDDLE]).mean()
     assert 1 - kept ** (8 / step) < 0.005
+
+
+@pytest.mark.parametrize("even", [Symmetry(False, False), Symmetry(True, False), Symmetry(True, True)], ids=str)
+def test_slopes_of_a_parabola_are_exact_up_to_the_edge(even: Symmetry) -> None:
+    """Also where the field does not vanish there; about an axis the parabola is even."""
+    X, Y = np.meshgrid(*[0.25 * np.arange(-4, 5)] * 2)
+    tilt_x, tilt_y = (0.0 if mirror else 0.7 for mirror in (even.x, even.y))
+    f = 3.0 + X**2 - 2.0 * Y**2 + tilt_x * X + tilt_y * Y
+    found = jax.jit(stencils.node_slopes, static_argnums=2)(folded(f, even), 0.25, even)
+    for slope, expected in zip(found, (2.0 * X + tilt_x, tilt_y - 4.0 * Y), strict=True):
+        assert_allclose(slope, folded(expected, even), atol=1e-12)

@@ -26,7 +26,16 @@ from ertel.equations.across import Vector, dot
 from ertel.equations.contact import Contact, Details, Mobilities, PressureFlow, mobility, opened
 from ertel.equations.shear import ShearedFilm, SolvedFilm, attached, solved_film
 from ertel.numerics.integrals import Plane
-from ertel.numerics.stencils import Pair, central_slopes, divergence, extended, node_slopes, to_x_faces, to_y_faces
+from ertel.numerics.stencils import (
+    Pair,
+    central_slopes,
+    continued,
+    divergence,
+    extended,
+    node_slopes,
+    to_x_faces,
+    to_y_faces,
+)
 from ertel.physics.fluidity import Fluidity, limited_stress
 
 LARGEST_FACTOR = 1e9  # of a mobility by thinning, in the preconditioner, which computes in single precision
@@ -138,7 +147,7 @@ def _faces(contact: Contact, P: Array, H: Array) -> tuple[_Points, tuple[Array, 
     p = extended(P, contact.even)
     eps = extended(mobility(contact, P, H), contact.even, "edge")
     film = extended(jnp.maximum(H, 0.0), contact.even, "edge")
-    slope_x, slope_y = central_slopes(p, contact.spacing)
+    slope_x, slope_y = central_slopes(continued(P, contact.even), contact.spacing)
     across_x = (p[1:-1, 1:] - p[1:-1, :-1]) / contact.spacing
     across_y = (p[1:, 1:-1] - p[:-1, 1:-1]) / contact.spacing
     slope = Vector(_line(across_x, to_y_faces(slope_x)), _line(to_x_faces(slope_y), across_y))

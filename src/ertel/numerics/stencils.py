@@ -44,6 +44,24 @@ def extended(field: Array, even: Symmetry, beyond: str = "constant") -> Array:
     return p.at[:, 0].set(p[:, 2]) if even.x else p
 
 
+def continued(field: Array, even: Symmetry) -> Array:
+    """The field with one more node on every side: the mirror image across an axis, elsewhere on a parabola.
+
+    The parabola goes through the three nodes next to the edge.  Slopes on the edge are then of second order, whatever
+    the field is there.
+    """
+    p = extended(field, even)
+    p = p.at[-1].set(_next(p[-2], p[-3], p[-4]))
+    p = p if even.y else p.at[0].set(_next(p[1], p[2], p[3]))
+    p = p.at[:, -1].set(_next(p[:, -2], p[:, -3], p[:, -4]))
+    return p if even.x else p.at[:, 0].set(_next(p[:, 1], p[:, 2], p[:, 3]))
+
+
+def _next(first: Array, second: Array, third: Array) -> Array:
+    """The value beyond the first of three nodes."""
+    return 3.0 * (first - second) + third
+
+
 def unfolded(field: Array, even: Symmetry, odd: bool = False) -> Array:
     """The field on the whole plane, by NumPy or JAX as the field is an array of.
 
@@ -114,8 +132,8 @@ def central_slopes(f: Array, spacing: Array | float) -> tuple[Array, Array]:
 
 
 def node_slopes(f: Array, spacing: Array | float, even: Symmetry = NO_SYMMETRY) -> Array:
-    """grad f at the nodes by central differences, shape (2, n, n); f is zero beyond the edge."""
-    return jnp.stack([slope[1:-1, 1:-1] for slope in central_slopes(extended(f, even), spacing)])
+    """grad f at the nodes by central differences, shape (2, n, n); on the edge by those of a parabola (`continued`)."""
+    return jnp.stack([slope[1:-1, 1:-1] for slope in central_slopes(continued(f, even), spacing)])
 
 
 def face_sum(eps: Pair, even: Symmetry = NO_SYMMETRY) -> Array:
