@@ -296,7 +296,7 @@ def thermal_warnings(case: Case, heat: Any) -> list[str]:
         )
     if heat.inlet.factor < CLEARLY_THINNER:
         warnings.append(
-            f"the inlet factor phi_T = {heat.inlet.factor:.3g} is of a line contact: in a ball's pure rolling its film is "
+            f"the inlet factor phi_T = {heat.inlet.factor:.3g} is made for lines: in a ball's pure rolling its film is "
             "too thin by about 7, 13 and 25 % at L_t = 0.3, 1.1 and 4.6, with sliding by 12 to 40 %"
         )
     for number, peclet in enumerate(heat.peclet, 1):
