@@ -69,7 +69,8 @@ def test_a_steady_contact_as_text_as_plain_data_in_si_and_for_a_notebook(tmp_pat
     result = rolling(BALL_ROLLS)
     text = repr(replace(result, directory=tmp_path))
     assert text.startswith("Result: steel_ball, converged\n  rolling (steady), M = 200, L = 10\n  on 129 x 129 nodes")
-    assert f"{0.095 * C1.film * 1e9:.4g} nm (0.095 a^2/R), error 1.8%" in text
+    best, bar = result.summary["H_c_extrapolated"], result.summary["H_c_error"]
+    assert f"{best * C1.film * 1e9:.4g} nm ({best:.4g} a^2/R) ± {bar / best:.1%}" in text
     assert f"stored in {tmp_path}" in text
     assert json.loads(json.dumps(result.summary)) == {**result.summary} and isinstance(result.summary, dict)
     assert repr(result.summary).startswith("Summary: converged")
@@ -163,7 +164,7 @@ def test_the_lambda_ratio_is_of_the_warm_extrapolated_film():
 
 
 def test_a_wavy_case_is_not_called_smooth():
-    wave = ertel.Feature(ertel.Wave(0.5, 0.01))
+    wave = ertel.Feature(ertel.Waviness(0.01, 0.5))
     with pytest.raises(ValueError, match="the roughness of the case has no rms"):
         rolled(replace(BALL_ROLLS, roughness=(wave,))).lambda_ratio()
 
