@@ -131,7 +131,7 @@ def contact_law(study: StudyResult) -> ContactLaw:
     if lacking.any():
         first, status = (data[name].values[lacking][0] for name in ("directory", "status"))
         raise ValueError(
-            f"study: {lacking.sum()} of {lacking.size} runs failed or have no rebound, the first is {first} ({status}); "
+            f"study: {lacking.sum()} of {lacking.size} runs failed or have no rebound, first {first} ({status}); "
             'all must converge with time.until = "rebound"'
         )
     return ContactLaw(table.sortby(list(data.sizes)))
