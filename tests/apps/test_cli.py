@@ -97,7 +97,7 @@ def test_error_estimate(here):
     assert estimate["grid"] == pytest.approx((films[0] - films[1]) / 3, rel=1e-12)
     shown = ertel_("show", "fine").stdout
     (line,) = [line for line in shown.splitlines() if f"largest error is that of the {estimate['dominant']} in" in line]
-    assert "H_c" in line and "extrapolated" in shown
+    assert "H_c" in line and "on the grid" in shown
 
 
 def test_run_that_gives_up(here, monkeypatch):
@@ -339,7 +339,7 @@ def no_pictures(monkeypatch):
 
 def test_run_show_and_plot(here, no_pictures):
     text = ertel_("run", "steady.toml").stdout
-    for part in ("converged", "H_c", "error", "extrapolated", "nm", "Nijenbanning", "Hamrock", "computed", "%"):
+    for part in ("converged", "H_c", "error", "on the grid", "nm", "Nijenbanning", "Hamrock", "computed", "%"):
         assert part in text
     assert text == ertel_("show", "runs/steady").stdout
     printed = ertel_("plot", "runs/steady").stdout.split()

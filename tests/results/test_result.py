@@ -17,6 +17,7 @@ from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
 from ertel.physics.amplitude_reduction import lambda_ratio
 from ertel.results.dataset import provenance
+from ertel.results.numbers import key_numbers, scalars
 from ertel.results.parameters import parameters_of, scale_values
 from ertel.results.result import Result, verdict
 from ertel.results.summary import impact_summary, rolling_summary, steady_summary
@@ -46,8 +47,8 @@ def test_repr_of_a_physical_impact():
     assert text.startswith("Result: ball, converged\n  impact (2d), M = ")
     for part in (
         "at maximum approach",
-        f"{0.07 * result.case.scales.film * 1e9:.4g} nm (0.07 a*^2/R), error 1.0%",
-        "error 10.0%",
+        f"{0.0693 * result.case.scales.film * 1e9:.4g} nm (0.0693 a*^2/R) ± 1.0%",
+        "± 11.1%",
         "GPa (1.3 p_h*)",
         "(0.004 F* a*^2/(R t0))",
         "coefficient of restitution e  0.9300",
@@ -68,7 +69,8 @@ def test_a_steady_contact_as_text_as_plain_data_in_si_and_for_a_notebook(tmp_pat
     result = rolling(BALL_ROLLS)
     text = repr(replace(result, directory=tmp_path))
     assert text.startswith("Result: steel_ball, converged\n  rolling (steady), M = 200, L = 10\n  on 129 x 129 nodes")
-    assert f"{0.095 * C1.film * 1e9:.4g} nm (0.095 a^2/R), error 1.8%" in text
+    best, bar = result.summary["H_c_extrapolated"], result.summary["H_c_error"]
+    assert f"{best * C1.film * 1e9:.4g} nm ({best:.4g} a^2/R) ± {bar / best:.1%}" in text
     assert f"stored in {tmp_path}" in text
     assert json.loads(json.dumps(result.summary)) == {**result.summary} and isinstance(result.summary, dict)
     assert repr(result.summary).startswith("Summary: converged")
@@ -144,7 +146,30 @@ def test_the_line_has_what_the_run_has():
     # with heat the film and the friction are the warm ones
     heat = {"h_c_m": 300e-9, "h_min_m": 180e-9, "mu_sliding": 0.031, "T_film_mean_K": 324.0}
     case = SimpleNamespace(features=(), scales=C1, thermal=SimpleNamespace(temperature=313.0))
-    assert verdict(replace(rolled(thermal=heat), case=case)) == "film 300 nm, mu = 0.031, 11 K"
+    assert verdict(replace(rolled(thermal=heat), case=case)) == "warm film 300 ± 13 nm, mu = 0.031, 11 K"
+
+
+def test_a_film_with_an_error_above_half_of_it_is_not_known():
+    doubtful = rolled(H_min_error=150e-9 / C1.film)
+    assert key_numbers(doubtful.summary)[1].text == "not known"
+    assert verdict(doubtful).startswith("film 341 ± 15 nm")
+    assert "h_min" not in scalars(doubtful.summary) and "h_min_on_grid" in scalars(doubtful.summary)
+    with pytest.raises(ValueError, match="the minimum film is not known"):
+        doubtful.lambda_ratio("60 nm")
+
+
+def test_the_lambda_ratio_is_of_the_warm_extrapolated_film():
+    heat = {"h_c_m": 300e-9, "h_min_m": 150e-9, "mu_sliding": 0.031}
+    run = rolled(thermal=heat, H_min_extrapolated=220e-9 / C1.film)
+    assert run.lambda_ratio("55 nm") == pytest.approx(3.0)  # 150/200 of 220 nm, over 55 nm
+
+
+def test_a_wavy_case_is_not_called_smooth():
+    wave = ertel.Feature(ertel.Waviness(0.01, 0.5))
+    with pytest.raises(ValueError, match="the roughness of the case has no rms"):
+        rolled(
+            replace(BALL_ROLLS, roughness=(wave,), solver=replace(BALL_ROLLS.solver, method="transient"))
+        ).lambda_ratio()
 
 
 def test_the_lambda_ratio():

@@ -1,6 +1,7 @@
 """The outcome of a run as plain data: values in SI, extremes, coefficients of friction, and the error of a run."""
 
 from functools import cache
+from math import inf, nan
 from typing import Any
 
 import numpy as np
@@ -21,8 +22,8 @@ from ertel.physics.film_formulas import FormulaFilm
 from ertel.physics.units import Quantity
 from ertel.results import parameters, variables
 from ertel.results.numbers import as_now, key_numbers, lines, more_lines, number, scalars
-from ertel.results.summary import comparisons, extremes, impact_summary, rolling_summary, with_error
-from ertel.results.variables import one_number, to_si, with_coefficients
+from ertel.results.summary import _finite, comparisons, extremes, impact_summary, rolling_summary, with_error
+from ertel.results.variables import AT_MAXIMUM, one_number, to_si, with_coefficients
 from ertel.runs.drive import simulate
 from ertel.solvers import radial
 
@@ -152,6 +153,25 @@ def test_summaries_and_data_of_earlier_versions(run: ertel.Result) -> None:
     assert one_number(run.dataset) is run.dataset
 
 
+def test_a_film_that_vanished_has_no_numbers() -> None:
+    """Nor has the impact as a whole, though the ball came back."""
+    case, data = parse_case(MOES_FALLS), dry_impact(MOES_FALLS)
+    data["V"][-1], data["F"][-1] = -0.9, 0.0
+    last = data["H_min"].values.size - 1
+    reached = {**dict.fromkeys((*AT_MAXIMUM, "power_loss"), 1.0), "T": 0.5}
+    whole = impact_summary(case, data, reached, {}, Status.CONVERGED)
+    assert whole["restitution"] == 0.9
+    data["H_min"][last] = 0.0
+    gone = impact_summary(case, data, reached, {}, Status.CONVERGED)
+    assert gone["status"] == Status.FILM_VANISHED.value
+    assert gone["restitution"] is gone["contact_time"] is gone["F_max"] is gone["max_approach"] is gone["H_c"] is None
+    assert not key_numbers(gone)
+
+
+def test_a_residual_that_is_not_a_number_is_written_as_none() -> None:
+    assert _finite({"residual": nan, "si": {"h_c_m": inf}, "n": 3}) == {"residual": None, "si": {"h_c_m": None}, "n": 3}
+
+
 def test_the_films_of_an_impact_stand_where_those_of_rolling_do() -> None:
     fall = ertel.impact(
         radius=0.01, ball_density=7850, speed=0.1, E_prime="226 GPa", oil=ertel.Oil(eta0=0.0186, alpha=20e-9),
@@ -166,15 +186,15 @@ def test_the_films_of_an_impact_stand_where_those_of_rolling_do() -> None:
     assert least < summary["H_c"] < most < fall.parameters.trapped_film
 
 
-def test_tables_show_the_value_and_the_extrapolated_one_with_the_error(run: ertel.Result) -> None:
+def test_tables_show_the_extrapolated_value_with_its_error_and_that_on_the_grid(run: ertel.Result) -> None:
     case, film = run.case, FormulaFilm("formula", 0.12, 0.06, "source", "valid", True)
-    values = {"H_c": (0.10, 0.01, 0.11), "H_min": (0.04, 0.02, 0.05)}
+    values = {"H_c": (0.11, 0.011, 0.10), "H_min": (0.05, 0.025, 0.04)}
     computed = {name: number(case.kind, case.scales, name, *known) for name, known in values.items()}
     columns = list(zip(*film_rows(case, [film], computed), strict=True))
-    assert columns[0][1:] == ("computed", "computed, extrapolated", "formula")
+    assert columns[0][1:] == ("computed", "computed, on the grid", "formula")
     assert columns[2][1:] == ("+-10.0%", "", "+9.1%") and columns[4][1:] == ("+-50.0%", "", "+20.0%")
     head, row = value_rows("", [computed["H_c"]])
-    assert head[2:] == ["value", "in SI", "error", "extrapolated", "in SI"]
+    assert head[2:] == ["value", "in SI", "error", "on the grid", "in SI"]
     assert float(row[6].split()[0]) == pytest.approx(1.1 * float(row[3].split()[0]), rel=1e-3)
 
 

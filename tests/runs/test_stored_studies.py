@@ -217,6 +217,7 @@ def test_a_measured_surface_goes_with_its_case_to_another_process(tmp_path):
 def test_errors_stand_beside_their_numbers():
     steady = {"kind": "rolling", "M": 200.0, "L": 10.0, "H_c": 0.5, "H_c_error": 0.01, "H_c_extrapolated": 0.51}
     found = scalars({**steady, "H_min": 0.3, "H_min_error": None, "H_min_extrapolated": None})
+    assert found["H_c"].value == 0.51 and found["H_c_on_grid"].value == 0.5
     assert found["H_c_error"].value == 0.01 and "H_min_error" not in found
     about = {"long_name": "estimated error of the central film thickness", "units": "1", "in_units_of": "a^2/R"}
     assert found["H_c_error"].attributes == about

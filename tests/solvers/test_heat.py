@@ -163,6 +163,18 @@ def test_the_start_does_not_matter() -> None:
     assert_allclose(again.sliding, warm.sliding, rtol=1e-6)
 
 
+def test_heat_thins_what_a_flooded_inlet_lets_pass_and_not_the_layer() -> None:
+    case, flooded = usual()
+    assert case.scales is not None
+    factors = []
+    for layer in (1e-4, 0.3, 20.0):  # over the flooded film
+        oil = {**OIL, "layer": f"{layer * case.film_scale * case.scales.film} m"}
+        thin = parse_case({"contact": CONTACT, "lubricant": oil, "solver": {"nodes": 33}, "thermal": {}})
+        factors.append(heated(thin, *film_of(case)).inlet.factor)
+    assert factors[0] == pytest.approx(1.0, abs=1e-6) and factors[2] == pytest.approx(flooded.inlet.factor, rel=1e-3)
+    assert flooded.inlet.factor < factors[1] < 1.0 and factors[1] > 0.9
+
+
 def test_a_case_without_thermal_data_has_no_temperatures() -> None:
     case = replace(case_of(), thermal=None)
     P, H = film_of(case)

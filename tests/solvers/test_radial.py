@@ -329,6 +329,8 @@ def test_measure_takes_the_smallest_film_between_the_nodes() -> None:
     assert found["X_min"] == pytest.approx(0.871, rel=1e-12) and found["H_min"] == pytest.approx(0.01, rel=1e-12)
     assert found["F"] == pytest.approx(1.0, rel=1e-2) and found["P_c"] == found["P_max"] == 1.0
     assert found["H_c"] == H[0]
+    rim = method.measure(State(1.0, 1.0, 0.0, {"P": jnp.asarray(r), "H": jnp.asarray(H)}))  # as at M = 1e-3
+    assert rim["X_P_max"] == r[-1] and rim["P_fall"] == pytest.approx(0.5 * (1 - r[-2] / r[-1]))
     apart = method.measure(method.start())
     assert apart["F"] == pytest.approx(0.75 * 0.01, rel=5e-3)  # of a rigid ball: pi lambda_bar V/(2 H) in units 2 pi/3
     assert (apart["H_min"], apart["X_min"]) == (pytest.approx(1.0, abs=0.005), 0.0)

@@ -62,11 +62,11 @@ def _as_data(run: "Listed", folder: Path) -> dict[str, Any]:
 
 def _print_runs(runs: "Sequence[Listed]", folder: Path) -> None:
     from ertel.apps.tables import print_rows
-    from ertel.results.numbers import SHOWN
+    from ertel.results.numbers import SHOWN, shown_of
     from ertel.results.variables import name_in_si, with_prefix
 
     there = {name for run in runs for name in run.numbers}
-    names = ["M", "L", *(name for name in SHOWN if there & {name, name_in_si(name)})]
+    names = ["M", "L", *(name for name in shown_of(SHOWN, there) if there & {name, name_in_si(name)})]
     rows = [["run", "case", "status", "written", *names]]
     for run in runs:
         case = f"{run.case.name or run.case.kind}, {run.case.solver.method}" if run.case else ""

@@ -148,15 +148,16 @@ def _print_values(out: PlainConsole, case: "Case", summary: Mapping[str, Any]) -
 
 
 def value_rows(heading: str, values: Sequence[Number]) -> list[list[str]]:
-    """Numbers with their value in SI, error and extrapolated value, also in SI, as far as these are known."""
+    """Numbers with their value in SI, its error and the value on the grid, also in SI, as far as these are known."""
     in_si = ["in SI"] if any(each.factor is not None for each in values) else []
-    estimated = ["error", "extrapolated", *in_si] if any(each.error is not None for each in values) else []
+    estimated = ["error", "on the grid", *in_si] if any(each.error is not None for each in values) else []
     rows = [[heading, "", "value", *in_si, *estimated]]
     for each in values:
-        row = [each.about.long_name, each.name, *_with_si(each, each.value, in_si)]
-        if each.error is not None and each.extrapolated is not None:
+        value = _with_si(each, each.value, in_si) if each.known else ["not known", *("" for _ in in_si)]
+        row = [each.about.long_name, each.name, *value]
+        if each.error is not None and each.on_grid is not None:
             row += [f"{each.error / abs(each.value):.2%}" if each.value else "-"]
-            row += _with_si(each, each.extrapolated, in_si)
+            row += _with_si(each, each.on_grid, in_si)
         rows.append(row + [""] * (len(rows[0]) - len(row)))
     return rows
 
@@ -181,11 +182,10 @@ def print_films(case: "Case", films: "Sequence[FormulaFilm]", computed: Mapping[
 def film_rows(case: "Case", films: "Sequence[FormulaFilm]", computed: Mapping[str, Number]) -> list[list[str]]:
     """Film thicknesses by the formulas, with their deviation from a computed film thickness if there is one.
 
-    computed: H_c and H_min.  With estimated errors the deviation is from the extrapolated film.  A formula that is not
+    computed: H_c and H_min; the deviation is from their extrapolated value where there is one.  A formula that is not
     made for such a contact is in brackets.
     """
     both = [computed[name] for name in FILMS] if computed else []
-    best = [each.value if each.extrapolated is None else each.extrapolated for each in both]
 
     def row(name: str, films: Iterable[float | None], notes: Iterable[str]) -> list[str]:
         """The films in a row; a note follows each where there is something to compare with."""
@@ -198,10 +198,10 @@ def film_rows(case: "Case", films: "Sequence[FormulaFilm]", computed: Mapping[st
             row("computed", [n.value for n in both], [n.text_of_error and f"+-{n.text_of_error}" for n in both])
         )
     if any(each.error is not None for each in both):
-        rows.append(row("computed, extrapolated", best, ["", ""]))
+        rows.append(row("computed, on the grid", [each.on_grid for each in both], ["", ""]))
     for f in films:
         name = f.name if f.inside else f"({f.name})"
-        rows.append(row(name, (f.central, f.minimum), map(_deviation, (f.central, f.minimum), best)))
+        rows.append(row(name, (f.central, f.minimum), map(_deviation, (f.central, f.minimum), both)))
     return rows
 
 
@@ -211,8 +211,8 @@ def _film(case: "Case", film: float | None) -> str:
     return with_prefix(film * case.scales.film, "m") if case.scales else f"{film:.4g}"
 
 
-def _deviation(film: float | None, computed: float) -> str:
-    return f"{film / computed - 1:+.1%}" if film is not None and computed else ""
+def _deviation(film: float | None, computed: Number) -> str:
+    return f"{film / computed.value - 1:+.1%}" if film is not None and computed.value and computed.known else ""
 
 
 def print_sources(films: "Sequence[FormulaFilm]") -> None:

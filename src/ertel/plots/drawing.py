@@ -95,7 +95,7 @@ def unit_text(unit: str) -> str:
 def mathtext(symbol: str) -> str:
     """H_min as $H_\\mathrm{min}$, Delta as a Greek letter."""
     base, _, index = re.sub(GREEK, r"\\\g<0>", symbol).partition("_")
-    return f"${base}_\\mathrm{{{index}}}$" if index else f"${base}$"
+    return f"${base}_\\mathrm{{{index.replace('_', ', ')}}}$" if index else f"${base}$"
 
 
 def plain_ticks(axis: Axis) -> None:

@@ -33,6 +33,7 @@ from ertel.plots.measurements import fit_figure
 from ertel.plots.view import case_of, conditions_in_si, name_of
 from ertel.results.convergence import SEEN, limits_of
 from ertel.results.dataset import largest_of
+from ertel.results.numbers import shown_of
 from ertel.results.variables import CELSIUS, in_celsius, name_in_si, with_prefix
 
 PANELS = (  # numbers that are drawn together, in SI or not
@@ -67,7 +68,7 @@ def figure(dataset: xr.Dataset, **options: Unpack[SheetOptions]) -> Figure:
     others = {"chi_square": fit_figure, "varies": _traction_figure, "assumed_order": _convergence_figure}
     for attribute in others.keys() & dataset.attrs.keys():
         return others[attribute](dataset, sheet)
-    shown = [[name for name in names if _has_numbers(dataset, name)] for names in PANELS]
+    shown = [_there(dataset, names) for names in PANELS]
     panels: list[Panel[xr.Dataset]] = [partial(_draw, names=names) for names in shown if names]
     if not panels:
         raise NoFigure("dataset: no run has any numbers yet, there is nothing to draw")
@@ -86,6 +87,11 @@ def _add_legend(picture: Figure, entries: Sequence[Any], width: float, sheet: Sh
     picture.legend(handles=entries, loc="outside lower center", ncols=columns, frameon=False, fontsize=letters)
     if sheet.figsize is None:
         picture.set_figheight(picture.get_figheight() + 0.1 + 1.7 * letters / 72.0 * -(-len(entries) // columns))
+
+
+def _there(dataset: xr.Dataset, names: Sequence[str]) -> list[str]:
+    """The names of numbers that the runs have; the warm ones where there are any."""
+    return [name for name in shown_of(names, dataset) if _has_numbers(dataset, name)]
 
 
 def _has_numbers(dataset: xr.Dataset, name: str) -> bool:
@@ -128,7 +134,7 @@ def _lines(dataset: xr.Dataset, along: xr.DataArray) -> Iterator[tuple[Place, An
     shades = ORDERED_COLOURS(np.linspace(0.0, 1.0, len(of_colour))) if len(of_colour) > 1 else [BLUE]
     for one, shade in zip(of_colour, shades, strict=True):
         for other, look in zip(of_look, cycle(LOOKS), strict=False):
-            if any(_has_numbers(dataset.isel({**one, **other}), name) for names in PANELS for name in names):
+            if any(_there(dataset.isel({**one, **other}), names) for names in PANELS):
                 yield {**one, **other}, shade, look
 
 
@@ -141,7 +147,7 @@ def _legend(dataset: xr.Dataset) -> list[Line2D]:
         of_look[_values_text(dataset, place, looks)] = Line2D(
             [], [], color=GREY, marker=marker, linestyle=line, markersize=3.5
         )
-    films = [name for name in PANELS[0] if _has_numbers(dataset, name)]
+    films = _there(dataset, PANELS[0])
     of_film = {
         mathtext(name): Line2D([], [], color="black", marker="o", markersize=3.5, markerfacecolor=face)
         for name, face in zip(films, FACES, strict=False)

@@ -4,6 +4,7 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from math import isnan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -227,10 +228,11 @@ class View:
         ]
 
     def _film_with_error(self, name: str) -> str:
-        """A film on the finest grid as h_c = 146 ± 10 nm: as many digits as the error deserves."""
+        """A film, extrapolated, as h_c = 146 ± 10 nm: as many digits as the error deserves."""
         film = self.on_grids(name)[-1]
-        z = self.scale(name, film.value)
-        return f"{z.symbol} = {plus_minus(film.value * z.factor, film.error * z.factor)} {z.unit}"
+        best = film.value if isnan(film.extrapolated) else film.extrapolated
+        z = self.scale(name, best)
+        return f"{z.symbol} = {plus_minus(best * z.factor, film.error * z.factor)} {z.unit}"
 
     def on_grids(self, name: str) -> list[Extrapolation]:
         """A value of a steady contact on every grid with its estimated error, which the coarsest does not have."""

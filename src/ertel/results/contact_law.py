@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from ertel.results.study_result import StudyResult
+from ertel.results.study_result import DONE, StudyResult
 from ertel.results.variables import name_in_si
 
 NUMBERS = {"restitution": "restitution", "contact_time": "duration", "F_max": "force"}  # of a run, in a law
@@ -136,11 +136,11 @@ def contact_law(study: StudyResult) -> ContactLaw:
     empty = xr.full_like(data["warnings"], np.nan, dtype=float)
     about = {name: data.attrs[name] for name in ("title", "source", "date_created")} | {"comment": COMMENT}
     table = xr.Dataset({new: data.get(name, empty) for name, new in stored.items()}, attrs=about)
-    lacking = table.to_array().isnull().any("variable").values
+    lacking = (table.to_array().isnull().any("variable") | (data["status"] != DONE)).values
     if lacking.any():
         first, status = (data[name].values[lacking][0] for name in ("directory", "status"))
         raise ValueError(
-            f"study: {lacking.sum()} of {lacking.size} runs have no rebound, the first is {first} ({status}); all must "
-            'converge with time.until = "rebound"'
+            f"study: {lacking.sum()} of {lacking.size} runs failed or have no rebound, first {first} ({status}); "
+            'all must converge with time.until = "rebound"'
         )
     return ContactLaw(table.sortby(list(data.sizes)))

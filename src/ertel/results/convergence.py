@@ -62,5 +62,6 @@ def with_limits(dataset: xr.Dataset) -> xr.Dataset:
 def limits_of(dataset: xr.Dataset) -> dict[str, Limit]:
     """The limits of the numbers that all runs of a series have and that differ, by their name in it."""
     names = [name for each in ESTIMATED for name in dict.fromkeys((each, name_in_si(each))) if name in dataset]
-    values = {name: dataset[name].values.tolist() for name in names}
+    on_grid = {name: f"{name}_on_grid" if f"{name}_on_grid" in dataset else name for name in names}
+    values = {name: dataset[on_grid[name]].values.tolist() for name in names}
     return {name: limit(each) for name, each in values.items() if all(each) and np.ptp(each) > 0.0}

@@ -5,7 +5,7 @@ versions.  Below it are the outcome as text and as HTML for a notebook.  This mo
 """
 
 from base64 import b64encode
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from html import escape
 from io import BytesIO
 from math import floor, isfinite, log10
@@ -14,12 +14,24 @@ from typing import Any, NamedTuple
 from ertel.case.status import Status
 from ertel.physics.scales import Scales
 from ertel.physics.temperature_laws import ZERO_CELSIUS
-from ertel.results.variables import COEFFICIENT, FILMS, FRICTION, MEASURED, VARIABLES, Variable, unit_of, with_prefix
+from ertel.results.variables import (
+    COEFFICIENT,
+    FILMS,
+    FRICTION,
+    MEASURED,
+    VARIABLES,
+    Variable,
+    in_celsius,
+    unit_of,
+    with_prefix,
+)
 
 Outcome = Mapping[str, Any]  # of a run, as `results.summary` and `summary.json` have it
 
 KEY = ("H_c", "H_min", "P_max")
 SHOWN = (*KEY, *FRICTION, "restitution")  # in a table of many runs
+WARM_OF = {name: f"{name.lower()}_warm" for name in (*FILMS, "mu_sliding")}  # shown in their place where they are known
+UNKNOWN = 0.5  # error of a film over its value, above which the film is not known
 WARM = ("h_c_m", "h_min_m", "mu_sliding", "T_1_max_K", "T_2_max_K", "T_film_max_K", "phi_T")  # those under `thermal`
 WORK = {"newton_iterations": "newton_iterations", "krylov_iterations": "krylov_iterations", "wall_s": "wall_time"}
 IN_SI = ("m", "K", "s")  # units of numbers that are in SI in the summary itself
@@ -29,8 +41,9 @@ FREE = ("name", "reference")  # keys of a case that change no result
 class Number(NamedTuple):
     """A number of the outcome of a run.
 
-    value, error, extrapolated: in `unit`, "1" for a plain number; the error is the estimated one of the discretisation.
-    factor: what 1 is in SI, None where that is not known or the same.
+    value, error, on_grid: in `unit`, "1" for a plain number.  The value is the extrapolated one where the error of the
+    discretisation was estimated, the error is its bar, and on_grid the value on the grid, as in the maps.  factor: what
+    1 is in SI, None where that is not known or the same.
     """
 
     name: str
@@ -39,26 +52,35 @@ class Number(NamedTuple):
     unit: str = "1"
     factor: float | None = None
     error: float | None = None
-    extrapolated: float | None = None
+    on_grid: float | None = None
+
+    @property
+    def known(self) -> bool:
+        """Whether the error leaves something of a film."""
+        return self.error is None or self.name not in {*FILMS, *WARM_OF.values()} or self.error <= UNKNOWN * self.value
 
     @property
     def text(self) -> str:
         """The value in its unit."""
+        if not self.known:
+            return "not known"
         if self.name == "restitution":
             return f"{self.value:.4f}"
+        if self.unit in IN_SI:
+            return with_prefix(*in_celsius(self.value, self.unit))
         return f"{self.value:.4g}" if self.unit == "1" else f"{self.value:.4g} {self.unit}"
 
     @property
     def text_in_si(self) -> str:
         """The value in SI; empty where it is not known, or the same."""
-        if self.factor is None or self.about.si_units == "1":
+        if self.factor is None or self.about.si_units == "1" or not self.known:
             return ""
         return with_prefix(self.value * self.factor, self.about.si_units)
 
     @property
     def text_of_error(self) -> str:
-        """The error over the value; empty where it is not known."""
-        return f"{self.error / abs(self.value):.1%}" if self.error is not None and self.value else ""
+        """The error over the value; empty where it is not known, or the value is not."""
+        return f"{self.error / abs(self.value):.1%}" if self.error is not None and self.value and self.known else ""
 
     @property
     def full_text(self) -> str:
@@ -79,14 +101,23 @@ def numbers(summary: Outcome) -> dict[str, Number]:
     values |= {f"{key.removesuffix('_m').removesuffix('_K')}_warm": thermal.get(key) for key in WARM}
     values |= {name: summary.get(key) for key, name in WORK.items()}
     scales, errors = scales_in(summary), errors_of(summary)
-    return {
-        name: number(summary["kind"], scales, name, value, *errors.get(name, ()))
-        for name, value in values.items()
-        if value is not None
-    }
+    for name, warm in WARM_OF.items():  # by the factor that makes the film thinner
+        if name in errors and values.get(warm) is not None:
+            errors[warm] = tuple(each * values[warm] / values[name] for each in errors[name])
+    found = {}
+    for name, value in values.items():
+        if value is not None:
+            error, best, on_grid = (*errors[name], value) if name in errors else (None, value, None)
+            found[name] = number(summary["kind"], scales, name, best, error, on_grid)
+    return found
 
 
-def number(kind: str, scales: Scales | None, name: str, value: float, *errors: float) -> Number:
+def shown_of(names: Iterable[str], there: Container[str]) -> list[str]:
+    """The names, each with the warm number in its place where that is there."""
+    return list(dict.fromkeys(warm if (warm := f"{name.lower()}_warm") in there else name for name in names))
+
+
+def number(kind: str, scales: Scales | None, name: str, value: float, *errors: float | None) -> Number:
     """A number by its name in `VARIABLES`, in a contact of this kind, with these scales."""
     about, factor = VARIABLES[name], None
     unit = unit_of(kind, about.unit)
@@ -144,7 +175,7 @@ def key_numbers(summary: Outcome) -> list[Number]:
     if not values_of(summary):
         return []
     table = numbers(summary)
-    names = [name for name in SHOWN if name in KEY or name in table]
+    names = [name for name in shown_of(SHOWN, table) if name in table]
     return [table[name] for name in names if name not in FRICTION or table[name].value]
 
 
@@ -188,7 +219,8 @@ def duration(seconds: float) -> str:
 def scalars(summary: Outcome, in_si: bool = True) -> dict[str, Scalar]:
     """The numbers of a summary by name; those of a physical case in SI under SI names (h_c for H_c), if `in_si`.
 
-    The estimated error of H_c is H_c_error, in SI h_c_error.
+    H_c is the extrapolated value where there is one; then H_c_error is its bar and H_c_on_grid the value on the grid.
+    A film that is not known is left out.  In SI the names are h_c, h_c_error, h_c_on_grid.
     """
     table = {}
     for each in numbers(summary).values():
@@ -199,10 +231,13 @@ def scalars(summary: Outcome, in_si: bool = True) -> dict[str, Scalar]:
             about = {"units": each.unit}
         elif each.unit != "1":
             about = {"units": "1", "in_units_of": each.unit}
-        table[name] = Scalar(float(each.value * factor), {"long_name": each.about.long_name, **about})
-        if each.error is not None:
-            long_name = f"estimated error of the {each.about.long_name}"
-            table[f"{name}_error"] = Scalar(each.error * factor, {"long_name": long_name, **about})
+        if each.known:
+            table[name] = Scalar(float(each.value * factor), {"long_name": each.about.long_name, **about})
+        for ending, value in (("error", each.error), ("on_grid", each.on_grid)):
+            if value is not None:
+                long_name = f"{'estimated error of the ' * (ending == 'error')}{each.about.long_name}"
+                long_name += ", on the grid" * (ending == "on_grid")
+                table[f"{name}_{ending}"] = Scalar(value * factor, {"long_name": long_name, **about})
     return table
 
 
@@ -259,7 +294,7 @@ def lines(summary: Outcome) -> Iterator[str]:
     yield f"  {moment(summary)}"
     shown = key_numbers(summary)
     names = [f"{n.about.long_name} {n.about.symbol}" for n in shown]
-    values = [n.full_text + (f", error {n.text_of_error}" if n.text_of_error else "") for n in shown]
+    values = [n.full_text + (f" ± {n.text_of_error}" if n.text_of_error else "") for n in shown]
     yield from (f"    {line}" for line in aligned([names, values], left=2))
     yield from (f"  {line}" for line in more_lines(summary))
     for warning in summary["warnings"]:
@@ -299,9 +334,10 @@ def _thermal_lines(summary: Outcome) -> Iterator[str]:
     thermal = summary.get("thermal")
     if not thermal:
         return
-    films = f"central {with_prefix(thermal['h_c_m'], 'm')}, minimum {with_prefix(thermal['h_min_m'], 'm')}"
-    yield f"film with inlet shear heating: {films} (phi_T = {thermal['phi_T']:.4g}, L_t = {thermal['L_t']:.3g})"
-    yield f"traction coefficient of the warm film: {thermal['mu_sliding']:.4g}"
+    names = ("H_c", "H_min", "mu_sliding")
+    table = numbers(summary)
+    cold = ", ".join(f"{table[name].about.symbol} {table[name].full_text}" for name in names if name in table)
+    yield f"without heat: {cold} (phi_T = {thermal['phi_T']:.4g}, L_t = {thermal['L_t']:.3g})"
     names = ("T_1_max", "T_2_max", "T_film_max", "T_film_mean")
     surface_1, surface_2, film, mean = (f"{thermal[f'{name}_K'] - ZERO_CELSIUS:.1f} degC" for name in names)
     yield f"highest temperatures: surface 1 {surface_1}, surface 2 {surface_2}, film {film}; mean of the film {mean}"

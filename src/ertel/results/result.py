@@ -155,9 +155,10 @@ class Result:
     def lambda_ratio(self, sigma_1: Sigma = None, sigma_2: Sigma = None) -> float:
         """The lambda ratio of a physical run: its film over the rms roughness of both surfaces together.
 
-        With roughness that is given the film is the minimum film thickness of the run.  Without any the roughness is
-        that of the case, measured maps and rough surfaces by their rms.  The grid of such a run has their valleys and
-        summits, and its film is the mean, weighted with the pressure, at maximum approach or at the end.
+        With roughness that is given the film is the minimum film thickness, the warm and extrapolated one.  Without any
+        the roughness is that of the case, measured maps and rough surfaces by their rms.  The grid of such a run has
+        their valleys and summits, and its film is the (warm) mean, weighted with the pressure, at maximum approach or
+        at the end.
 
         Parameters
         ----------
@@ -175,17 +176,23 @@ class Result:
             The case is dimensionless, the run has no film, or there is no roughness.
         """
         scales, table = self.case.scales, numbers(self.summary)
-        if scales is None or "H_min" not in table:
+        minimum, heat = table.get("h_min_warm") or table.get("H_min"), self.summary.get("thermal") or {}
+        if scales is None or minimum is None:
             raise ValueError(f"lambda ratio: {'the run has no film' if scales else 'the case is dimensionless'}")
         given = [sigma for sigma in (sigma_1, sigma_2) if sigma is not None]
         if given:
-            return lambda_ratio(table["H_min"].value * scales.film, *(_sigma(sigma) for sigma in given))
+            if not minimum.known:
+                raise ValueError("lambda ratio: the minimum film is not known, its error is too large; use more nodes")
+            return lambda_ratio(minimum.value * (minimum.factor or 1.0), *(_sigma(sigma) for sigma in given))
         own = _rms(self.case)
         if not own:
-            raise ValueError("sigma_1: missing; the surfaces of the case are smooth, or have no rms")
+            what = (
+                "the roughness of the case has no rms" if self.case.features else "the surfaces of the case are smooth"
+            )
+            raise ValueError(f"sigma_1: missing; {what}")
         data = self.dataset[["H", "P"]]
         data = data if self.case.is_steady else data.isel(frame=moment_of(self.dataset).frame)
-        return lambda_ratio(float(np.average(data["H"], weights=data["P"])), *own)
+        return lambda_ratio(heat.get("phi_T", 1.0) * float(np.average(data["H"], weights=data["P"])), *own)
 
     @property
     def verdict(self) -> str:
@@ -225,7 +232,7 @@ def verdict(result: Result, *sigma: Sigma) -> str:
     table = numbers(result.summary)
     if not values_of(result.summary):
         return ""
-    parts = [f"film {_film(table.get('h_c_warm') or table['H_c'])}"]
+    parts = [f"{'warm ' * ('h_c_warm' in table)}film {_film(table.get('h_c_warm') or table['H_c'])}"]
     if sigma or (result.case.scales and _rms(result.case)):
         parts.append(f"Lambda = {result.lambda_ratio(*sigma):.2g}")
     friction = table.get("mu_sliding_warm") or table.get("mu_sliding")
@@ -252,6 +259,8 @@ def _rms(case: Case) -> list[float]:
 
 
 def _film(film: Number) -> str:
+    if not film.known:
+        return "not known"
     factor, unit = (1.0, film.unit) if film.factor is None else (film.factor, film.about.si_units)
     one, name = prefixed(unit, film.value * factor)
     return f"{plus_minus(film.value * factor / one, (film.error or 0.0) * factor / one)} {name}"

@@ -21,7 +21,7 @@ import xarray as xr
 from ertel.case.case import Case
 from ertel.results.convergence import ORDER, SEEN, Limit, limits_of
 from ertel.results.dataset import largest_of, with_units
-from ertel.results.numbers import SHOWN, Scalar, aligned, html_columns, html_image
+from ertel.results.numbers import SHOWN, Scalar, aligned, html_columns, html_image, shown_of
 from ertel.results.variables import in_celsius, name_in_si, prefixed, value_in_si, variable_attributes
 from ertel.version import installed_version
 
@@ -174,7 +174,9 @@ class StudyResult:
         """The columns of a table to read, each with its heading first."""
         flat = _flat(self.dataset).isel(each=slice(MOST_ROWS))
         columns = [column(str(name), flat[name]) for name in self.dataset.coords]
-        numbers = dict.fromkeys(each for name in SHOWN for each in (name, name_in_si(name)) if each in flat)
+        numbers = dict.fromkeys(
+            each for name in shown_of(SHOWN, flat) for each in (name, name_in_si(name)) if each in flat
+        )
         columns += [column(name, flat[name]) for name in numbers if largest_of(flat[name]) > 0]
         names = ("warnings", "status", "directory") if flat["warnings"].any() else ("status", "directory")
         return columns + [column(name, flat[name]) for name in names]

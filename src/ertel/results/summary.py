@@ -7,7 +7,7 @@ many steps, and 9/16.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from math import hypot, inf
+from math import hypot, inf, isfinite
 from typing import Any
 
 import numpy as np
@@ -51,13 +51,13 @@ def impact_summary(
     status, vanished = _judged(status, data)
     names = (*variables.AT_MAXIMUM, *(variables.FRICTION if case.motion.flows else ("power_loss",)))
     reached = None
-    if max_approach is not None and max_approach["T"] < vanished:
+    if max_approach is not None and vanished == inf:
         values = {name: float(max_approach[name]) for name in names}
         reached = _without_zero(with_coefficients(values, case.scales))
     top = _without_zero({name: (reached or {}).get(name) for name in names if name not in ("T", "F")})
     over_time = _over_time(case, data, status)
     warnings = diagnostics.impact_warnings(case, data) + _account_warnings(case, data, over_time)
-    content = {**top, "max_approach": reached, **_contact(data), **over_time, **work}
+    content = {**top, "max_approach": reached, **_contact(data, status), **over_time, **work}
     return _summary(case, content, status, warnings)
 
 
@@ -131,7 +131,8 @@ def steady_summary(
 def thermal_summary(case: Case, solution: SteadyGrid) -> dict[str, Any]:
     """The part `thermal` of a summary, in SI.
 
-    L_t, phi_T: thermal loading, and the factor of the inlet formula.  h_c_m, h_min_m: the films with this factor.
+    L_t, phi_T: thermal loading, and the factor of the inlet formula, see `solvers.heat`.  h_c_m, h_min_m: the films
+    on the grid with this factor; as shown they are extrapolated.
     T_1_max_K, T_2_max_K, T_film_max_K: highest temperatures of the surfaces and of the film (mean across it).
     T_film_mean_K: that of the film on average over the contact, weighted with the pressure.  mu_sliding: traction
     coefficient of the warm film, with its inlet factor.  iterations, converged: of the heat balance, which has one
@@ -153,13 +154,14 @@ def thermal_summary(case: Case, solution: SteadyGrid) -> dict[str, Any]:
     }
 
 
-def _contact(data: xr.Dataset) -> dict[str, float | None]:
+def _contact(data: xr.Dataset, status: Status) -> dict[str, float | None]:
     """Restitution, the time in which the load is above `LIGHT` of its largest value, and that value.
 
-    The coefficient of restitution is the speed after the impact over that before; all is None until the ball has left.
+    The coefficient of restitution is the speed after the impact over that before; all is None until the ball has left,
+    and where the run failed.
     """
     T, V, F = (data[name].values for name in ("time", "V", "F"))
-    if not (len(T) and V[-1] < 0 and F[-1] < UNLOADED):
+    if status.failed or not (len(T) and V[-1] < 0 and F[-1] < UNLOADED):
         return dict.fromkeys(variables.WHOLE)
     above = np.flatnonzero(F > LIGHT * F.max())
     ends = [max(above[0] - 1, 0), above[0]], [above[-1] + 1, above[-1]]  # the lighter side first
@@ -194,7 +196,14 @@ def _without_zero(values: Values) -> dict[str, float | None]:
 
 def _summary(case: Case, content: Mapping[str, Any], status: Status, warnings: list[str]) -> dict[str, Any]:
     heading = {"kind": case.kind, "method": case.solver.method, **parameters_of(case)}
-    return with_si(case, {**heading, **content, "status": status.value, "warnings": warnings})
+    return with_si(case, {**heading, **_finite(content), "status": status.value, "warnings": warnings})
+
+
+def _finite(content: Any) -> Any:
+    """Plain data with None in the place of what is not a number: JSON has none."""
+    if isinstance(content, Mapping):
+        return {key: _finite(value) for key, value in content.items()}
+    return None if isinstance(content, float) and not isfinite(content) else content
 
 
 def with_si(case: Case, content: Mapping[str, Any]) -> dict[str, Any]:

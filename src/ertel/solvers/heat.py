@@ -34,7 +34,7 @@ one of two things: an iteration T <- T(q(T)) that jumps to and fro, or two speed
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from math import cbrt, pi
+from math import cbrt, isinf, pi
 from typing import Any, NamedTuple
 
 import jax
@@ -44,7 +44,7 @@ from jax import Array
 from jax.tree_util import register_dataclass
 
 from ertel.case.case import Case
-from ertel.case.definition import grid_of
+from ertel.case.definition import grid_of, starvation
 from ertel.case.sections import Inlet
 from ertel.equations.account import shear_force
 from ertel.equations.contact import opened, traceable
@@ -55,6 +55,7 @@ from ertel.numerics.integrals import Plane
 from ertel.numerics.newton import gcr
 from ertel.numerics.programs import ANY_SIZE, Program, exportable
 from ertel.numerics.stencils import inside, node_slopes
+from ertel.physics.film_formulas import starved_share
 from ertel.physics.fluidity import Fluidity, limited_stress
 from ertel.physics.lubricant import Lubricant
 from ertel.physics.thermal import AT_REST, Floats, Solid, WarmViscosity, peclet_number, response
@@ -68,8 +69,9 @@ KRYLOV_LIMIT = 40
 class Heated(NamedTuple):
     """The temperatures of a contact and the friction of its warm film.
 
-    inlet: L_t and phi_T.  film: phi_T H in a^2/R, of the film's shape (n_y, n_x), as are all maps.  T_1, T_2, T_film:
-    temperatures of the surfaces and mean temperature of the film, in K; where P = 0 T_film is the mean of the surfaces.
+    inlet: L_t and phi_T, on layers of oil the factor of `_of_layer`.  film: phi_T H in a^2/R, of the film's shape
+    (n_y, n_x), as are all maps.  T_1, T_2, T_film: temperatures of the surfaces and mean temperature of the film, in K;
+    where P = 0 T_film is the mean of the surfaces.
     heat: of sliding per area, in W/m^2.  stress: tau_m along X and Y in p_h a/R, zero where P = 0, shape (2, n_y, n_x).
     sliding: its force over the load along X and Y, in a/R, shape (2,); times a/R it is the traction coefficient.
     peclet: numbers of both surfaces.  iterations: of Newton's method; applications: how often the temperatures of both
@@ -137,7 +139,7 @@ def heated(case: Case, P: Any, H: Any, heat: Floats | None = None, grid: Grid | 
     S, mean, grid = case.motion.slide_to_roll, case.motion.entrainment(0.0) * s.front_speed, grid or grid_of(case)
     grown = cbrt(case.motion.load(0.0))  # the contact, by a load that [motion] changes
     half_width = s.a * case.geometry.extent[0] * grown
-    inlet = thermal.inlet(eta0, s.p_h * grown / s.E_prime, mean, S)
+    inlet = _of_layer(case, thermal.inlet(eta0, s.p_h * grown / s.E_prime, mean, S))
     film = opened(inlet.factor * jnp.asarray(H))
     sheared = _sheared(case, grid, thermal.viscosity_of(eta0), P, film, S * mean)
     moving = list(zip(thermal.bodies, (mean * (1.0 + 0.5 * S), mean * (1.0 - 0.5 * S)), strict=True))
@@ -159,6 +161,18 @@ def heated(case: Case, P: Any, H: Any, heat: Floats | None = None, grid: Grid | 
         applications=int(warm.applications),
         converged=bool(warm.converged),
     )
+
+
+def _of_layer(case: Case, inlet: Inlet) -> Inlet:
+    """The inlet with the factor of a film on layers of oil: heat thins what a flooded inlet lets pass, not the layer.
+
+    With Chevalier's share R(r) of the flooded film on a layer r times as thick, the warm film is phi_T R(r/phi_T) times
+    the cold flooded one: phi_T of that on much oil, all of the layer on little.
+    """
+    r, share = starvation(case)
+    if isinf(r):
+        return inlet
+    return inlet._replace(factor=inlet.factor * starved_share(r / inlet.factor) / share)
 
 
 def _sheared(case: Case, grid: Grid, warm: WarmViscosity, P: Any, film: Array, speed: float) -> _Film:

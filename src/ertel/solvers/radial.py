@@ -316,7 +316,9 @@ class RadialImpact(Method):
         F = (float(np.asarray(self.mesh.disc.weights) @ P) + level.outside) / CIRCLE.hertz_load
         films = {"H_c": float(H[0]), "H_min": H_min, "X_min": X_min, "Y_min": 0.0}
         i = int(P.argmax())
-        fall = 1 - (P[abs(i - 1)] + P[i + 1]) / (2 * P[i]) if P[i] > 0 else 0.0  # P is even in r
+        fall = (
+            1 - (P[abs(i - 1)] + P[min(i + 1, len(P) - 1)]) / (2 * P[i]) if P[i] > 0 else 0.0
+        )  # even in r, none beyond the rim
         peak = {"P_max": float(P[i]), "X_P_max": float(r[i]), "Y_P_max": 0.0, "P_fall": float(fall)}
         return {"F": F, "P_c": float(P[0]), **peak, **films}
 

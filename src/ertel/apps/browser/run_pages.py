@@ -12,6 +12,7 @@ from ertel.apps.browser.folder import summary_of
 from ertel.apps.browser.pictures import FIGURES, INTERFEROGRAM, PlotRequest, RunInfo, stamp_of
 from ertel.apps.browser.processes import Phase
 from ertel.apps.browser.site import Site, WatchedPage, address_of, show_line, show_notes, show_number, told
+from ertel.case.status import Status
 from ertel.results.numbers import key_numbers
 from ertel.runs.directory import CASE, SUMMARY
 from ertel.runs.files import content_of
@@ -146,7 +147,8 @@ class RunPage(WatchedPage):
         """The key numbers of the summary, or the last values of a run that goes on."""
         summary = summary_of(self.path)
         numbers = key_numbers(summary) if summary else []
-        if not numbers and self._info.T:  # those of the first grids of a steady contact mean nothing
+        failed = summary and Status(summary["status"]).failed
+        if not numbers and self._info.T and not failed:  # those of the first grids of a steady contact mean nothing
             numbers = list(self._info.latest)
         for number in numbers:
             show_number(number)
