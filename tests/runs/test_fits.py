@@ -147,6 +147,7 @@ def test_unknowns_that_are_refused(unknowns: Any, sentence: str) -> None:
         ([0.87], r"measurements\[1\] = 0.87: must be a Measurement"),
         ([Measurement.number("restitution", 0.87)], r"measurements\[1\], restitution: sigma = None: must be given"),
         ([(measured(FILM), {"lubricant.eta0": "1 Pa*s"})], r"\[1\], measurement: lubricant.eta0 is an unknown"),
+        ([(measured(FILM), {"lubricant.temperature": "80 degC"})], r"temperature = .*80 degC.*: changes nothing"),
         ([measured(FILM), (measured(FILM), {"contact.sped": "1 m/s"})], r"contact.sped = .*did you mean speed"),
     ],
 )
