@@ -107,6 +107,11 @@ def test_a_bound_and_a_model_that_explains_nothing_are_said() -> None:
     assert unexplained.startswith("the case does not explain the data: the residuals are ")
 
 
+def test_one_datum_that_is_not_met_is_said() -> None:
+    found = fitted(measured(FILM, 1e4), unknowns={"lubricant.eta0": UNKNOWNS["lubricant.eta0"]})
+    assert any(each.startswith("the case does not explain the data") for each in found.warnings)
+
+
 def test_the_search_steps_back_from_runs_that_fail() -> None:
     asked = []
 
@@ -147,6 +152,7 @@ def test_unknowns_that_are_refused(unknowns: Any, sentence: str) -> None:
         ([0.87], r"measurements\[1\] = 0.87: must be a Measurement"),
         ([Measurement.number("restitution", 0.87)], r"measurements\[1\], restitution: sigma = None: must be given"),
         ([(measured(FILM), {"lubricant.eta0": "1 Pa*s"})], r"\[1\], measurement: lubricant.eta0 is an unknown"),
+        ([(measured(FILM), {"lubricant.temperature": "80 degC"})], r"temperature = .*80 degC.*: changes nothing"),
         ([measured(FILM), (measured(FILM), {"contact.sped": "1 m/s"})], r"contact.sped = .*did you mean speed"),
     ],
 )

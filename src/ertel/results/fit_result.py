@@ -107,8 +107,9 @@ class FitPoint:
         for name, unit, value, ends in zip(self.names, self.units, self.values, self.bounds.T, strict=True):
             if near := [end for end in ends if abs(log(value / end)) < NEAR_BOUND]:
                 found.append(f"{name} ends at its bound, {amount(near[0], unit)}: widen it, or doubt the case")
-        if self.freedom > 0 and chdtrc(self.freedom, self.chi_square) < UNLIKELY:
-            factor = (self.chi_square / self.freedom) ** 0.5
+        freedom = max(self.freedom, 1)  # as many unknowns as data should meet them, unless a bound is in the way
+        if chdtrc(freedom, self.chi_square) < UNLIKELY:
+            factor = (self.chi_square / freedom) ** 0.5
             found.append(f"the case does not explain the data: the residuals are {factor:.2g} times their sigma")
         return found
 

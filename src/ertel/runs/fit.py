@@ -46,6 +46,7 @@ FINE_STEP = 1e-3  # the same, where the standard errors are smaller than STEP
 NEAR = 1e-3  # a step of the search that is smaller, in the logarithms, is the last one; with FINE_STEP less
 FLAT = 0.01  # a change of chi square that does not matter
 MOST_POINTS = 40  # of a search
+NAMES = ("lubricant.oil", "lubricant.temperature", "contact.material")  # conditions that stand for numbers of a case
 
 COLUMNS = {  # of the data: what they are
     "measurement": "number of the measurement, from 1",
@@ -217,10 +218,10 @@ def fit_problem(case: Case, measurements: Measurement | Sequence[Given], unknown
             raise ConfigError(f"measurements[{number}] = {written(item)}: {allowed}")
         place = f"measurements[{number}], {each.name}"
         if each.sigma is None:
-            why = "a fit weighs the data by their standard deviation"
-            raise ConfigError(f"{place}: sigma = None: must be given: {why}")
+            raise ConfigError(f"{place}: sigma = None: must be given: a fit weighs the data by their sigma")
         if both := {unknown.field for unknown in found} & set(settings):
             raise ConfigError(f"{place}: {min(both)} is an unknown and cannot be a condition")
+        _check_heard(case, settings, place)
         if settings not in conditions:
             conditions.append(dict(settings))
         data.append((each, conditions.index(dict(settings))))
@@ -230,6 +231,14 @@ def fit_problem(case: Case, measurements: Measurement | Sequence[Given], unknown
     problem = FitProblem(case, found, tuple(conditions), tuple(data))
     problem.cases(np.array([unknown.start for unknown in found]))  # raises where a path does not fit the case
     return problem
+
+
+def _check_heard(case: Case, settings: Settings, place: str) -> None:
+    """Raise ConfigError for a condition that is a name, of an oil or a material, and leaves the case as it is."""
+    for path in settings:
+        if path.startswith(NAMES) and with_settings(case, {path: settings[path]}).digest == case.digest:
+            allowed = "changes nothing in the case, whose numbers are resolved; give the numbers that it stands for"
+            raise ConfigError(f"{place}: {path} = {written(settings[path])}: {allowed}")
 
 
 # -- the search -------------------------------------------------------------------------------------------------------
@@ -347,8 +356,7 @@ def store_fit(
 
     asked: whether to stop, see `studies.run_study`.  Raises FitError, StoreError.
     """
-    batch = len(problem.conditions) * (1 + len(problem.unknowns))
-    with engine.workers(batch) as workers, studies.alone(directory):
+    with engine.workers(len(problem.conditions) * (1 + len(problem.unknowns))) as workers, studies.alone(directory):
         note = partial(_note_progress, directory, time.monotonic())
         result = solve_fit(problem, partial(_stored_runs, directory, workers, asked, progress), note)
         result = replace(result, directory=directory)
