@@ -20,15 +20,24 @@ def test_the_default_inlet_gives_the_film_of_a_long_one() -> None:
     assert film(33, 3.0) == pytest.approx(film(65, 6.0), rel=2e-4)
 
 
-@pytest.mark.parametrize(("M", "L", "H_c"), [(2, 22, 4.85), (1, 10, 26.7)])
+@pytest.mark.parametrize(("M", "L", "H_c"), [(2, 22, 4.90), (1, 10, 27.3)])
 def test_the_default_domain_is_wide_enough_for_a_low_load(M: float, L: float, H_c: float) -> None:
-    """Films on domains two and four times as wide, extrapolated."""
-    assert film(65, M=M, L=L) == pytest.approx(H_c, rel=0.04)
+    """Films extrapolated in the grid and in the width of the domain; 65 nodes are 0.7 % below them."""
+    assert film(65, M=M, L=L) == pytest.approx(H_c, rel=0.01)
 
 
-RIGID = 0.2164  # H_c/lambda_bar^2 of a rigid ball in an isoviscous oil: a polar grid of its own, extrapolated
+@pytest.mark.parametrize(("M", "L", "half_width"), [(2, 22, 12.0), (5, 2, 6.0)])
+def test_a_low_load_has_the_film_of_a_domain_twice_as_wide(M: float, L: float, half_width: float) -> None:
+    """On equal spacing.  Where the oil outside ended beside the contact it was 1.6 % and 1.0 % off."""
+    assert film(65, half_width, M=M, L=L) == pytest.approx(film(129, 2 * half_width, M=M, L=L), rel=1e-3)
+
+
+# H_c/lambda_bar^2 of a rigid ball in an isoviscous oil: M = 0.3, extrapolated from 257 and 513 nodes.  With oil outside
+# that ended beside the contact, 65 nodes on domains of 1, 2 and 4 times the width gave .2132, .2179 and .2205, .2234 in
+# the limit, where they give .2234 now.  Brewe, Hamrock and Taylor (1979) have .2218.
+RIGID = 0.2249
 
 
 @pytest.mark.parametrize(("M", "L"), [(0.5, 10), (0.145, 47)])
 def test_a_very_low_load_has_the_film_of_a_rigid_ball(M: float, L: float) -> None:
-    assert film(65, M=M, L=L) == pytest.approx(RIGID * Parameters.from_moes(M, L).lambda_bar ** 2, rel=0.03)
+    assert film(65, M=M, L=L) == pytest.approx(RIGID * Parameters.from_moes(M, L).lambda_bar ** 2, rel=0.01)

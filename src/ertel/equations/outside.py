@@ -100,7 +100,7 @@ def beyond_rectangle(left: float, right: float, low: float, high: float) -> Floa
     """X, Y and area of quadrature points outside a rectangle around the origin, shape (3, n).
 
     Each lies on a ray from the origin through a point of the edge, 1/u times as far.  The pieces of the edge end at
-    X = 0, beyond which the oil that is entrained cavitates.
+    X = 0, a little upstream of where the oil that is entrained ruptures.
     """
     pieces = [((side, low), (side, high)) for side in (left, right)]
     pieces += [((start, side), (end, side)) for side in (low, high) for start, end in ((left, 0.0), (0.0, right))]

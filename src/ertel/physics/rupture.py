@@ -27,9 +27,9 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_banded
 
 Floats = NDArray[np.float64]
-ANGLES = 1440  # around the contact
-COARSEST = 90  # angles on which the wet region is found first
-SPEEDS = np.linspace(-1.5, 1.0, 21)  # of V/(U r), over that with which the gap is just full; zero is one of them
+ANGLES = 720  # around the contact
+COARSEST = 45  # angles on which the wet region is found first
+SPEEDS = np.linspace(-1.25, 1.0, 37)  # of V/(U r), over that with which the gap is just full; zero is one of them
 LIMIT = 50  # of iterations of the wet region; some ten are needed
 
 

@@ -112,7 +112,7 @@ def numbers(summary: Outcome) -> dict[str, Number]:
     return found
 
 
-def shown_of(names: Iterable[str], there: Container[str]) -> list[str]:
+def shown_of(names: Iterable[str], there: Container[Any]) -> list[str]:
     """The names, each with the warm number in its place where that is there."""
     return list(dict.fromkeys(warm if (warm := f"{name.lower()}_warm") in there else name for name in names))
 
@@ -338,8 +338,8 @@ def _thermal_lines(summary: Outcome) -> Iterator[str]:
     table = numbers(summary)
     cold = ", ".join(f"{table[name].about.symbol} {table[name].full_text}" for name in names if name in table)
     yield f"without heat: {cold} (phi_T = {thermal['phi_T']:.4g}, L_t = {thermal['L_t']:.3g})"
-    names = ("T_1_max", "T_2_max", "T_film_max", "T_film_mean")
-    surface_1, surface_2, film, mean = (f"{thermal[f'{name}_K'] - ZERO_CELSIUS:.1f} degC" for name in names)
+    rises = ("T_1_max", "T_2_max", "T_film_max", "T_film_mean")
+    surface_1, surface_2, film, mean = (f"{thermal[f'{name}_K'] - ZERO_CELSIUS:.1f} degC" for name in rises)
     yield f"highest temperatures: surface 1 {surface_1}, surface 2 {surface_2}, film {film}; mean of the film {mean}"
 
 
