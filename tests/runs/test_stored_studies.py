@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from cases import RADIAL, SMALL
+from cases import RADIAL, SMALL, names
 
 import ertel
 from ertel.case.case import Case
 from ertel.inputs.studies import convergence_series, coordinates, load_study, parse_study
 from ertel.results.numbers import aligned, scalars
 from ertel.results.study_result import StudyResult
-from ertel.runs import directory, studies
+from ertel.runs import directory, files, studies
 from ertel.runs.batch import STEPS, program_of
 from ertel.runs.store import RunStore
 from ertel.runs.studies import gather as gathered
@@ -77,6 +77,19 @@ def test_what_is_written_opens_without_ertel(four, recwarn):
     head, *rows = aligned(result.table())
     assert head.split()[:4] == ["speed", "(m/s)", "eta0", "(mPa*s)"] and len(rows) == 4
     assert "4 runs: 4 converged" in repr(result) and "<table>" in result._repr_html_()
+
+
+def test_links_in_place_of_the_files_of_a_study_are_replaced(four, tmp_path):
+    """Somebody else's study: what is written must not go where its links lead."""
+    (tmp_path / "a.txt").write_text("mine")
+    (tmp_path / "letters").mkdir()
+    for name, target in {"sweep.csv": "a.txt", "sweep.png": "a.txt", "sweep.zarr": "letters"}.items():
+        files.delete(four / name)
+        (four / name).symlink_to(tmp_path / target)
+    write_study(gathered(parse_study(study_of()), four), four)
+    assert names(tmp_path) == {"a.txt", "letters"} and names(tmp_path / "letters") == set()
+    assert (tmp_path / "a.txt").read_text() == "mine"
+    assert not [path for path in four.iterdir() if path.is_symlink()]
 
 
 def test_only_what_is_new_is_done(four):

@@ -120,9 +120,10 @@ _RUN = (
     rf"{_ANY}|(case\.toml|checkpoint\.npz|summary\.json|heights-[0-9a-f]{{16}}\.npy)(\.partial)?|"
     rf"run\.zarr(\.old|\.partial)?/(\w+/)?{_ZARR}|(plots|export)/[^/]+\.{_DRAWN}"
 )
-_STUDY = r"(sweep|traction|fit|convergence)\."
+_STUDY = r"(sweep|traction|fit|convergence)"
 WRITTEN = re.compile(
-    rf"{_RUN}|runs/\.?[0-9a-f]{{16}}{_DRAFT}/({_RUN})|{_STUDY}(csv|png)|\.?{_STUDY}zarr{_DRAFT}/([\w.-]+/)?{_ZARR}"
+    rf"{_RUN}|runs/\.?[0-9a-f]{{16}}{_DRAFT}/({_RUN})|"
+    rf"(\.{_STUDY}-\w{{8}}/)?{_STUDY}\.(csv|png|zarr/([\w.-]+/)?{_ZARR})"
 )
 
 

@@ -15,7 +15,6 @@ Nothing else is remembered: what is missing or unfinished in runs/ is done, so t
 edited and started again.  Runs that the study no longer has are left alone.
 """
 
-import shutil
 import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -42,7 +41,7 @@ from ertel.runs.compile import check_jax
 from ertel.runs.directory import CASE, PROGRESS, STOP, Taken, heeding_stop, is_asked_to_stop, read_progress, status_of
 from ertel.runs.drive import bars
 from ertel.runs.engine import Engine
-from ertel.runs.files import NotDrawn, StoreError, locked
+from ertel.runs.files import NotDrawn, StoreError, delete, locked
 from ertel.runs.store import RunStore, compute
 from ertel.runs.workers import Condition, Failure, StopSignal, Task, Workers, never
 
@@ -378,21 +377,20 @@ def write_study(result: StudyResult, directory: Path, name: str = NAME) -> None:
 
     Issues a `NotDrawn` where they cannot be drawn, for want of a font or of space perhaps.
     """
-    data, table, picture = (directory / f"{name}.{ending}" for ending in ENDINGS)
-    draft = directory / f".{data.name}-{uuid4().hex[:8]}"
-    try:
-        result.dataset.to_zarr(draft, mode="w", consolidated=False)
-        shutil.rmtree(data, ignore_errors=True)
-        draft.rename(data)
-    finally:
-        shutil.rmtree(draft, ignore_errors=True)
-    result.to_csv(table)
-    picture.unlink(missing_ok=True)
-    try:
-        from ertel.plots.drawing import NoFigure  # here, so that workers need no matplotlib
+    with TemporaryDirectory(prefix=f".{name}-", dir=directory) as place:
+        drafts = data, table, picture = [Path(place) / f"{name}.{ending}" for ending in ENDINGS]
+        result.dataset.to_zarr(data, mode="w", consolidated=False)
+        result.to_csv(table)
+        for draft in drafts:
+            delete(directory / draft.name)  # also a link, which is not followed
+        data.rename(directory / data.name)
+        table.rename(directory / table.name)
+        try:
+            from ertel.plots.drawing import NoFigure  # here, so that workers need no matplotlib
 
-        with suppress(NoFigure):
-            result.plot().savefig(picture)
-    except Exception as error:  # of matplotlib, of the system
-        picture.unlink(missing_ok=True)
-        warnings.warn(NotDrawn(f"{picture} is not drawn ({error}); the numbers are written"), stacklevel=2)
+            with suppress(NoFigure):
+                result.plot().savefig(picture)
+                picture.rename(directory / picture.name)
+        except Exception as error:  # of matplotlib, of the system
+            text = f"{directory / picture.name} is not drawn ({error}); the numbers are written"
+            warnings.warn(NotDrawn(text), stacklevel=2)
