@@ -54,6 +54,7 @@ PAGES = [
     *_pages("validation/contacts", "validate.py", formula=8, angle=1),
     Page("validation/contacts/resistance.md", "validation/contacts/validate.py", "resistance --nodes 65", 4),
     Page("validation/contacts/line.md", "validation/contacts/line.py", "", 3),
+    Page("validation/optics/README.md", "validation/optics/films.py", "", 4),
     Page("validation/friction/README.md", "validation/friction/film_thinning.py", "", 1),
     Page("validation/friction/README.md", "validation/friction/order.py", "", 1),
     Page("validation/friction/heat.md", "validation/friction/heat.py", "", 7),
@@ -130,8 +131,8 @@ def equal(old: str, new: str, column: str) -> bool:
 # -- programs ---------------------------------------------------------------------------------------------------------
 
 
-def regenerate(page: Page, root: Path) -> None:
-    """Run a page's program in this tree and put its tables into the page.
+def regenerate(page: Page, root: Path) -> list[str]:
+    """Run a page's program in this tree and put its tables into the page; there is nothing to list.
 
     Raises
     ------
@@ -145,6 +146,7 @@ def regenerate(page: Page, root: Path) -> None:
     printed = subprocess.run(command, env=environment, stdout=subprocess.PIPE, text=True, check=True).stdout
     if path.exists() and path.read_text(encoding="utf-8") == before:  # the program has not written it
         path.write_text(spliced(before, printed), encoding="utf-8")
+    return []
 
 
 def check(page: Page) -> list[str]:
@@ -173,12 +175,12 @@ def main() -> int:
     differ = 0
     for page in chosen(asked.words, asked.most):
         print(f"{page.path}: python {page.program} {page.arguments}", flush=True)
-        if asked.check:
-            found = check(page)
-            differ += len(found)
-            print("".join(f"    {line}\n" for line in found), end="", flush=True)
-        else:
-            regenerate(page, ROOT)
+        try:
+            found = check(page) if asked.check else regenerate(page, ROOT)
+        except subprocess.CalledProcessError as error:
+            found = [str(error)]
+        differ += len(found)
+        print("".join(f"    {line}\n" for line in found), end="", flush=True)
     return 1 if differ else 0
 
 

@@ -2,9 +2,9 @@
 
     python validation/optics/films.py [--films 500]
 
-prints the tables of README.md.  Each film has 400 points, eight at least from a fringe to the next like it, and noise of 0,
-0.3 or 1 % of the contrast.  It is wrong where more than one point of fifty is off by half the distance of two possible
-films or more.
+prints the tables of README.md.  Each film has 400 points, eight at least from a fringe to the next like it, and noise
+of 0, 0.3 or 1 % of the contrast.  It is wrong where more than one point of fifty is off by half the distance of two
+possible films or more.
 """
 
 import argparse

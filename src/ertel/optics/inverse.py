@@ -29,7 +29,7 @@ class DoubtfulFilm(UserWarning):
         super().__init__(
             f"the film is doubtful at {len(where)} of {len(points)} points, from {where[0]} to {where[-1]}: another "
             f"film, that turns where this one passes a fringe or the reverse, is only {np.exp(odds):.0f} times less "
-            "likely; compare with a profile that crosses this one, or with more points"
+            "likely (four of five films with this warning are right); compare with a profile that crosses this one"
         )
         self.points, self.odds = points, odds
 
@@ -83,7 +83,9 @@ def film_of_intensity(
     Notes
     -----
     Limits: there must be eight points at least from a fringe to the next like it.  A film that lies flat on a fringe,
-    or has a kink there, does not tell its way; most of them are reported as doubtful.  An error e of the intensity, as
+    or has a kink there, does not tell its way.  Of 500 made films balls, wedges and dimples were all right, and a
+    quarter of the wavy and kinked ones was wrong; 94 of 100 films without a warning were right, and 81 of 100 with one
+    (`validation/optics`).  An error e of the intensity, as
     a share of the contrast, moves the film by about wavelength e/(2 pi n), and by wavelength sqrt(e)/(2 pi n) on a
     bright or dark fringe.
     """
