@@ -1,7 +1,7 @@
 """Warnings if grid, domain, inlet or initial gap are not sufficient, each with a remedy."""
 
 from collections.abc import Iterator, Sequence
-from math import cbrt, ceil, inf
+from math import cbrt, ceil, inf, isfinite
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -72,10 +72,9 @@ def case_warnings(case: Case) -> list[str]:
 def steady_failure(case: Case, solution: "SteadyGrid") -> str:
     """The reason why there is no steady solution, with a remedy; "" where there is one."""
     if not solution.status.is_solved:
-        return (
-            f"the solution failed (residual {solution.residual:.2g}, {case.solver.tolerance:g} is allowed), and the "
-            f"run has no result; {solution.status.advice}"
-        )
+        why = f"residual {solution.residual:.2g}, {case.solver.tolerance:g} is allowed"
+        why = why if isfinite(solution.residual) else "the iteration led to values that are not numbers"
+        return f"the solution failed ({why}), and the run has no result; {solution.status.advice}"
     return "" if solution.measure()["H_min"] > 0.0 else no_film(case)
 
 
@@ -294,10 +293,10 @@ def thermal_warnings(case: Case, heat: Any) -> list[str]:
             f"the inlet factor phi_T = {heat.inlet.factor:.3g} ({inlet.source}) is made for {inlet.valid}, and this "
             f"inlet has L_t = {heat.inlet.L_t:.3g}; its film is uncertain"
         )
-    if heat.inlet.factor < CLEARLY_THINNER:
+    if case.thermal.inlet_factor == "gupta" and heat.inlet.factor < CLEARLY_THINNER:
         warnings.append(
-            f"the inlet factor phi_T = {heat.inlet.factor:.3g} is made for lines: in a ball's pure rolling its film is "
-            "too thin by about 7, 13 and 25 % at L_t = 0.3, 1.1 and 4.6, with sliding by 12 to 40 %"
+            f"the inlet factor phi_T = {heat.inlet.factor:.3g} makes the film too thin: in a ball's pure rolling by "
+            "about 7, 13 and 25 % at L_t = 0.3, 1.1 and 4.6, with sliding by 12 to 40 %"
         )
     for number, peclet in enumerate(heat.peclet, 1):
         if slow_excess(peclet) > slow_excess(SLOWEST):
