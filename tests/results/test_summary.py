@@ -201,10 +201,10 @@ def test_tables_show_the_extrapolated_value_with_its_error_and_that_on_the_grid(
 @pytest.mark.parametrize("status", [Status.NEWTON_STALLED, Status.STEP_TOO_SMALL])
 def test_a_failed_run_in_time_hands_out_no_numbers(status: Status) -> None:
     """Neither those at maximum approach, which it had reached, nor extremes and the last values."""
-    fall = ertel.simulate(ertel.impact(M=100, L=10, method="radial", nodes=33, until="max-approach"))
+    reached = dict.fromkeys((*AT_MAXIMUM, "power_loss"), 1.0)
     for summary in (
-        impact_summary(fall.case, fall.dataset, fall.summary["max_approach"], {"steps": 1}, status),
-        rolling_summary(ertel.rolling(M=20, L=10, nodes=33, method="transient"), fall.dataset, {"steps": 1}, status),
+        impact_summary(parse_case(MOES_FALLS), dry_impact(MOES_FALLS), reached, {"steps": 1}, status),
+        rolling_summary(as_in_time(MOES_ROLLS), in_time(MOES_ROLLS), {"steps": 1}, status),
     ):
         assert set(scalars(summary)) == {"M", "L"}
         assert summary["H_c"] is summary.get("max_approach") is None

@@ -313,10 +313,10 @@ class TractionCurve(StudyResult):
     dataset : xarray.Dataset
         Over slide_to_roll, mean_speed (m/s) or load (N).  The traction coefficient of sliding mu_sliding, the rolling
         resistance mu_rolling of each surface, the power loss, the central and the minimum film thickness (on the grid,
-        not extrapolated), the maximum shear stress in the middle of the film, the maximum pressure, status and work of each point; nan where the film
-        did not converge.  In SI under SI names (h_c for H_c) where the case is physical.  With a section [thermal] all
-        but mu_rolling and p_max is of the warm film; mu_isothermal is without heat, phi_T the inlet factor in h_c and
-        h_min, T_1_max, T_2_max, T_film_max (K) the highest temperatures.
+        not extrapolated), the maximum shear stress in the middle of the film, the maximum pressure, status and work of
+        each point; nan where the film did not converge.  In SI under SI names (h_c for H_c) where the case is physical.
+        With a section [thermal] all but mu_rolling and p_max is of the warm film; mu_isothermal is without heat, phi_T
+        the inlet factor in h_c and h_min, T_1_max, T_2_max, T_film_max (K) the highest temperatures.
     directory : Path, optional
         Where the curve is stored.
     """

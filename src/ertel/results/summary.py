@@ -40,8 +40,8 @@ def impact_summary(
     `extremes` has the thinnest film and the highest pressure of the whole run, see `extremes`.
     `budgets` has those of mass, momentum and energy, see `balances.in_time`.
     The values at maximum approach are under `max_approach`; but T and F they also stand where those of rolling do, None
-    before it.  A run that failed has none of them, and no extremes.  They have the power loss and, where the surfaces move along X, the coefficients of
-    `equations.account`.
+    before it.  A run that failed has none of them, and no extremes.  They have the power loss and, where the surfaces
+    move along X, the coefficients of `equations.account`.
     All is dimensionless, F in units of the dry maximum load; physical cases add the same in SI under `si`.  The
     coefficients are plain numbers in a physical case, and in units a/R in a dimensionless one, where a/R is not known.
 
