@@ -221,15 +221,15 @@ def _outside(case: Case, share: float) -> Iterator[str]:
     """A warning where the oil outside carries a large share of the load: its pressure is that of formulas.
 
     Steady, against wide domains, H_c is off by 0.005, 0.2 and 0.15 % for M = 5, 2 and 1 on the default domain, whose
-    share is 0.24 at most; by 0.2 to 0.6 % for M = 2, L = 10 and 22 and a share of 0.38.  In time V outside is that of a
-    dry contact: by up to 2 % for M = 5 on the default domain under a load that swings by 30 %.
+    share is 0.24 at most; by 1.5 % for M = 5, L = 2 and a share of 0.30; for M = 2, L = 10 and 22, by 0.2 and 0.6 % at
+    0.38, by 3.4 and 1.4 % at 0.55.  In time V outside is that of a dry contact: by up to 2 % for M = 5 on the default domain under a load that swings by 30 %.
     """
     if share > OUTSIDE_SHARE:
         half_width = min(ceil(2 * case.solver.half_width * share / OUTSIDE_SHARE) / 2, WIDEST_HALF_WIDTH)
         yield (
             f"the domain is too small (the oil outside it carries {share:.0%} of the load, {OUTSIDE_SHARE:.0%} is "
-            f"allowed): the films are off by about {'1 %' if case.is_steady else '1 %, and more where the load changes'}, "
-            f"which the error estimate does not include; use solver.half_width >= {half_width:g}"
+            f"allowed): the films are off by up to about {share**2 / 6:.0%}, which the error estimate does not "
+            f"include; use solver.half_width >= {half_width:g}"
         )
 
 

@@ -268,7 +268,7 @@ def solve_on_grid(case: Case, grid: Grid, c: Contact, P: Array | Floats, approac
     s, Delta = _program(problem, P, float(approach))
     s = s._replace(residual=np.asarray(s.residual))  # NumPy has nothing to compile
     if not np.isfinite(s.residual):  # the first guess is left, for the next grid and for what is stored
-        s, Delta = s._replace(P=P, H=contact.film_thickness(problem.contact, P, approach)), approach
+        s, Delta = s._replace(P=P, H=contact.film_thickness(problem.contact, jnp.asarray(P), approach)), approach
     status = Status.CONVERGED if s.converged else Status.NEWTON_STALLED
     n, k = int(s.newton), int(s.krylov)
     work = nonlinear.convolutions(grid, n, k)
