@@ -160,7 +160,13 @@ def test_runs_that_fail_are_named_and_the_others_go_on(here):
 def test_a_curve_is_printed_and_stored_and_shown_by_the_same_command(here, monkeypatch):
     curve = here / "traction" / "ball"
     text = ertel_(*TRACTION).stdout
-    for part in ("3 points over the slide-to-roll ratio", "mu_r", "h_c (nm)", "Film: solved once", "traction/ball"):
+    for part in (
+        "3 points over the slide-to-roll ratio",
+        "mu_r",
+        "h_c on the grid (nm)",
+        "Film: solved once",
+        "traction/ball",
+    ):
         assert part in text
     assert names(curve) == LEFT | {"runs", "traction.zarr", "traction.csv", "traction.png"}
     assert [float(row["slide_to_roll"]) for row in rows(curve / "traction.csv")] == [0.0, 0.02, 0.04]

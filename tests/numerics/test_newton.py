@@ -134,6 +134,13 @@ def test_gcr_stops_at_its_limit_and_never_makes_it_worse() -> None:
     assert all(later <= earlier for earlier, later in itertools.pairwise(sizes))
 
 
+def test_gcr_where_nothing_can_change() -> None:
+    """No node is free: the change is zero, and a number."""
+    x, k = gcr(lambda v: 0 * v, residual_itself, jnp.ones((6, 6)), 0.1, 3)
+    assert int(k) == 3
+    np.testing.assert_array_equal(x, 0.0)
+
+
 def test_gcr_with_the_exact_inverse_takes_one_iteration() -> None:
     b = jnp.asarray(np.random.default_rng(0).standard_normal((6, 6)))
     x, k = gcr(lambda v: 3 * v, lambda k, r: r / 3, b, 1e-10, 9)

@@ -32,10 +32,10 @@ def moes():
 
 def test_heading_gives_films_with_their_errors(ball, moes):
     heading = plots.film(moes).get_suptitle()
-    assert r"$H_\mathrm{c}$ = 0.0950 ± 0.0017 $a^2/R$" in heading
+    assert r"$H_\mathrm{c}$ = 0.0967 ± 0.0017 $a^2/R$" in heading
     assert heading.startswith("Rolling: $M$ = 200,")
     heading = plots.overview(ball).get_suptitle()
-    assert r"$h_\mathrm{c}$ = 182.1 ± 3.2 nm" in heading  # a^2/R = 1.9169 µm
+    assert r"$h_\mathrm{c}$ = 185.3 ± 3.2 nm" in heading  # extrapolated; a^2/R = 1.9169 µm
     assert heading.startswith("Steel ball: $R$ = 10 mm,  $u_m$ = 0.5026 m/s,  $F$ = 38.89 N")
     one_grid = plots.convergence(moes.isel(grid=[2])).get_suptitle()
     assert r"$H_\mathrm{c}$ = 0.095 $a^2/R$" in one_grid

@@ -108,7 +108,7 @@ def of_friction(coefficient, load="20 N", grows=1.0, **oil):
         ({"coefficient": 0.1, "viscosity": "roelands"}, ""),
         ({"coefficient": 0.05, "load": "12 N", "rheology": EYRING}, ""),
         ({"coefficient": 0.1, "load": "10 N"}, ""),
-        ({"coefficient": 0.1, "load": "10 N", "grows": [[0.0, 1.0], [5.0, 2.0]]}, "0.79"),
+        ({"coefficient": 0.1, "load": "10 N", "grows": [["0 s", 1.0], ["5 s", 2.0]]}, "0.79"),
     ],
 )
 def test_traction_by_barus_above_its_pressures(given, pressure):

@@ -11,13 +11,14 @@ import pytest
 from cases import STEEL_BODIES
 
 import ertel
+from ertel.apps.tables import console, print_summary
 from ertel.case.definition import grid_of
 from ertel.case.sections import Inlet
 from ertel.inputs.case_files import parse_case
 from ertel.physics.thermal import AT_REST, SLOWEST, slow_excess
 from ertel.results.dataset import assemble_steady
 from ertel.results.diagnostics import thermal_warnings
-from ertel.results.numbers import html_table, lines
+from ertel.results.numbers import html_table, key_numbers, lines
 from ertel.results.variables import TEMPERATURES, to_si
 from ertel.runs.store import RunStore
 from ertel.solvers import steady
@@ -98,6 +99,17 @@ def test_the_warm_film_is_thinner_and_carries_less_traction(run: ertel.Result) -
         f"highest temperatures: surface 1 {said['T_1_max_K'] - 273.15:.1f} degC",
     ):
         assert line in text and line in html
+
+
+def test_the_table_of_a_run_has_the_warm_numbers_first(run: ertel.Result, capsys: pytest.CaptureFixture[str]) -> None:
+    """The cold ones follow in one line; tables of runs have the warm ones and a temperature."""
+    print_summary(console(), run.case, run.summary)
+    rows = [line for line in capsys.readouterr().out.splitlines()]
+    films, heat = rows[3:5], next(line for line in rows if line.startswith("Without heat"))
+    assert [row.split()[4] for row in films] == ["h_c_warm", "h_min_warm"] and all(" nm " in row for row in films)
+    assert any("mu_sliding_warm" in row for row in rows) and not any(" H_c " in row for row in rows[:-2] if row != heat)
+    assert [number.name for number in key_numbers(run.summary)][-1] == "T_film_max_warm"
+    assert key_numbers(run.summary)[-1].text.endswith(" degC")
 
 
 def test_off_when_absent() -> None:

@@ -195,7 +195,21 @@ def test_tables_show_the_extrapolated_value_with_its_error_and_that_on_the_grid(
     assert columns[2][1:] == ("+-10.0%", "", "+9.1%") and columns[4][1:] == ("+-50.0%", "", "+20.0%")
     head, row = value_rows("", [computed["H_c"]])
     assert head[2:] == ["value", "in SI", "error", "on the grid", "in SI"]
-    assert float(row[6].split()[0]) == pytest.approx(1.1 * float(row[3].split()[0]), rel=1e-3)
+    assert float(row[3].split()[0]) == pytest.approx(1.1 * float(row[6].split()[0]), rel=1e-3)
+
+
+@pytest.mark.parametrize("status", [Status.NEWTON_STALLED, Status.STEP_TOO_SMALL])
+def test_a_failed_run_in_time_hands_out_no_numbers(status: Status) -> None:
+    """Neither those at maximum approach, which it had reached, nor extremes and the last values."""
+    reached = dict.fromkeys((*AT_MAXIMUM, "power_loss"), 1.0)
+    for summary in (
+        impact_summary(parse_case(MOES_FALLS), dry_impact(MOES_FALLS), reached, {"steps": 1}, status),
+        rolling_summary(as_in_time(MOES_ROLLS), in_time(MOES_ROLLS), {"steps": 1}, status),
+    ):
+        assert set(scalars(summary)) == {"M", "L"}
+        assert summary["H_c"] is summary.get("max_approach") is None
+        assert not summary["extremes"] and not summary["budgets"]
+        assert f"no result: {status.value}" in "\n".join(lines(summary))
 
 
 # -- the error ---------------------------------------------------------------------------------------------------------

@@ -115,7 +115,14 @@ def test_a_dimensionless_case(newtonian: Any) -> None:
 
 def test_a_curve_shows_itself(newtonian: Any, tmp_path: Any) -> None:
     text = repr(newtonian)
-    for part in ("TractionCurve", "slide-to-roll ratio", "h_c (nm)", "mu", "solved once", "larger than that of any"):
+    for part in (
+        "TractionCurve",
+        "slide-to-roll ratio",
+        "h_c on the grid (nm)",
+        "mu",
+        "solved once",
+        "larger than that of any",
+    ):
         assert part in text
     page = newtonian._repr_html_()
     assert page.count("<tr>") == 5

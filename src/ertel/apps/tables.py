@@ -12,7 +12,7 @@ from ertel.case.records import ConfigError, show
 from ertel.inputs import materials, oils
 from ertel.physics.materials import Material, NamedOil, Sourced, celsius
 from ertel.physics.units import COMPLIANCE, KINEMATIC_VISCOSITY, TEMPERATURE, Unit, marks
-from ertel.results.numbers import Number, aligned, duration, moment, more_lines, numbers, values_of
+from ertel.results.numbers import IN_SI, Number, aligned, duration, moment, more_lines, numbers, shown_of, values_of
 from ertel.results.parameters import domain, formula_films, parameter_summary, rheology_of
 from ertel.results.variables import FILMS, WHOLE, values_in_si, with_prefix
 
@@ -121,11 +121,15 @@ def print_summary(out: PlainConsole, case: "Case", summary: Mapping[str, Any]) -
 
 
 def _print_values(out: PlainConsole, case: "Case", summary: Mapping[str, Any]) -> None:
-    """Values with their errors, restitution, what holds of the whole run, and the film formulas at that moment."""
+    """Values with their errors, restitution, what holds of the whole run, and the film formulas at that moment.
+
+    With a section [thermal] film and traction are the warm ones; those without heat follow in a line.
+    """
     computed = {name: number for name, number in numbers(summary).items() if name in values_of(summary)}
     if computed:
         heading = "at the last time" if "T" in summary else moment(summary)
-        print_rows(value_rows(heading, list(computed.values())), left=2)
+        table = numbers(summary)
+        print_rows(value_rows(heading, [table[name] for name in shown_of(computed, table)]), left=2)
     else:
         out.print(f"{moment(summary).capitalize()}.")
     estimate = summary.get("error_estimate") or {}
@@ -163,9 +167,9 @@ def value_rows(heading: str, values: Sequence[Number]) -> list[list[str]]:
 
 
 def _with_si(number: Number, value: float, in_si: Sequence[str]) -> list[str]:
-    """A value in the unit of a number, and in SI if that is shown."""
-    factor = 1.0 if number.factor is None else number.factor
-    return [f"{value:.5g}", *(with_prefix(value * factor, number.about.si_units) for _ in in_si)]
+    """A value in the unit of a number, and in SI if that is shown; a warm film is known in SI alone."""
+    factor, unit = 1.0 if number.factor is None else number.factor, number.about.si_units or number.unit
+    return ["" if number.unit in IN_SI else f"{value:.5g}", *(with_prefix(value * factor, unit) for _ in in_si)]
 
 
 # -- film formulas ----------------------------------------------------------------------------------------------------
@@ -183,9 +187,10 @@ def film_rows(case: "Case", films: "Sequence[FormulaFilm]", computed: Mapping[st
     """Film thicknesses by the formulas, with their deviation from a computed film thickness if there is one.
 
     computed: H_c and H_min; the deviation is from their extrapolated value where there is one.  A formula that is not
-    made for such a contact is in brackets.
+    made for such a contact is in brackets.  All are without heat.
     """
     both = [computed[name] for name in FILMS] if computed else []
+    title = "computed" if case.thermal is None else "computed, without heat"
 
     def row(name: str, films: Iterable[float | None], notes: Iterable[str]) -> list[str]:
         """The films in a row; a note follows each where there is something to compare with."""
@@ -194,11 +199,9 @@ def film_rows(case: "Case", films: "Sequence[FormulaFilm]", computed: Mapping[st
 
     rows = [["film", "central", "deviation", "minimum", "deviation"] if computed else ["film", "central", "minimum"]]
     if computed:
-        rows.append(
-            row("computed", [n.value for n in both], [n.text_of_error and f"+-{n.text_of_error}" for n in both])
-        )
+        rows.append(row(title, [n.value for n in both], [n.text_of_error and f"+-{n.text_of_error}" for n in both]))
     if any(each.error is not None for each in both):
-        rows.append(row("computed, on the grid", [each.on_grid for each in both], ["", ""]))
+        rows.append(row(f"{title}, on the grid", [each.on_grid for each in both], ["", ""]))
     for f in films:
         name = f.name if f.inside else f"({f.name})"
         rows.append(row(name, (f.central, f.minimum), map(_deviation, (f.central, f.minimum), both)))

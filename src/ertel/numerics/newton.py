@@ -231,6 +231,7 @@ def gcr(
 
         z, w = jax.lax.fori_loop(0, k, orthogonalise, (z, apply(z)))
         size = _norm(w)
+        size = jnp.where(size > 0.0, size, 1.0)  # zero where no node is free: nothing can change
         z, w = (tree.map(lambda part: part / size, v) for v in (z, w))
         step = _dot(w, r)
         zs, ws = (tree.map(lambda past, part: past.at[k].set(part), vs, v) for vs, v in ((zs, z), (ws, w)))

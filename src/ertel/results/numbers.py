@@ -29,7 +29,7 @@ from ertel.results.variables import (
 Outcome = Mapping[str, Any]  # of a run, as `results.summary` and `summary.json` have it
 
 KEY = ("H_c", "H_min", "P_max")
-SHOWN = (*KEY, *FRICTION, "restitution")  # in a table of many runs
+SHOWN = (*KEY, *FRICTION, "restitution", "T_film_max_warm")  # in a table of many runs
 WARM_OF = {name: f"{name.lower()}_warm" for name in (*FILMS, "mu_sliding")}  # shown in their place where they are known
 UNKNOWN = 0.5  # error of a film over its value, above which the film is not known
 WARM = ("h_c_m", "h_min_m", "mu_sliding", "T_1_max_K", "T_2_max_K", "T_film_max_K", "phi_T")  # those under `thermal`
@@ -155,13 +155,12 @@ def scales_in(summary: Outcome) -> Scales | None:
 
 def moment(summary: Outcome) -> str:
     """The time at which the values hold, or the reason why there are none."""
-    gone = summary["status"] == Status.FILM_VANISHED.value
+    if Status(summary["status"]).failed and not values_of(summary):
+        return f"no result: {summary['status']}"
     if "max_approach" in summary:
-        if summary["max_approach"]:
-            return "at maximum approach"
-        return "no result, the film vanishes before" if gone else "maximum approach was not reached"
+        return "at maximum approach" if summary["max_approach"] else "maximum approach was not reached"
     if summary["H_c"] is None:
-        return "no result" if gone or "T" not in summary else "no step was taken"
+        return "no step was taken" if "T" in summary else "no result"
     if "T" in summary:
         return f"at T = {summary['T']:.4g}"
     return f"on {summary['nodes']} x {summary.get('nodes_y', summary['nodes'])} nodes"

@@ -22,7 +22,7 @@ from ertel.case.case import Case
 from ertel.results.convergence import ORDER, SEEN, Limit, limits_of
 from ertel.results.dataset import largest_of, with_units
 from ertel.results.numbers import SHOWN, Scalar, aligned, html_columns, html_image, shown_of
-from ertel.results.variables import in_celsius, name_in_si, prefixed, value_in_si, variable_attributes
+from ertel.results.variables import FILMS, in_celsius, name_in_si, prefixed, value_in_si, variable_attributes
 from ertel.version import installed_version
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
@@ -295,6 +295,7 @@ def point_scalars(case: Case, values: Mapping[str, float]) -> dict[str, Scalar]:
     scalars = {}
     for name in CURVE_NUMBERS if case.thermal is None else (*CURVE_NUMBERS, *WARM_NUMBERS):
         value, attributes = values.get(name, nan), variable_attributes(name, case.scales)
+        attributes["long_name"] += ", on the grid" * (name in FILMS)
         if "si_factor" in attributes:
             name, value, attributes = value_in_si(value, attributes)
         scalars[name] = Scalar(value, attributes)
@@ -311,11 +312,11 @@ class TractionCurve(StudyResult):
         The case with whose conditions the points were computed, apart from what varies.
     dataset : xarray.Dataset
         Over slide_to_roll, mean_speed (m/s) or load (N).  The traction coefficient of sliding mu_sliding, the rolling
-        resistance mu_rolling of each surface, the power loss, the central and the minimum film thickness, the maximum
-        shear stress in the middle of the film, the maximum pressure, status and work of each point; nan where the film
-        did not converge.  In SI under SI names (h_c for H_c) where the case is physical.  With a section [thermal] all
-        but mu_rolling and p_max is of the warm film; mu_isothermal is without heat, phi_T the inlet factor in h_c and
-        h_min, T_1_max, T_2_max, T_film_max (K) the highest temperatures.
+        resistance mu_rolling of each surface, the power loss, the central and the minimum film thickness (on the grid,
+        not extrapolated), the maximum shear stress in the middle of the film, the maximum pressure, status and work of
+        each point; nan where the film did not converge.  In SI under SI names (h_c for H_c) where the case is physical.
+        With a section [thermal] all but mu_rolling and p_max is of the warm film; mu_isothermal is without heat, phi_T
+        the inlet factor in h_c and h_min, T_1_max, T_2_max, T_film_max (K) the highest temperatures.
     directory : Path, optional
         Where the curve is stored.
     """
@@ -343,7 +344,7 @@ class TractionCurve(StudyResult):
         columns = [column(along.attrs["symbol"], along)]
         for name, head in (CURVE_SHOWN if self.case.thermal is None else CURVE_SHOWN | WARM_SHOWN).items():
             stored = name if name in self.dataset else name_in_si(name)
-            columns.append(column(head or stored, self.dataset[stored]))
+            columns.append(column(head or stored + " on the grid" * (name in FILMS), self.dataset[stored]))
         status = self.dataset["status"]
         return columns if (status == DONE).all() else [*columns, column("status", status)]
 

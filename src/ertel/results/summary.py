@@ -40,8 +40,8 @@ def impact_summary(
     `extremes` has the thinnest film and the highest pressure of the whole run, see `extremes`.
     `budgets` has those of mass, momentum and energy, see `balances.in_time`.
     The values at maximum approach are under `max_approach`; but T and F they also stand where those of rolling do, None
-    before it.  They have the power loss and, where the surfaces move along X, the coefficients of
-    `equations.account`.
+    before it.  A run that failed has none of them, and no extremes.  They have the power loss and, where the surfaces
+    move along X, the coefficients of `equations.account`.
     All is dimensionless, F in units of the dry maximum load; physical cases add the same in SI under `si`.  The
     coefficients are plain numbers in a physical case, and in units a/R in a dimensionless one, where a/R is not known.
 
@@ -51,7 +51,7 @@ def impact_summary(
     status, vanished = _judged(status, data)
     names = (*variables.AT_MAXIMUM, *(variables.FRICTION if case.motion.flows else ("power_loss",)))
     reached = None
-    if max_approach is not None and vanished == inf:
+    if max_approach is not None and vanished == inf and not status.failed:
         values = {name: float(max_approach[name]) for name in names}
         reached = _without_zero(with_coefficients(values, case.scales))
     top = _without_zero({name: (reached or {}).get(name) for name in names if name not in ("T", "F")})
@@ -72,12 +72,12 @@ def rolling_summary(case: Case, data: xr.Dataset, work: Mapping[str, float], sta
     over_time, warnings = _over_time(case, data, status), diagnostics.rolling_warnings(case, data)
     if data.sizes["time"]:
         values["T"] = float(data["time"][-1])
-    if status is not Status.FILM_VANISHED:
+    if not status.failed:
         warnings += _account_warnings(case, data, over_time)
         if data.sizes["time"]:
             values |= {name: float(data[name][-1]) for name in values if name in data}
             values["load"] = float(data["F"][-1]) * case.geometry.hertz_load
-    elif vanished == inf:
+    elif status is Status.FILM_VANISHED and vanished == inf:
         warnings = [diagnostics.no_film(case)]
     content = {**_without_zero(values), **dict.fromkeys(ERRORS), **over_time, **work}
     return _summary(case, content, status, warnings)
@@ -176,11 +176,10 @@ def _judged(status: Status, data: xr.Dataset) -> tuple[Status, float]:
 
 
 def _over_time(case: Case, data: xr.Dataset, status: Status) -> dict[str, Any]:
-    """The extremes and the balances of a run in time, as far as its film is one."""
-    return {
-        "extremes": {} if status is Status.FILM_VANISHED else extremes(data),
-        "budgets": {} if status.failed else balances.in_time(case, data),
-    }
+    """The extremes and the balances of a run in time; empty where it failed."""
+    if status.failed:
+        return {"extremes": {}, "budgets": {}}
+    return {"extremes": extremes(data), "budgets": balances.in_time(case, data)}
 
 
 def _account_warnings(case: Case, data: xr.Dataset, over_time: Mapping[str, Any]) -> list[str]:

@@ -19,7 +19,7 @@ from jax import Array
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
-from ertel.case.definition import grid_of
+from ertel.case.definition import grid_of, starvation
 from ertel.case.status import Status
 from ertel.equations import account, contact, discretise
 from ertel.equations.approach import balanced
@@ -225,8 +225,9 @@ def dry_guess(geometry: Geometry, grid: Grid, load: float) -> tuple[Floats, floa
 def _rough_guess(case: Case, grid: Grid) -> tuple[Floats, float]:
     """Pressure and approach: those of the dry contact, or of rigid bodies where the film is far thicker than that."""
     outside, dry = discretise.outside_of(case, grid), case.geometry.dry_approach(case.motion.load(0.0))
-    if case.film_scale > THICK * dry:
-        return outside.at_first(motion_of(case, -case.film_scale)), -case.film_scale
+    film = case.film_scale * starvation(case)[1]
+    if film > THICK * dry:
+        return outside.at_first(motion_of(case, -film)), -film
     P, approach = dry_guess(case.geometry, grid, case.motion.load(0.0))
     return P + outside.guess(motion_of(case, approach)), approach
 
@@ -266,6 +267,8 @@ def solve_on_grid(case: Case, grid: Grid, c: Contact, P: Array | Floats, approac
     problem, P = problem_of(case, grid, replace(c, gap=gap), around.load), np.where(outside.is_edge, around.edge, P)
     s, Delta = _program(problem, P, float(approach))
     s = s._replace(residual=np.asarray(s.residual))  # NumPy has nothing to compile
+    if not np.isfinite(s.residual):  # the first guess is left, for the next grid and for what is stored
+        s, Delta = s._replace(P=P, H=contact.film_thickness(problem.contact, jnp.asarray(P), approach)), approach
     status = Status.CONVERGED if s.converged else Status.NEWTON_STALLED
     n, k = int(s.newton), int(s.krylov)
     work = nonlinear.convolutions(grid, n, k)
