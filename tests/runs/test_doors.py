@@ -116,7 +116,7 @@ def test_metadata_of_an_earlier_format_among_those_of_a_run_are_refused(kinds, c
         with pytest.raises(StoreError, match="has arrays of Zarr's format 2, which may hold programs"):
             look(run)
     with pytest.raises(ValueError, match="has arrays of Zarr's format 2, which may hold programs"):
-        arrays.opened(run / "run.zarr", consolidated=True)
+        arrays.open_data(run / "run.zarr", consolidated=True)
 
 
 @pytest.mark.parametrize("consolidated", [True, False])
@@ -125,11 +125,11 @@ def test_codecs_that_ertel_does_not_write_are_refused(tmp_path, codec, consolida
     """In studies and fits, wherever their metadata are."""
     study = tmp_path / "sweep.zarr"
     xr.Dataset({"H": ("run", [1.0, 2.0]), "status": ("run", ["done", "a"])}).to_zarr(study, consolidated=consolidated)
-    assert arrays.opened(study, consolidated=consolidated).load()["status"].values.tolist() == ["done", "a"]
+    assert arrays.open_data(study, consolidated=consolidated).load()["status"].values.tolist() == ["done", "a"]
     for file in study.rglob("zarr.json"):
         file.write_text(file.read_text().replace('"zstd"', f'"{codec}"'))
     with pytest.raises(ValueError, match=rf"has arrays with codecs that ertel does not write \({codec}\)"):
-        arrays.opened(study, consolidated=consolidated).load()
+        arrays.open_data(study, consolidated=consolidated).load()
 
 
 def test_arrays_of_the_earlier_format_are_not_there(tmp_path):
@@ -138,7 +138,7 @@ def test_arrays_of_the_earlier_format_are_not_there(tmp_path):
     (tmp_path / "H").mkdir()
     (tmp_path / "H" / ".zarray").write_text(json.dumps(PICKLE))
     (tmp_path / "H" / "0").write_bytes(pickle.dumps(np.array([Evil()])))
-    assert not arrays.opened(tmp_path, consolidated=False).load().variables
+    assert not arrays.open_data(tmp_path, consolidated=False).load().variables
 
 
 # -- pipes ------------------------------------------------------------------------------------------------------------
@@ -151,7 +151,7 @@ def test_neither_pipes_nor_endless_files_are_read(tmp_path, kinds, copy):
         with pytest.raises(OSError, match="not a regular file"):
             content_of(tmp_path / name)
     with pytest.raises(OSError, match="not a regular file"):
-        arrays.opened(tmp_path, consolidated=False)
+        arrays.open_data(tmp_path, consolidated=False)
     (tmp_path / "long").write_bytes(b"12345")
     with pytest.raises(OSError, match="File too large"):
         content_of(tmp_path / "long", 4)

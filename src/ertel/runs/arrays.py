@@ -98,7 +98,7 @@ def require_plain(metadata: Any, name: str) -> None:
         waiting.extend(part if isinstance(part, list) else [])
 
 
-def opened(path: Path, consolidated: bool) -> xr.Dataset:
+def open_data(path: Path, consolidated: bool) -> xr.Dataset:
     """The data of a run, a study or a fit, whose values are read when they are needed."""
     data: xr.Dataset = xr.open_zarr(RegularStore(path, read_only=True), chunks=None, consolidated=consolidated)
     return data

@@ -245,12 +245,12 @@ def _unreadable(run: Path) -> ValueError:
 @lru_cache(maxsize=KEPT_OPEN)
 def _opened(run: Path, stamp: int) -> "xr.Dataset":
     """The data of a run as they were at a moment; the maps are read when they are drawn."""
-    from ertel.runs.arrays import opened
+    from ertel.runs.arrays import open_data
 
     if not stamp:
         raise ValueError("nothing is written yet")
     try:
-        data = opened(run / DATA, consolidated=True)
+        data = open_data(run / DATA, consolidated=True)
         rest = data if is_steady(data) else data[[name for name in data if data[name].ndim < 2]]
         rest.load()
     except Exception as error:  # of zarr, its codecs, the system

@@ -21,10 +21,10 @@ def study_report(study: Path, kind: str, stamp: int) -> tuple[str, str]:
     """
     from ertel.results.fit_result import FitResult
     from ertel.results.study_result import StudyResult
-    from ertel.runs.arrays import opened
+    from ertel.runs.arrays import open_data
 
     try:
-        data = opened(study / f"{kind}.zarr", consolidated=False).load()
+        data = open_data(study / f"{kind}.zarr", consolidated=False).load()
         best = str(data.attrs.get("best", ""))
         if not (study / best).resolve().is_relative_to(study.resolve()):
             raise ValueError(f"{best} lies outside of the study")
