@@ -45,6 +45,7 @@ ROLLING = Algorithms(nonlinear.approach_as_unknown, nonlinear.point_precondition
 
 MEASURED = (*state.KEY_VALUES[:-1], "F")  # of a step, besides the numbers of the account
 SMALL = 512  # nodes a side of a grid on which one program more takes longer than it saves
+INSTANT = 1e-6  # t0, over which the rate of the prescribed load is taken
 
 
 @register_dataclass
@@ -204,8 +205,8 @@ class Transient2D(Method):
         if not self.case.starts_apart:
             # with little or no inertia V follows from the film of the same step, and extrapolating it is unstable;
             # that of a dry contact under this load is near it
-            now, before = (self.geometry.dry_approach(max(self.case.motion.load(t), 0.0)) for t in (T, levels[0].T))
-            motion = motion._replace(velocity=(now - before) / step)
+            now, before = (self.geometry.dry_approach(max(self.case.motion.load(t), 0.0)) for t in (T, T - INSTANT))
+            motion = motion._replace(velocity=(now - before) / INSTANT)
         around, sliding = self.outside.at(motion), self.case.motion.sliding(T)
         weights = bdf.three(predict), bdf.three(rates)
         known = Known(*weights, line, approaches, loads, sliding, around.load, around.uplift)
