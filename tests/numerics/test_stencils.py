@@ -108,6 +108,28 @@ def test_beyond_its_ends_the_field_keeps_the_value_of_the_end() -> None:
     assert_allclose(shifted(field, -100.0), 3.0)
 
 
+carried = jax.jit(stencils.carried_along_x)
+
+
+@given(st.floats(-9.0, 9.0), st.integers(0, 10**6))
+def test_the_flux_form_is_the_shift_where_all_is_smooth(shift: float, seed: int) -> None:
+    field = jnp.asarray(np.random.default_rng(seed).random((2, 65)))
+    found, expected = carried(field, shift, field >= 0), shifted(field, shift)
+    assert_allclose(found[:, MIDDLE], expected[:, MIDDLE], atol=2e-15)
+
+
+@given(st.floats(-9.0, 9.0), st.integers(0, 10**6))
+def test_the_flux_form_keeps_the_sum_and_is_monotone_where_nothing_is_smooth(shift: float, seed: int) -> None:
+    random = np.random.default_rng(seed)
+    heap = np.zeros((2, 65))
+    heap[:, MIDDLE] = random.random((2, 17))
+    partly = carried(jnp.asarray(heap), shift, random.random((2, 65)) < 0.9)
+    assert_allclose(np.asarray(partly).sum(axis=1), heap.sum(axis=1), rtol=1e-13)
+    step = np.where(LINE < 32, 0.05, 0.005)[None]
+    moved = np.asarray(carried(jnp.asarray(step), shift, np.zeros((1, 65), bool)))[0]
+    assert np.all(np.diff(moved) <= 1e-16) and moved.max() <= 0.05 + 1e-16 and moved.min() >= 0.005 - 1e-16
+
+
 @given(st.floats(0.0, 1.0), st.floats(0.0, np.pi))
 def test_no_wave_grows(shift: float, per_node: float) -> None:
     """So that no number of steps makes it unstable."""

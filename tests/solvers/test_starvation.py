@@ -103,9 +103,11 @@ def test_the_oil_that_passes_is_that_of_the_upstream_slope() -> None:
 
 
 @jax.jit
-def mobility_and_passing(c: contact.Contact, P: jax.Array, H: jax.Array) -> tuple[jax.Array, jax.Array]:
+def mobility_and_passing(
+    c: contact.Contact, P: jax.Array, H: jax.Array, kinked: jax.Array
+) -> tuple[jax.Array, jax.Array]:
     """The mobility, and what passes if all is full."""
-    return c.lubricant.mobility(P, H, c.lambda_bar), downstream(contact.mass(c, P, H))
+    return c.lubricant.mobility(P, H, c.lambda_bar), downstream(contact.mass(c, P, H), kinked)
 
 
 @pytest.mark.parametrize("layer", [0.0365, 0.0712, 0.15])
@@ -114,7 +116,7 @@ def test_all_oil_that_enters_passes_every_line(layer: float) -> None:
     s = rolled_on(layer)
     assert s.status.ok and float(np.min(s.H)) > 0
     c, content = discretise.contact_of(s.case, s.grid), s.content
-    eps, full = (np.asarray(field) for field in mobility_and_passing(c, s.P, s.H))
+    eps, full = (np.asarray(field) for field in mobility_and_passing(c, s.P, s.H, content.kinked))
     driven = -0.5 * (eps[:, 1:] + eps[:, :-1]) * np.diff(s.P, axis=1) / s.grid.spacing
     flux = (full[:, :-1] - np.asarray(content.void)[:, :-1] + driven)[:-1]  # the row on the edge is given
     rows = np.r_[1.0, np.full(len(flux) - 1, 2.0)]  # the axis is the first of them
@@ -158,8 +160,9 @@ def test_the_film_of_a_starved_contact(r: float, nodes: int) -> None:
     assert film_reduction(r, nodes) == pytest.approx(STARVED[r], abs=0.07 if nodes == 65 else 0.008)
 
 
-# the whole plane of a track that is not symmetric, whose program it shares
-SQUARE = {"nodes": 33, "half_width": 3.0, "half_width_y": 3.0, "inlet": 4.5}
+# The whole plane of a track that is not symmetric, whose program it shares.  On 33 nodes Newton's iteration stalls at
+# an angle: two nodes change their flux when one fills.
+SQUARE = {"nodes": 65, "half_width": 3.0, "half_width_y": 3.0, "inlet": 4.5}
 
 
 @pytest.mark.parametrize(
@@ -203,7 +206,7 @@ def test_a_track_loses_its_oil_to_the_sides() -> None:
 
 def test_a_track_with_more_oil_on_one_side_is_the_mirror_of_that_on_the_other() -> None:
     more = [[-1.0, 0.05], [1.0, 0.1]]
-    one, other = (rolled_after(track, nodes=33) for track in (more, [[-1.0, 0.1], [1.0, 0.05]]))
+    one, other = (rolled_after(track) for track in (more, [[-1.0, 0.1], [1.0, 0.05]]))
     assert_allclose(one.dataset["H"], other.dataset["H"][::-1], atol=1e-8)
     assert one.dataset["oil"][-1, 0] == pytest.approx(0.1)
     assert one.dataset["H"].sel(Y=0.75).min() > one.dataset["H"].sel(Y=-0.75).min()
@@ -365,6 +368,46 @@ def test_a_starved_film_stays_steady_whatever_the_step() -> None:
         late = march(method, step, 8)[0]
         for name in ("H", "mass"):
             assert_allclose(late.fields[name], method.start().fields[name], atol=1e-6)
+
+
+@cache
+def under_a_load_that_swings(nodes: int, until: float) -> Result:
+    load = {"mean": 1.0, "amplitude": 0.4, "period": 3.0}
+    return simulate(
+        ertel.rolling(
+            M=100,
+            L=10,
+            layer=0.05,
+            nodes=nodes,
+            method="transient",
+            motion={"load": load},
+            until=until,
+            time_tolerance=1e-4,
+        )
+    )
+
+
+@pytest.mark.parametrize(("until", "imbalance"), [(0.3, 1e-5), pytest.param(6.0, 1e-6, marks=pytest.mark.slow)])
+def test_the_oil_upstream_is_the_layer_while_the_load_swings(until: float, imbalance: float) -> None:
+    """No waves run from the meniscus: the oil before it is the layer, and no node is dried or flooded by them.
+
+    The short run ends while a wave leaves, whose outflow is of second order in the time steps.
+    """
+    run = under_a_load_that_swings(65, until)
+    assert run.status.ok
+    assert run.summary["budgets"]["mass"]["imbalance"] < imbalance
+    X, oil, P = (run.dataset[name].values for name in ("X", "oil", "P"))
+    wet = X[np.any(P > 0, axis=(0, 1))].min()
+    assert_allclose(oil[..., X < wet - 0.2], 0.05, rtol=1e-10)
+    assert oil.min() > 0.02
+
+
+@pytest.mark.slow
+def test_the_film_under_a_load_that_swings_is_near_that_of_a_finer_grid() -> None:
+    """H_c hardly depends on the load; on 257 nodes it is 0.0411 to 0.0423 in T = 3 to 6."""
+    T, H = (under_a_load_that_swings(65, 6.0).dataset[name].values for name in ("time", "H_c"))
+    late = H[T >= 3]
+    assert 0.0405 < late.min() and late.max() < 0.0430
 
 
 def test_more_oil_reaches_the_contact_with_the_flow() -> None:

@@ -21,7 +21,7 @@ import jax.numpy as jnp
 from jax import Array
 from jax.tree_util import register_dataclass
 
-from ertel.equations.flow import OilContent, Rate, downstream, flow_aligned, upstream_of, void_downstream
+from ertel.equations.flow import OilContent, Rate, downstream, flow_aligned, kinked_at, upstream_of, void_downstream
 from ertel.numerics import halfspace
 from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
 from ertel.numerics.integrals import Plane
@@ -162,22 +162,26 @@ def steady_oil(contact: Contact, P: Array, H: Array, rate: Rate) -> OilContent:
     assert rate.wedge is not None
     turned, speed = partial(flow_aligned, rate), jnp.abs(rate.wedge)
     P, H = turned(P), turned(H)
-    full, r = mass(contact, P, H), _of_a_full_gap(contact, P, H, rate._replace(wedge=speed))
+    full, kinked = mass(contact, P, H), rate.kinked(P)
+    r = _of_a_full_gap(contact, P, H, rate._replace(wedge=speed))
     void = _void(contact, P, H, speed, rate.layer, r)
-    passing = jnp.where(P > 0.0, full, downstream(full) - void)
+    passing = jnp.where(P > 0.0, full, downstream(full, kinked) - void)
     oil = jnp.where(passing < full, passing, full - void)  # void = 0 where P > 0
-    return OilContent(turned(oil), turned(full), turned(void), turned(passing), rate.wedge)
+    oil, full, void, passing = map(turned, (oil, full, void, passing))
+    return OilContent(oil, full, void, passing, rate.wedge, None if kinked is None else turned(kinked))
 
 
 def _of_a_full_gap(contact: Contact, P: Array, H: Array, rate: Rate) -> Array:
     """The residual of a gap that is full of oil; on the edge only the rate of change following the flow."""
-    change = rate.of(mass(contact, P, H), contact.spacing)
+    change = rate.of(mass(contact, P, H), contact.spacing, rate.kinked(P))
     return change - inside(contact.flow.gain(contact, P, H), contact.even)
 
 
 def _void(contact: Contact, P: Array, H: Array, speed: FloatLike, layer: FloatLike | None, r: Array) -> Array:
     """The void of a steady film.  layer: the oil that enters, None where the inlet is full.  X points downstream."""
-    first = 0.0 if layer is None else (downstream(mass(contact, P[:, :2], H[:, :2]))[:, :1] - layer)[:, 0]
+    inlet = P[:, :2]
+    full = downstream(mass(contact, inlet, H[:, :2]), kinked_at(inlet))
+    first = 0.0 if layer is None else (full[:, :1] - layer)[:, 0]
     return void_downstream(P, r, first, speed, contact.spacing)
 
 

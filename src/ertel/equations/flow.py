@@ -33,7 +33,7 @@ from jax import Array
 
 from ertel.numerics.bdf import Weights
 from ertel.numerics.programs import exportable
-from ertel.numerics.stencils import FloatLike, shifted_along_x, upstream_slope
+from ertel.numerics.stencils import FloatLike, carried_along_x, shifted_along_x, upstream_slope
 
 
 class Rate(NamedTuple):
@@ -49,10 +49,14 @@ class Rate(NamedTuple):
     wedge: FloatLike | None = None
     layer: FloatLike | None = None
 
-    def of(self, mass: Array, spacing: FloatLike) -> Array:
-        """The rate of a mass, shape (n, n)."""
+    def of(self, mass: Array, spacing: FloatLike, kinked: Array | None = None) -> Array:
+        """The rate of a mass, shape (n, n); kinked: as from `kinked_at`, for a starved film."""
         in_time = self.new * mass + self.past
-        return in_time if self.wedge is None else in_time + self.wedge * upstream_slope(mass, spacing)
+        return in_time if self.wedge is None else in_time + self.wedge * slope_of_full(mass, spacing, kinked)
+
+    def kinked(self, P: Array) -> Array | None:
+        """`kinked_at` of a steady starved film, None of any other."""
+        return None if self.layer is None or self.wedge is None else kinked_at(P)
 
 
 def steady_rate(entrainment: FloatLike, layer: FloatLike | None = None) -> Rate:
@@ -65,7 +69,8 @@ class OilContent(NamedTuple):
     """The oil in a steady film, as mass; fields of shape (n, n).
 
     oil: what is there at the nodes.  full: what would fill the gap.  void: from `void_downstream`.  passing: what
-    passes the faces downstream of the nodes in unit flow.  entrainment: of that film.
+    passes the faces downstream of the nodes in unit flow.  entrainment: of that film.  kinked: as from `kinked_at`,
+    None where the inlet is full.
     """
 
     oil: Array
@@ -73,6 +78,7 @@ class OilContent(NamedTuple):
     void: Array
     passing: Array
     entrainment: FloatLike
+    kinked: Array | None = None
 
     @classmethod
     def without_void(cls, mass: Array) -> "OilContent":
@@ -92,35 +98,58 @@ class Flow(NamedTuple):
     start: OilContent
 
     def passing(self, oil: Array) -> Array:
-        """The oil that passes with the flow where so much is at the nodes, in unit flow."""
-        return oil + (self.start.passing - self.start.oil)
+        """The oil that passes the nodes with the flow where so much is there, in unit flow.
+
+        In a starved film the first order of `carried_along_x` hands on a share f (1 - f)/(2 s) of the change from node
+        to node too, f the part of the distance s beyond whole nodes.  With it the outflow, by the trapezoidal rule in
+        time, is what the sum of the oil loses.
+        """
+        passing = oil + (self.start.passing - self.start.oil)
+        if self.start.kinked is None:
+            return passing
+        turned, s = partial(flow_aligned, steady_rate(self.entrainment)), jnp.abs(self.distances[0])
+        passing, f = turned(passing), s - jnp.floor(s)
+        spread = 0.5 * f * (1.0 - f) / jnp.maximum(s, jnp.finfo(oil.dtype).tiny)
+        return turned(passing - spread * jnp.diff(passing, axis=1, prepend=passing[:, :1]))
 
 
 def rate_in_time(
-    weights: Weights | Array, masses: Sequence[Array] | Array, flow: Flow | None, spacing: FloatLike
+    weights: Weights | Array,
+    masses: Sequence[Array] | Array,
+    flow: Flow | None,
+    spacing: FloatLike,
+    pressures: Sequence[Array] = (),
 ) -> Rate:
     """The rate at the new time by backward differences along the flow.
 
     weights: for the new and the earlier times, newest first.  masses: at the earlier times, each of shape (n, n).
-    flow: None where the oil stays.
+    flow: None where the oil stays.  pressures: at the earlier times, for a run that starts from a starved film.
     """
     if flow is None:
         return Rate(weights[0], sum(w * m for w, m in zip(weights[1:], masses, strict=True)))
     changes = [mass - flow.start.oil for mass in masses]
-    past = followed(weights[1:], changes, flow.distances) - weights[0] * flow.start.oil
+    starved, was_full = flow.start.kinked is not None, flow.start.oil >= flow.start.full
+    full = [was_full & (P > 0.0) for P in pressures] if starved else None
+    past = followed(weights[1:], changes, flow.distances, full) - weights[0] * flow.start.oil
     return Rate(weights[0], past + wedge(flow.start, flow.entrainment, spacing))
 
 
-def followed(weights: Weights | Array, masses: Sequence[Array], distances: Sequence[FloatLike]) -> Array:
+def followed(
+    weights: Weights | Array,
+    masses: Sequence[Array],
+    distances: Sequence[FloatLike],
+    full: Sequence[Array] | None = None,
+) -> Array:
     """The weighted sum of earlier masses, each moved to where its oil is now.
 
     The oldest is moved step by step, as the newer ones were: what the interpolation takes from a wave is then the same
-    in all of them, and the differences in time are not disturbed by it.
+    in all of them, and the differences in time are not disturbed by it.  full: where the gap was full, in a starved
+    film: there alone the interpolation is of high order.
     """
-    *newer, oldest = zip(weights, masses, distances, strict=True)
-    moved = shifted_along_x(oldest[0] * oldest[1], oldest[2])
-    for weight, mass, distance in reversed(newer):
-        moved = shifted_along_x(weight * mass + moved, distance)
+    moved = jnp.zeros_like(masses[-1])
+    for k in reversed(range(len(masses))):
+        there = weights[k] * masses[k] + moved
+        moved = shifted_along_x(there, distances[k]) if full is None else carried_along_x(there, distances[k], full[k])
     return moved
 
 
@@ -132,12 +161,13 @@ def wedge(content: OilContent, entrainment: FloatLike, spacing: FloatLike) -> Ar
     """
     turned = partial(flow_aligned, steady_rate(content.entrainment))
     oil, full, void = map(turned, content[:3])
+    kinked = None if content.kinked is None else turned(content.kinked)
     speed = jnp.where(jnp.asarray(content.entrainment) >= 0, entrainment, -entrainment)
 
     def slope(passing: Array) -> Array:
         return jnp.diff(passing, axis=1, prepend=passing[:, :1]) / spacing
 
-    onwards = upstream_slope(full, spacing) - slope(void)
+    onwards = slope_of_full(full, spacing, kinked) - slope(void)
     oil, full = oil[:, ::-1], full[:, ::-1]
     back = -slope(jnp.where(oil < full, oil, downstream(full)))[:, ::-1]
     return turned(speed * jnp.where(speed >= 0, onwards, back))
@@ -150,10 +180,31 @@ def flow_aligned(rate: Rate, field: Any) -> Any:
     return jnp.where(rate.wedge >= 0, field, field[..., ::-1])
 
 
-def downstream(full: Array) -> Array:
-    """The mass that passes the faces downstream of the nodes in unit flow, whose differences are `upstream_slope`."""
+def downstream(full: Array, kinked: Array | None = None) -> Array:
+    """The mass that passes the faces downstream of the nodes in unit flow, whose differences are `upstream_slope`.
+
+    It is that of the node itself where the film is kinked.
+    """
     passing = 1.5 * full[:, 1:] - 0.5 * full[:, :-1]
-    return jnp.concatenate([0.5 * (full[:, :1] + full[:, 1:2]), passing], axis=1)
+    passing = jnp.concatenate([0.5 * (full[:, :1] + full[:, 1:2]), passing], axis=1)
+    return passing if kinked is None else jnp.where(kinked, full, passing)
+
+
+def kinked_at(P: Array) -> Array:
+    """Whether a node lies beside a meniscus in the inlet: the last that is not full, and the first full one.
+
+    X points downstream.  A line through two nodes upstream would there cross the kink in the film.  Without it the oil
+    that passes does not jump when a node fills.
+    """
+    meniscus = (P[:, :-1] <= 0.0) & (P[:, 1:] > 0.0)
+    return jnp.pad(meniscus, ((0, 0), (0, 1))) | jnp.pad(meniscus, ((0, 0), (1, 0)))
+
+
+def slope_of_full(full: Array, spacing: FloatLike, kinked: Array | None = None) -> Array:
+    """The slope of a full gap from upstream: of second order, but for the nodes at a kink."""
+    if kinked is None:
+        return upstream_slope(full, spacing)
+    return jnp.pad(jnp.diff(downstream(full, kinked), axis=1), ((0, 0), (1, 0))) / spacing
 
 
 FULL = -1e30  # a change of the void that leaves none

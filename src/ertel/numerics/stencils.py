@@ -203,6 +203,30 @@ def shifted_along_x(field: Array, nodes: Array | float) -> Array:
     return jnp.where(columns - nodes > last, field[..., last:], inside)
 
 
+def carried_along_x(field: Array, nodes: FloatLike, smooth: Array) -> Array:
+    """The same shift in flux form: what leaves a cell enters the next one.
+
+    smooth: nodes around which the flux is that of the polynomial of `shifted_along_x`, if all `POINTS` nodes that it
+    takes are such nodes.  Elsewhere it is of first order: there no new extremes arise.
+
+    Source: Leonard BP, Lock AP, MacVean MK. Mon Weather Rev 1996;124:2588 (flux form of any step).
+    """
+    n, half, whole = field.shape[-1], POINTS // 2, jnp.floor(nodes)
+    columns = jnp.arange(-half, n + half) - whole.astype(int)
+    field, smooth = (jnp.take(f, columns, axis=-1, mode="clip") for f in (field, smooth))
+
+    def at(f: Array, k: int) -> Array:
+        return f[..., half - 1 + k : half + k + n]  # the nodes k after those upstream of the faces
+
+    rest = nodes - whole
+    weights = lagrange(half - rest, range(POINTS))
+    shares = [sum(weights[: k + half]) if k <= 0 else -sum(weights[k + half :]) for k in range(1 - half, half)]
+    high = sum(share * at(field, k) for k, share in enumerate(shares, 1 - half))
+    all_smooth = jnp.stack([at(smooth, k) for k in range(1 - half, half + 1)]).all(axis=0)
+    flux = jnp.where(all_smooth, high, rest * at(field, 0))
+    return at(field, 0)[..., 1:] - jnp.diff(flux, axis=-1)
+
+
 # -- three nodes on a line, as a matrix ------------------------------------------------------------------------------
 
 

@@ -237,14 +237,14 @@ def multigrid_levels(
     single = partial(jnp.asarray, dtype=precision)
     free = single(stencils.inside(free, c.even))
     rate, new, wedge = tree.map(single, (rate, problem.rate.new, problem.rate.wedge))
-    zero, in_time = jnp.zeros_like(film.P), Rate(new, 0.0, wedge)
+    zero, in_time, kinked = jnp.zeros_like(film.P), Rate(new, 0.0, wedge), problem.rate.kinked(P)
 
     # what does not depend on the change is computed once
     def change(e: Array, Ke: Array) -> Array:
-        r = film.residual(e, Ke, lambda m: in_time.of(m, film.spacing))
-        if problem.rate.layer is None:
+        r = film.residual(e, Ke, lambda m: in_time.of(m, film.spacing, kinked))
+        if kinked is None:
             return r
-        first = downstream(film.change(e, Ke).mass[:, :2])[:, 0]
+        first = downstream(film.change(e, Ke).mass[:, :2], kinked[:, :2])[:, 0]
         void = void_change(1.0 - free, r * film.spacing / wedge, first)
         return stencils.inside(r + wedge * upstream_of(void) / film.spacing, c.even)
 

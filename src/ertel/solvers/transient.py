@@ -325,7 +325,7 @@ def film_error(film: Array, predicted: Array, P: Array, thin: Array | float, eve
 def solve_step(p: StepProblem) -> StepSolution:
     """The fields and the numbers after one step."""
     s, known, masses = p.setting, Known.of(p.known), [level["mass"] for level in p.past]
-    rate = rate_in_time(known.rates, masses[:2], p.flow, p.contact.spacing)
+    rate = rate_in_time(known.rates, masses[:2], p.flow, p.contact.spacing, [level["P"] for level in p.past[:2]])
     P, P_old, H_old = _weighted(known.predict, [level["P"] for level in p.past]), p.past[0]["P"], p.past[0]["H"]
     # The viscosity is exponential, so Newton needs few iterations to lower a pressure and many to raise it from zero.
     # So the prediction limits the fall.
