@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import tomli_w
 import xarray as xr
 from cases import SMALL
 from made_up import BALL_FALLS, dry_impact
@@ -24,7 +25,8 @@ from ertel.results.measurements import Measurement
 from ertel.results.profiles import profile
 from ertel.results.result import Result
 from ertel.runs import studies
-from ertel.runs.fit import FitError, fit, fit_problem, load_fit_problem, solve_fit
+from ertel.runs.fit import FitError, fit, solve_fit
+from ertel.runs.fit_problem import fit_problem, load_fit_problem
 from ertel.runs.workers import Failure
 
 RINGS = {"method": "radial", "nodes": 17}
@@ -135,6 +137,7 @@ def test_the_search_steps_back_from_runs_that_fail() -> None:
         ({"lubricant.viscosity": ("barus", "roelands")}, r'unknowns.lubricant.viscosity = "barus": must be a number'),
         ({"lubricant.eta0": {"bounds": ["5 mPa*s", "1 Pa*s"], "prior": "1"}}, r"unknowns.lubricant.eta0.prior = "),
         ({"lubricant.eta0": {"bounds": ["5 mPa*s", "1 Pa*s"], "sigma": 1}}, r"eta0.sigma = 1: unknown key"),
+        ({"solver.tolerance": (1e-8, 1e-3)}, r"unknowns.solver.tolerance: belongs to the computation"),
         (UNKNOWNS, r"unknowns: 2 unknowns, but only 1 data"),
         ([], r"unknowns = \[\]: must be paths with their bounds"),
     ],
@@ -152,13 +155,38 @@ def test_unknowns_that_are_refused(unknowns: Any, sentence: str) -> None:
         ([0.87], r"measurements\[1\] = 0.87: must be a Measurement"),
         ([Measurement.number("restitution", 0.87)], r"measurements\[1\], restitution: sigma = None: must be given"),
         ([(measured(FILM), {"lubricant.eta0": "1 Pa*s"})], r"\[1\], measurement: lubricant.eta0 is an unknown"),
-        ([(measured(FILM), {"lubricant.temperature": "80 degC"})], r"temperature = .*80 degC.*: changes nothing"),
+        ([(measured(FILM), {"lubricant.reference": "a rheometer"})], r"reference = 'a rheometer': changes nothing"),
         ([measured(FILM), (measured(FILM), {"contact.sped": "1 m/s"})], r"contact.sped = .*did you mean speed"),
     ],
 )
 def test_measurements_that_are_refused(data: Any, sentence: str) -> None:
     with pytest.raises(ConfigError, match=sentence):
         fit_problem(CASE, data, UNKNOWNS)
+
+
+NAMED: dict[str, Any] = {
+    "contact": {"radius": "10 mm", "material_1": "steel", "material_2": "steel", "drop_height": "10 mm"},
+    "lubricant": {"oil": "squalane", "temperature": "40 degC"},
+    "solver": RINGS,
+}
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [{"lubricant.temperature": "80 degC"}, {"lubricant.oil": "pao-100"}, {"contact.material_2": "glass"}],
+)
+def test_conditions_that_are_names_are_resolved(settings: dict[str, str], tmp_path: Path) -> None:
+    """The digest was that of the case itself, so that data of several temperatures were compared with one run."""
+    ((path, value),) = settings.items()
+    section, key = path.split(".")
+    expected = parse_case({**NAMED, section: {**NAMED[section], key: value}})
+    radius = {"contact.radius": ("5 mm", "20 mm")}
+    (tmp_path / "ball.toml").write_text(tomli_w.dumps(NAMED))
+    for case in (NAMED, tmp_path / "ball.toml"):
+        problem = fit_problem(case, [measured(FILM), (measured(FILM), settings)], radius)
+        known, found = problem.cases(np.array([0.01]))
+        assert known.digest != found.digest
+        assert (found.contact, found.oil, found.solver) == (expected.contact, expected.oil, known.solver)
 
 
 def test_a_path_through_an_array_is_refused() -> None:
