@@ -29,12 +29,13 @@ from ertel.inputs.fits import with_settings
 from ertel.results.fit_result import FitPoint, FitResult, Values, amount, fit_dataset
 from ertel.results.measurements import Measurement
 from ertel.results.result import Result
+from ertel.results.study_result import grouped
 from ertel.runs import studies
 from ertel.runs.compile import check_jax
 from ertel.runs.directory import CASE, read_progress, write_progress
 from ertel.runs.drive import warn
 from ertel.runs.engine import Engine
-from ertel.runs.fit_problem import FitProblem, Given, fit_problem
+from ertel.runs.fit_problem import FitProblem, Given, fit_problem, under_the_law
 from ertel.runs.store import RunStore
 from ertel.runs.workers import Condition, Failure, Workers, never
 
@@ -133,6 +134,7 @@ class Search:
         self.columns = problem.columns()
         self.measured, self.sigma = self.columns["measured"][0], self.columns["sigma"][0]
         self.runs: set[str] = set()  # digests of their cases
+        self.warnings: dict[str, Sequence[str]] = {}  # of the runs, by these digests
         self._failures: list[str] = []
         self._step = STEP
         self.points: dict[bytes, FitPoint] = {}
@@ -142,9 +144,7 @@ class Search:
         from scipy.optimize import least_squares  # slow to import
 
         start, lower, upper = np.array([(u.start, u.lower, u.upper) for u in self.problem.unknowns]).T
-        if not np.isfinite(self.at(start).residuals).all():
-            where = ", ".join(f"{u.field} = {amount(u.start, u.unit)}" for u in self.problem.unknowns)
-            raise FitError(f"the fit cannot begin: a run at {where}, or next to it, failed: {self._failures[0]}")
+        self._check_runs("begin", start)
 
         def point(u: Values) -> FitPoint:
             """Here one is added to the logarithms, so that scipy's xtol is a relative change of values."""
@@ -163,8 +163,16 @@ class Search:
         finest = float(np.sqrt(np.diag(point(found.x).covariance)).min())
         if found.status > 0 and finest < STEP:  # data that decide better than the model is straight over a step
             self._step = FINE_STEP
+            self._check_runs("go on with smaller steps", point(found.x).values)
             found = search(found.x, xtol=NEAR * finest / STEP)
         return point(found.x), found.status > 0
+
+    def _check_runs(self, what: str, values: Values) -> None:
+        """Raise FitError where a search cannot do this, because a run with these values, or next to them, failed."""
+        if not np.isfinite(self.at(values).residuals).all():
+            pairs = zip(self.problem.unknowns, values, strict=True)
+            where = ", ".join(f"{u.field} = {amount(value, u.unit)}" for u, value in pairs)
+            raise FitError(f"the fit cannot {what}: a run at {where}, or next to it, failed: {self._failures[-1]}")
 
     def at(self, values: Values) -> FitPoint:
         """The point with these values; its residuals are nan where a run failed, from which the search steps back."""
@@ -200,6 +208,7 @@ class Search:
             outcomes: Sequence[Any] = self._runner(cases)
             for failure in [outcome for outcome in outcomes if isinstance(outcome, Failure)]:
                 raise ValueError(failure.reason)
+            self.warnings |= {case.digest: run.warnings for case, run in zip(cases, outcomes, strict=True)}
             size = len(self.problem.conditions)
             results = [outcomes[first : first + size] for first in range(0, len(outcomes), size)]
             return np.array([np.concatenate([each.predicted(found[n]) for each, n in data]) for found in results])
@@ -214,11 +223,14 @@ def solve_fit(problem: FitProblem, runner: Runner, note: Callable[[Search], obje
     solution, converged = search.solve()
     unfinished = [] if converged else [f"the search has not converged after {MOST_POINTS} points; start nearer"]
     predicted = solution.residuals * search.sigma + search.measured
+    best = problem.cases(solution.values)
+    of_runs = grouped(((case.digest, each) for case in best for each in search.warnings[case.digest]), "run")
     about = {
         "title": problem.case.name or problem.case.kind,
         "runs": len(search.runs),
-        "best": f"{studies.RUNS}/{problem.cases(solution.values)[0].digest}",
-        "warnings": [*unfinished, *solution.warnings],
+        "best": f"{studies.RUNS}/{best[0].digest}",
+        "under": under_the_law(problem),
+        "warnings": [*unfinished, *solution.warnings, *of_runs],
     }
     data = fit_dataset(solution, {**search.columns, "predicted": (predicted, "in SI")}, about)
     return FitResult(data, case=with_settings(problem.case, problem.at(solution.values)))
