@@ -237,7 +237,7 @@ def test_fringes_give_the_film_and_the_oil(dry: xr.Dataset) -> None:
 
     def run(cases: Sequence[Case]) -> Any:
         films = [dry.assign(H=dry["H"] + 0.1 * ((case.oil.eta0 / 0.1) ** 0.5 - 1.0)) for case in cases]
-        return [Result(case, film, {}, Status.CONVERGED) for case, film in zip(cases, films, strict=True)]
+        return [Result(case, film, {"warnings": []}, Status.CONVERGED) for case, film in zip(cases, films, strict=True)]
 
     case = parse_case(BALL_FALLS)
     truth = light_along(profile(dry), case, rig)
@@ -247,6 +247,7 @@ def test_fringes_give_the_film_and_the_oil(dry: xr.Dataset) -> None:
     light = Measurement("profile", "intensity", seen, x, sigma=180.0 * 0.004, optics=rig)
     start = replace(case, oil=replace(case.oil, eta0=0.08))
     found = solve_fit(fit_problem(start, light, {"lubricant.eta0": ("50 mPa*s", "200 mPa*s")}), run)
+    assert "measurement 1, " in found.dataset.attrs["aligned"] and "background" in repr(found)
     error = found.standard_errors["eta0"]
     assert abs(found.values["eta0"] - 0.1) < 2 * error < 0.002 and found.warnings == []
     assert found.dataset.attrs["degrees_of_freedom"] == 101 - 2 - 1

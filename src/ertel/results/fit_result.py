@@ -253,5 +253,5 @@ class FitResult(StudyResult):
         chi, freedom, runs = (self.dataset.attrs[name] for name in ("chi_square", "degrees_of_freedom", "runs"))
         per = f"{chi / freedom:.3g} for each of {freedom} degrees of freedom" if freedom else "no degree of freedom"
         work = f"{self.dataset.sizes['datum']} data, chi square {chi:.3g}, {per}; {runs} runs"
-        said = [text for name in ("decided", "under") if (text := self.dataset.attrs.get(name))]
+        said = [text for name in ("decided", "under", "aligned") if (text := self.dataset.attrs.get(name))]
         return [*said, work, *(f"warning: {warning}" for warning in self.warnings)]

@@ -135,6 +135,7 @@ class Search:
         self.measured, self.sigma = self.columns["measured"][0], self.columns["sigma"][0]
         self.runs: set[str] = set()  # digests of their cases
         self.warnings: dict[str, Sequence[str]] = {}  # of the runs, by these digests
+        self.shifts: dict[str, list[str]] = {}  # how measurements are aligned, by the digest of the first case
         self._failures: list[str] = []
         self._step = STEP
         self.points: dict[bytes, FitPoint] = {}
@@ -211,6 +212,11 @@ class Search:
             self.warnings |= {case.digest: run.warnings for case, run in zip(cases, outcomes, strict=True)}
             size = len(self.problem.conditions)
             results = [outcomes[first : first + size] for first in range(0, len(outcomes), size)]
+            self.shifts[cases[0].digest] = [
+                f"measurement {number}, {each.compared(results[0][n])!s}"
+                for number, (each, n) in enumerate(data, 1)
+                if each.align
+            ]
             return np.array([np.concatenate([each.predicted(found[n]) for each, n in data]) for found in results])
         except ValueError as error:  # also of a case that is not allowed, and of a run that does not reach the data
             self._failures.append(str(error))
@@ -230,6 +236,7 @@ def solve_fit(problem: FitProblem, runner: Runner, note: Callable[[Search], obje
         "runs": len(search.runs),
         "best": f"{studies.RUNS}/{best[0].digest}",
         "under": under_the_law(problem),
+        "aligned": "; ".join(search.shifts[best[0].digest]),
         "warnings": [*unfinished, *solution.warnings, *of_runs],
     }
     data = fit_dataset(solution, {**search.columns, "predicted": (predicted, "in SI")}, about)

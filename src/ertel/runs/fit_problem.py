@@ -164,6 +164,4 @@ def under_the_law(problem: FitProblem) -> str:
     law = problem.case.to_data()["lubricant"]["viscosity"]
     name = law if isinstance(law, str) else law["law"]
     other = ", which is 22 to 25 % too high for an oil that follows Barus'" if name == "roelands" else ""
-    return (
-        f"alpha is that of the {name} law{other}; chi square does not tell: fit other laws, at a second speed"
-    )
+    return f"alpha is that of the {name} law{other}; chi square does not tell: fit other laws, at a second speed"
