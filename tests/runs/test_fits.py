@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import tomli_w
 import xarray as xr
 from cases import SMALL
 from made_up import BALL_FALLS, dry_impact
@@ -24,7 +25,8 @@ from ertel.results.measurements import Measurement
 from ertel.results.profiles import profile
 from ertel.results.result import Result
 from ertel.runs import studies
-from ertel.runs.fit import FitError, fit, fit_problem, load_fit_problem, solve_fit
+from ertel.runs.fit import FitError, fit, solve_fit
+from ertel.runs.fit_problem import fit_problem, load_fit_problem
 from ertel.runs.workers import Failure
 
 RINGS = {"method": "radial", "nodes": 17}
@@ -45,13 +47,23 @@ class Power(Measurement):
         return np.array([np.prod(np.array([oil.eta0, oil.alpha]) ** self.powers) * speed**0.5])
 
 
+@dataclass(frozen=True)
+class Answer:
+    """The run of the model: the case itself, with warnings."""
+
+    oil: Any
+    contact: Any
+    digest: str
+    warnings: Sequence[str] = ()
+
+
 def measured(powers: tuple[float, float], off: float = 0.0, speed: float = 1.0, sigma: float = 0.01) -> Power:
     value = float(np.prod(TRUTH**powers)) * speed**0.5
     return Power("number", "h_c", np.array([value * (1 + off * sigma)]), sigma=sigma * value, powers=powers)
 
 
 def model(cases: Sequence[Case]) -> Any:
-    return cases
+    return [Answer(case.oil, case.contact, case.digest) for case in cases]
 
 
 def fitted(
@@ -112,12 +124,38 @@ def test_one_datum_that_is_not_met_is_said() -> None:
     assert any(each.startswith("the case does not explain the data") for each in found.warnings)
 
 
+def test_warnings_of_the_runs_and_the_law_are_said() -> None:
+    """The warnings of runs were dropped, and nothing said that chi square does not see a wrong law."""
+
+    def warned(cases: Sequence[Case]) -> Any:
+        return [replace(answer, warnings=["the film is thin"]) for answer in model(cases)]
+
+    found = fitted(measured(FILM), measured(RESTITUTION), runner=warned)
+    assert any("the film is thin" in warning for warning in found.warnings)
+    assert "alpha is that of the roelands law, which is 22 to 25 % too high" in repr(found)
+    assert "the data fix eta0" in repr(found)
+    unexplained = fitted(measured(FILM, 1e4), unknowns={"lubricant.eta0": UNKNOWNS["lubricant.eta0"]})
+    assert "the data fix" not in repr(unexplained) and "roelands" not in repr(unexplained)
+
+
+def test_a_run_that_fails_in_the_second_search_is_said() -> None:
+    """It was an internal error: residuals of nan where the search with smaller steps begins."""
+
+    def fails_later(cases: Sequence[Case]) -> Any:
+        near = cases[1].oil.eta0 / cases[0].oil.eta0 < 1.005
+        return [Failure("no space left")] * len(cases) if near else model(cases)
+
+    exact = measured(FILM, sigma=1e-4), measured(RESTITUTION, sigma=1e-4)
+    with pytest.raises(FitError, match=r"cannot go on with smaller steps: .* failed: no space left"):
+        fitted(*exact, runner=fails_later)
+
+
 def test_the_search_steps_back_from_runs_that_fail() -> None:
     asked = []
 
     def fails_once(cases: Sequence[Case]) -> Any:
         asked.append(cases[0].oil.eta0)
-        return [Failure("no film") if len(asked) == 2 else case for case in cases]
+        return [Failure("no film") if len(asked) == 2 else case for case in model(cases)]
 
     found = fitted(measured(FILM), measured(RESTITUTION), runner=fails_once)
     assert asked[0] == 0.01 < asked[2] < asked[1] and found.values["eta0"] == pytest.approx(0.04, rel=1e-3)
@@ -135,6 +173,7 @@ def test_the_search_steps_back_from_runs_that_fail() -> None:
         ({"lubricant.viscosity": ("barus", "roelands")}, r'unknowns.lubricant.viscosity = "barus": must be a number'),
         ({"lubricant.eta0": {"bounds": ["5 mPa*s", "1 Pa*s"], "prior": "1"}}, r"unknowns.lubricant.eta0.prior = "),
         ({"lubricant.eta0": {"bounds": ["5 mPa*s", "1 Pa*s"], "sigma": 1}}, r"eta0.sigma = 1: unknown key"),
+        ({"solver.tolerance": (1e-8, 1e-3)}, r"unknowns.solver.tolerance: belongs to the computation"),
         (UNKNOWNS, r"unknowns: 2 unknowns, but only 1 data"),
         ([], r"unknowns = \[\]: must be paths with their bounds"),
     ],
@@ -152,13 +191,38 @@ def test_unknowns_that_are_refused(unknowns: Any, sentence: str) -> None:
         ([0.87], r"measurements\[1\] = 0.87: must be a Measurement"),
         ([Measurement.number("restitution", 0.87)], r"measurements\[1\], restitution: sigma = None: must be given"),
         ([(measured(FILM), {"lubricant.eta0": "1 Pa*s"})], r"\[1\], measurement: lubricant.eta0 is an unknown"),
-        ([(measured(FILM), {"lubricant.temperature": "80 degC"})], r"temperature = .*80 degC.*: changes nothing"),
+        ([(measured(FILM), {"lubricant.reference": "a rheometer"})], r"reference = 'a rheometer': changes nothing"),
         ([measured(FILM), (measured(FILM), {"contact.sped": "1 m/s"})], r"contact.sped = .*did you mean speed"),
     ],
 )
 def test_measurements_that_are_refused(data: Any, sentence: str) -> None:
     with pytest.raises(ConfigError, match=sentence):
         fit_problem(CASE, data, UNKNOWNS)
+
+
+NAMED: dict[str, Any] = {
+    "contact": {"radius": "10 mm", "material_1": "steel", "material_2": "steel", "drop_height": "10 mm"},
+    "lubricant": {"oil": "squalane", "temperature": "40 degC"},
+    "solver": RINGS,
+}
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [{"lubricant.temperature": "80 degC"}, {"lubricant.oil": "pao-100"}, {"contact.material_2": "glass"}],
+)
+def test_conditions_that_are_names_are_resolved(settings: dict[str, str], tmp_path: Path) -> None:
+    """The digest was that of the case itself, so that data of several temperatures were compared with one run."""
+    ((path, value),) = settings.items()
+    section, key = path.split(".")
+    expected = parse_case({**NAMED, section: {**NAMED[section], key: value}})
+    radius = {"contact.radius": ("5 mm", "20 mm")}
+    (tmp_path / "ball.toml").write_text(tomli_w.dumps(NAMED))
+    for case in (NAMED, tmp_path / "ball.toml"):
+        problem = fit_problem(case, [measured(FILM), (measured(FILM), settings)], radius)
+        known, found = problem.cases(np.array([0.01]))
+        assert known.digest != found.digest
+        assert (found.contact, found.oil, found.solver) == (expected.contact, expected.oil, known.solver)
 
 
 def test_a_path_through_an_array_is_refused() -> None:
@@ -173,7 +237,7 @@ def test_fringes_give_the_film_and_the_oil(dry: xr.Dataset) -> None:
 
     def run(cases: Sequence[Case]) -> Any:
         films = [dry.assign(H=dry["H"] + 0.1 * ((case.oil.eta0 / 0.1) ** 0.5 - 1.0)) for case in cases]
-        return [Result(case, film, {}, Status.CONVERGED) for case, film in zip(cases, films, strict=True)]
+        return [Result(case, film, {"warnings": []}, Status.CONVERGED) for case, film in zip(cases, films, strict=True)]
 
     case = parse_case(BALL_FALLS)
     truth = light_along(profile(dry), case, rig)
@@ -183,6 +247,7 @@ def test_fringes_give_the_film_and_the_oil(dry: xr.Dataset) -> None:
     light = Measurement("profile", "intensity", seen, x, sigma=180.0 * 0.004, optics=rig)
     start = replace(case, oil=replace(case.oil, eta0=0.08))
     found = solve_fit(fit_problem(start, light, {"lubricant.eta0": ("50 mPa*s", "200 mPa*s")}), run)
+    assert "measurement 1, " in found.dataset.attrs["aligned"] and "background" in repr(found)
     error = found.standard_errors["eta0"]
     assert abs(found.values["eta0"] - 0.1) < 2 * error < 0.002 and found.warnings == []
     assert found.dataset.attrs["degrees_of_freedom"] == 101 - 2 - 1

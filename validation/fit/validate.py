@@ -19,7 +19,8 @@ import numpy as np
 
 import ertel
 from ertel.results.measurements import Measurement
-from ertel.runs.fit import STEP, fit_problem, solve_fit
+from ertel.runs.fit import STEP, solve_fit
+from ertel.runs.fit_problem import fit_problem
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from common import table

@@ -223,7 +223,7 @@ def fit(
     continues; a fit with other data or bounds uses the runs again as far as they are the same.
     """
     from ertel.apps import studies
-    from ertel.runs.fit import load_fit_problem
+    from ertel.runs.fit_problem import load_fit_problem
 
     problem = load_fit_problem(fit_file, set_ or [])
     studies.fit(problem, out or Path("fits").absolute() / fit_file.stem, studies.Engine(**vars(engine)), report)

@@ -21,6 +21,7 @@ from ertel.runs import traction as curves
 from ertel.runs.compile import prepare_jax
 from ertel.runs.directory import heeding_stop
 from ertel.runs.engine import Engine as Engine
+from ertel.runs.fit_problem import FitProblem
 
 GOES_ON = "the same command continues"
 LISTED = 5  # failed runs that the last line names
@@ -80,7 +81,7 @@ def traction(case: Case, given: Mapping[str, str | None], film: str | None, dire
         leave(FAILED, f"failed: the film did not converge at {result.axis} = {values}; the other points are there")
 
 
-def fit(problem: fits.FitProblem, directory: Path, engine: Engine, options: Report) -> None:
+def fit(problem: FitProblem, directory: Path, engine: Engine, options: Report) -> None:
     """Do what is left of a fit, write and print it."""
     stored.require_place(directory, fits.NAME, "--out")
     prepare_jax()

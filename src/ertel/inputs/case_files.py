@@ -48,9 +48,14 @@ def load_case(path: str | PathLike[str], overrides: Iterable[str] = ()) -> Case:
         The file cannot be read, or contains something that is not allowed.
     """
     path = path_of("path", path, "a case file; parse_case takes a mapping")
-    data = apply_overrides(read_toml(path), overrides)
-    data.setdefault("name", plain_name(path.stem))
-    return parse_case(data, path.parent)
+    return parse_case(case_data(path, overrides), path.parent)
+
+
+def case_data(path: str | PathLike[str], overrides: Iterable[str] = ()) -> dict[str, Any]:
+    """The plain data of a case file, or of a study, as written, with overrides and its name.  Raises ConfigError."""
+    data = apply_overrides(read_toml(Path(path)), overrides)
+    data.setdefault("name", plain_name(Path(path).stem))
+    return data
 
 
 def parse_case(data: Mapping[str, object], folder: str | Path = ".") -> Case:

@@ -32,15 +32,27 @@ What is left out is as in `optics.Rig`.  Other metals, glass, surfaces and lamps
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from copy import deepcopy
 from dataclasses import dataclass
-from math import inf, nan, sqrt
+from math import inf, isnan, nan, sqrt
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
 from ertel.case.case import Case
 from ertel.case.reading import check_keys, hint_for
 from ertel.case.records import ConfigError, refusing, show
-from ertel.inputs.case_files import in_the_case, load_case, path_of, put, read_toml, written
+from ertel.inputs.case_files import (
+    CaseLike,
+    as_case,
+    case_data,
+    in_the_case,
+    parse_case,
+    path_of,
+    put,
+    read_toml,
+    written,
+)
 from ertel.inputs.layout import READER
 from ertel.inputs.quantities import marked_value, parse_quantity, plain_data, split
 from ertel.optics import CHROMIUM, SILICA, Constant, Interferometer, Layer, Light, Monochromatic, Rig, TwoBeams, White
@@ -49,6 +61,8 @@ from ertel.optics.rig import COATINGS, OIL_INDEX
 from ertel.physics.units import FINITE, Unit
 
 KEYS = {"case": (str, '"ball.toml"'), "unknowns": (dict, "[unknowns]"), "measurements": (list, "[[measurements]]")}
+
+COMPUTATION = ("solver", "time", "output")  # sections that conditions leave as they are
 
 Settings = Mapping[str, Any]  # values of a case by their paths, "contact.speed"
 
@@ -73,7 +87,9 @@ class Unknown:
         return f"{float(value)!r} {self.unit}" if self.unit else float(value)
 
 
-def load_fit(path: str | Path, overrides: Sequence[str] = ()) -> tuple[Case, list[tuple[str, dict[str, Any]]], Any]:
+def load_fit(
+    path: str | Path, overrides: Sequence[str] = ()
+) -> tuple["WrittenCase", list[tuple[str, dict[str, Any]]], Any]:
     """The case of a fit in a TOML file, the tables of its measurements with their places, and its unknowns as written.
 
     overrides: of the case, "solver.nodes=65".  Raises ConfigError.
@@ -86,7 +102,7 @@ def load_fit(path: str | Path, overrides: Sequence[str] = ()) -> tuple[Case, lis
             raise ConfigError(f"{key} = {show(data.get(key, ''))}: must be given, as {example}")
     places = [(f"measurements[{number}]", item) for number, item in enumerate(data["measurements"], 1)]
     tables = [(place, table) for place, item in places for table in _one_by_one(place, item)]
-    return load_case(path.parent / data["case"], overrides), tables, data["unknowns"]
+    return WrittenCase.of(path.parent / data["case"], overrides), tables, data["unknowns"]
 
 
 def _one_by_one(place: str, table: Any) -> Iterator[dict[str, Any]]:
@@ -116,6 +132,8 @@ def parse_unknowns(given: Any, case: Case) -> tuple[Unknown, ...]:
 
 
 def _unknown(field: str, given: Any, case: Case) -> Unknown:
+    if field.partition(".")[0] in COMPUTATION:
+        raise ConfigError(f"unknowns.{field}: belongs to the computation, and data do not fix it; give it in the case")
     place, allowed = f"unknowns.{field}", 'bounds must be two positive values with units, ["LEAST", "MOST"]'
     table = given if isinstance(given, Mapping) else {"bounds": given}
     check_keys(table, ("bounds", "prior"), place)
@@ -157,6 +175,48 @@ def _number(data: Any, field: str) -> tuple[float, str]:
     if isinstance(data, str) and split(data)[0]:
         return float(split(data)[0]), split(data)[1]
     return (float(data), "") if type(data) in (int, float) else (nan, "")
+
+
+@dataclass(frozen=True)
+class WrittenCase:
+    """A case, and the plain data from which it was resolved, with the names of oils and materials.
+
+    data: None of a `Case`, which knows numbers only.  folder: that in which files lie that the data name.
+    """
+
+    case: Case
+    data: Mapping[str, Any] | None = None
+    folder: Path = Path()
+
+    @classmethod
+    def of(cls, given: CaseLike, overrides: Sequence[str] = ()) -> "WrittenCase":
+        """The case that is given as such, as plain data, or as the path of a case file.  Raises ConfigError."""
+        if isinstance(given, Mapping):
+            return cls(as_case(given), plain_data(given))
+        if isinstance(given, Case) or not isinstance(given, str | PathLike):
+            return cls(as_case(given))
+        data = case_data(given, overrides)
+        return cls(parse_case(data, Path(given).parent), data, Path(given).parent)
+
+    def under(self, settings: Settings) -> Case:
+        """The case under other conditions, resolved again, on the same grid.  Raises ConfigError as `with_settings`."""
+        if self.data is None or not settings:
+            return with_settings(self.case, settings)
+        kept = {name: table for name, table in self.case.to_data().items() if name in COMPUTATION}
+        data = deepcopy({**self.data, **kept})
+        with in_the_case(settings):
+            for field, value in settings.items():
+                put(data, field.split("."), plain_data(value))
+            return parse_case(data, self.folder)
+
+    def has(self, field: str, value: Any) -> bool:
+        """Whether this is the value at a path of the case, as it is written or stored."""
+        if not isnan(_number(self.case.to_data(), field)[0]):
+            return True
+        data: Any = self.data
+        for part in field.split("."):
+            data = data.get(part) if isinstance(data, Mapping) else None
+        return bool(data == plain_data(value))
 
 
 def with_settings(case: Case, settings: Settings) -> Case:

@@ -29,9 +29,8 @@ from ertel.case.case import Case
 from ertel.case.definition import SECTIONS
 from ertel.case.reading import check_keys
 from ertel.case.records import ConfigError, field_name, is_number, refusing, show
-from ertel.case.rules import plain_name
 from ertel.case.sections import FEWEST_NODES
-from ertel.inputs.case_files import apply_overrides, in_the_case, parse_case, path_of, put, read_toml
+from ertel.inputs.case_files import case_data, in_the_case, parse_case, path_of, put
 from ertel.inputs.layout import READER, Key, section, shape_place
 from ertel.inputs.quantities import LOG, check_number, parse_quantity, plain_data, spaced, split
 from ertel.physics.registry import SHAPES
@@ -88,9 +87,7 @@ def load_study(path: str | Path, overrides: Sequence[str] = ()) -> Study:
     Raises ConfigError if the file cannot be read, or a case of it is not valid.
     """
     path = path_of("study", path, "a case file, or a mapping")
-    data = apply_overrides(read_toml(path), overrides)
-    data.setdefault("name", plain_name(path.stem))
-    return parse_study(data, path.parent)
+    return parse_study(case_data(path, overrides), path.parent)
 
 
 def parse_study(data: Mapping[str, Any], folder: str | Path = ".") -> Study:

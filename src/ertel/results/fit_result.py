@@ -92,10 +92,16 @@ class FitPoint:
         return f"the data fix {', '.join(fixed)}" + (f"; alone {', '.join(alone)}" if len(alone) > 1 else "")
 
     @property
-    def warnings(self) -> list[str]:
-        """The sentences on what the data do not decide, on bounds, and on a case that does not explain the data."""
+    def is_explained(self) -> bool:
+        """Whether a chi square as large as this one is likely enough."""
         from scipy.special import chdtrc  # the chi-square distribution; scipy.stats is slow to import, and large
 
+        # as many unknowns as data should meet them, unless a bound is in the way
+        return bool(chdtrc(max(self.freedom, 1), self.chi_square) >= UNLIKELY)
+
+    @property
+    def warnings(self) -> list[str]:
+        """The sentences on what the data do not decide, on bounds, and on a case that does not explain the data."""
         found = []
         for uncertainty, exponents in zip(*self.products, strict=True):
             known = float(np.sqrt(exponents @ self.covariance @ exponents))
@@ -107,9 +113,8 @@ class FitPoint:
         for name, unit, value, ends in zip(self.names, self.units, self.values, self.bounds.T, strict=True):
             if near := [end for end in ends if abs(log(value / end)) < NEAR_BOUND]:
                 found.append(f"{name} ends at its bound, {amount(near[0], unit)}: widen it, or doubt the case")
-        freedom = max(self.freedom, 1)  # as many unknowns as data should meet them, unless a bound is in the way
-        if chdtrc(freedom, self.chi_square) < UNLIKELY:
-            factor = (self.chi_square / freedom) ** 0.5
+        if not self.is_explained:
+            factor = (self.chi_square / max(self.freedom, 1)) ** 0.5
             found.append(f"the case does not explain the data: the residuals are {factor:.2g} times their sigma")
         return found
 
@@ -172,7 +177,7 @@ def fit_dataset(solution: FitPoint, data: Mapping[str, tuple[Any, str]], about: 
     numbers = {
         "chi_square": solution.chi_square,
         "degrees_of_freedom": solution.freedom,
-        "decided": solution.in_words,
+        "decided": solution.in_words if solution.is_explained else "",
         "found": [f"{name} = {amount(value, unit)} ± {in_percent(error)}" for name, value, unit, error in found],
     }
     return xr.Dataset(
@@ -248,4 +253,5 @@ class FitResult(StudyResult):
         chi, freedom, runs = (self.dataset.attrs[name] for name in ("chi_square", "degrees_of_freedom", "runs"))
         per = f"{chi / freedom:.3g} for each of {freedom} degrees of freedom" if freedom else "no degree of freedom"
         work = f"{self.dataset.sizes['datum']} data, chi square {chi:.3g}, {per}; {runs} runs"
-        return [self.dataset.attrs["decided"], work, *(f"warning: {warning}" for warning in self.warnings)]
+        said = [text for name in ("decided", "under", "aligned") if (text := self.dataset.attrs.get(name))]
+        return [*said, work, *(f"warning: {warning}" for warning in self.warnings)]

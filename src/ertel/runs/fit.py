@@ -15,7 +15,7 @@ the same path, finds the runs that are done, and goes on where it was.  progress
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -23,20 +23,19 @@ from typing import Any
 import numpy as np
 
 from ertel.case.case import Case
-from ertel.case.reading import check_keys
-from ertel.case.records import ConfigError, show
 from ertel.case.status import Status
-from ertel.inputs.case_files import CaseLike, as_case, written
-from ertel.inputs.fits import RIG, Settings, Unknown, interferometer, load_fit, parse_unknowns, with_settings
-from ertel.results.alignment import QUANTITIES
+from ertel.inputs.case_files import CaseLike
+from ertel.inputs.fits import with_settings
 from ertel.results.fit_result import FitPoint, FitResult, Values, amount, fit_dataset
-from ertel.results.measurements import NUMBER, READ, Measurement
+from ertel.results.measurements import Measurement
 from ertel.results.result import Result
+from ertel.results.study_result import grouped
 from ertel.runs import studies
 from ertel.runs.compile import check_jax
 from ertel.runs.directory import CASE, read_progress, write_progress
 from ertel.runs.drive import warn
 from ertel.runs.engine import Engine
+from ertel.runs.fit_problem import FitProblem, Given, fit_problem, under_the_law
 from ertel.runs.store import RunStore
 from ertel.runs.workers import Condition, Failure, Workers, never
 
@@ -46,19 +45,7 @@ FINE_STEP = 1e-3  # the same, where the standard errors are smaller than STEP
 NEAR = 1e-3  # a step of the search that is smaller, in the logarithms, is the last one; with FINE_STEP less
 FLAT = 0.01  # a change of chi square that does not matter
 MOST_POINTS = 40  # of a search
-NAMES = ("lubricant.oil", "lubricant.temperature", "contact.material")  # conditions that stand for numbers of a case
 
-COLUMNS = {  # of the data: what they are
-    "measurement": "number of the measurement, from 1",
-    "quantity": "SI name",
-    "conditions": "what differs from the case",
-    "measured_unit": "SI unit",
-    "x_unit": "SI unit of x",
-    "x": "place or time",
-    "measured": "measured value",
-    "sigma": "standard deviation",
-}
-Given = Measurement | tuple[Measurement, Settings]
 Runner = Callable[[Sequence[Case]], Sequence[Result | Failure]]
 
 
@@ -127,118 +114,10 @@ def fit(
     """
     check_jax()
     engine = Engine(jobs, scheduler, scheduler_file, tls)
-    problem = fit_problem(as_case(case), measurements, unknowns)
+    problem = fit_problem(case, measurements, unknowns)
     result = studies.in_directory(directory, NAME, lambda place: store_fit(problem, place, engine, progress=progress))
     warn(result.warnings, frames=1)
     return result
-
-
-# -- what is asked ----------------------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class FitProblem:
-    """The unknowns to be found, and the data.
-
-    conditions: each different set of values in which measurements differ from the case.  data: measurements with the
-    number of their conditions.
-    """
-
-    case: Case
-    unknowns: tuple[Unknown, ...]
-    conditions: tuple[Settings, ...]
-    data: tuple[tuple[Measurement, int], ...]
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The short names of the unknowns: the last part of their paths, all of it where two are alike."""
-        short = [unknown.field.rpartition(".")[2] for unknown in self.unknowns]
-        pairs = zip(short, self.unknowns, strict=True)
-        return tuple(name if short.count(name) == 1 else unknown.field for name, unknown in pairs)
-
-    def at(self, values: Values) -> dict[str, Any]:
-        """The values of the unknowns, in SI, by their paths."""
-        return {u.field: u.in_case(value) for u, value in zip(self.unknowns, values, strict=True)}
-
-    def cases(self, values: Values) -> list[Case]:
-        """The case of each set of conditions with these values of the unknowns.  Raises ConfigError."""
-        return [with_settings(self.case, {**self.at(values), **settings}) for settings in self.conditions]
-
-    def columns(self) -> dict[str, tuple[Any, str]]:
-        """The data one after the other: name -> values, and what they are."""
-        rows = []
-        for number, (each, index) in enumerate(self.data, 1):
-            settings = self.conditions[index].items()
-            conditions = ", ".join(f"{path.rpartition('.')[2]} = {value}" for path, value in settings)
-            units = QUANTITIES[each.quantity].si_units or "1", {"profile": "m", "history": "s"}.get(each.kind, "")
-            x = np.nan if each.x is None else each.x
-            for values in np.broadcast(x, each.values, np.asarray(each.sigma)):
-                rows.append((number, each.quantity, conditions, *units, *map(float, values)))
-        columns = {}
-        for (name, text), values in zip(COLUMNS.items(), zip(*rows, strict=True), strict=True):
-            columns[name] = np.array(values, dtype=object if isinstance(values[0], str) else None), text
-        return columns
-
-
-def load_fit_problem(path: str | Path, overrides: Sequence[str] = ()) -> FitProblem:
-    """The problem in the file of a fit, see `inputs.fits`.  Raises ConfigError."""
-    case, tables, unknowns = load_fit(path, overrides)
-    given: list[Given] = [(_measurement(place, table, Path(path).parent), table["set"]) for place, table in tables]
-    return fit_problem(case, given, unknowns)
-
-
-def _measurement(place: str, table: Mapping[str, Any], folder: Path) -> Measurement:
-    """The measurement that a table of a file in a folder describes.  Raises ConfigError, naming the place."""
-    content = {name: value for name, value in table.items() if name not in ("set", "file")}
-    file = str(table.get("file", ""))
-    check_keys(content, (*READ, *RIG, *QUANTITIES) if file else NUMBER, place)
-    try:
-        if not file:
-            return Measurement.number(**content)
-        rig = {name: content.pop(name) for name in RIG if name in content and name != "index"}
-        return Measurement.read(folder / file, **content, optics=interferometer(**rig, index=content.get("index")))
-    except TypeError as error:
-        raise ConfigError(f"{place} = {show(table)}: must have a file, or quantity, value and sigma") from error
-    except ValueError as error:
-        raise ConfigError(f"{place}: {error}") from error
-
-
-def fit_problem(case: Case, measurements: Measurement | Sequence[Given], unknowns: Any) -> FitProblem:
-    """The problem that a user poses.  Raises ConfigError, naming the argument."""
-    found = parse_unknowns(unknowns, case)
-    conditions: list[Settings] = []
-    data = []
-    given = [measurements] if isinstance(measurements, Measurement) else measurements
-    if not isinstance(given, list | tuple):
-        raise ConfigError(f"measurements = {written(measurements)}: must be a Measurement, or a list of them")
-    for number, item in enumerate(given, 1):
-        each, settings = item if isinstance(item, tuple) and len(item) == 2 else (item, {})
-        if not (isinstance(each, Measurement) and isinstance(settings, Mapping)):
-            allowed = "must be a Measurement, or a pair of one and its conditions by path"
-            raise ConfigError(f"measurements[{number}] = {written(item)}: {allowed}")
-        place = f"measurements[{number}], {each.name}"
-        if each.sigma is None:
-            raise ConfigError(f"{place}: sigma = None: must be given: a fit weighs the data by their sigma")
-        if both := {unknown.field for unknown in found} & set(settings):
-            raise ConfigError(f"{place}: {min(both)} is an unknown and cannot be a condition")
-        _check_heard(case, settings, place)
-        if settings not in conditions:
-            conditions.append(dict(settings))
-        data.append((each, conditions.index(dict(settings))))
-    size = sum(len(each.values) - len(each.align) for each, _ in data) + sum(u.prior is not None for u in found)
-    if size < len(found):
-        raise ConfigError(f"unknowns: {len(found)} unknowns, but only {size} data (with priors); measure more")
-    problem = FitProblem(case, found, tuple(conditions), tuple(data))
-    problem.cases(np.array([unknown.start for unknown in found]))  # raises where a path does not fit the case
-    return problem
-
-
-def _check_heard(case: Case, settings: Settings, place: str) -> None:
-    """Raise ConfigError for a condition that is a name, of an oil or a material, and leaves the case as it is."""
-    for path in settings:
-        if path.startswith(NAMES) and with_settings(case, {path: settings[path]}).digest == case.digest:
-            allowed = "changes nothing in the case, whose numbers are resolved; give the numbers that it stands for"
-            raise ConfigError(f"{place}: {path} = {written(settings[path])}: {allowed}")
 
 
 # -- the search -------------------------------------------------------------------------------------------------------
@@ -255,6 +134,8 @@ class Search:
         self.columns = problem.columns()
         self.measured, self.sigma = self.columns["measured"][0], self.columns["sigma"][0]
         self.runs: set[str] = set()  # digests of their cases
+        self.warnings: dict[str, Sequence[str]] = {}  # of the runs, by these digests
+        self.shifts: dict[str, list[str]] = {}  # how measurements are aligned, by the digest of the first case
         self._failures: list[str] = []
         self._step = STEP
         self.points: dict[bytes, FitPoint] = {}
@@ -264,9 +145,7 @@ class Search:
         from scipy.optimize import least_squares  # slow to import
 
         start, lower, upper = np.array([(u.start, u.lower, u.upper) for u in self.problem.unknowns]).T
-        if not np.isfinite(self.at(start).residuals).all():
-            where = ", ".join(f"{u.field} = {amount(u.start, u.unit)}" for u in self.problem.unknowns)
-            raise FitError(f"the fit cannot begin: a run at {where}, or next to it, failed: {self._failures[0]}")
+        self._check_runs("begin", start)
 
         def point(u: Values) -> FitPoint:
             """Here one is added to the logarithms, so that scipy's xtol is a relative change of values."""
@@ -285,8 +164,16 @@ class Search:
         finest = float(np.sqrt(np.diag(point(found.x).covariance)).min())
         if found.status > 0 and finest < STEP:  # data that decide better than the model is straight over a step
             self._step = FINE_STEP
+            self._check_runs("go on with smaller steps", point(found.x).values)
             found = search(found.x, xtol=NEAR * finest / STEP)
         return point(found.x), found.status > 0
+
+    def _check_runs(self, what: str, values: Values) -> None:
+        """Raise FitError where a search cannot do this, because a run with these values, or next to them, failed."""
+        if not np.isfinite(self.at(values).residuals).all():
+            pairs = zip(self.problem.unknowns, values, strict=True)
+            where = ", ".join(f"{u.field} = {amount(value, u.unit)}" for u, value in pairs)
+            raise FitError(f"the fit cannot {what}: a run at {where}, or next to it, failed: {self._failures[-1]}")
 
     def at(self, values: Values) -> FitPoint:
         """The point with these values; its residuals are nan where a run failed, from which the search steps back."""
@@ -322,8 +209,14 @@ class Search:
             outcomes: Sequence[Any] = self._runner(cases)
             for failure in [outcome for outcome in outcomes if isinstance(outcome, Failure)]:
                 raise ValueError(failure.reason)
+            self.warnings |= {case.digest: run.warnings for case, run in zip(cases, outcomes, strict=True)}
             size = len(self.problem.conditions)
             results = [outcomes[first : first + size] for first in range(0, len(outcomes), size)]
+            self.shifts[cases[0].digest] = [
+                f"measurement {number}, {each.compared(results[0][n])!s}"
+                for number, (each, n) in enumerate(data, 1)
+                if each.align
+            ]
             return np.array([np.concatenate([each.predicted(found[n]) for each, n in data]) for found in results])
         except ValueError as error:  # also of a case that is not allowed, and of a run that does not reach the data
             self._failures.append(str(error))
@@ -336,11 +229,15 @@ def solve_fit(problem: FitProblem, runner: Runner, note: Callable[[Search], obje
     solution, converged = search.solve()
     unfinished = [] if converged else [f"the search has not converged after {MOST_POINTS} points; start nearer"]
     predicted = solution.residuals * search.sigma + search.measured
+    best = problem.cases(solution.values)
+    of_runs = grouped(((case.digest, each) for case in best for each in search.warnings[case.digest]), "run")
     about = {
         "title": problem.case.name or problem.case.kind,
         "runs": len(search.runs),
-        "best": f"{studies.RUNS}/{problem.cases(solution.values)[0].digest}",
-        "warnings": [*unfinished, *solution.warnings],
+        "best": f"{studies.RUNS}/{best[0].digest}",
+        "under": under_the_law(problem),
+        "aligned": "; ".join(search.shifts[best[0].digest]),
+        "warnings": [*unfinished, *solution.warnings, *of_runs],
     }
     data = fit_dataset(solution, {**search.columns, "predicted": (predicted, "in SI")}, about)
     return FitResult(data, case=with_settings(problem.case, problem.at(solution.values)))
