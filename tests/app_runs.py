@@ -163,7 +163,7 @@ def make_fit(folder: Path, fit: Path) -> None:
     make_run(folder / "runs" / "first")
     shutil.copy(folder / "runs" / "first" / "case.toml", folder / "ball.toml")
     (folder / "film.toml").write_text('case = "ball.toml"\n[unknowns]\n[[measurements]]\nfile = "film.csv"\n')
-    make_run(fit / "runs" / "best")
+    make_run(fit / "runs" / "0123456789abcdef")  # as the digest of its case names it
     nothing = np.full((2, 2), np.nan)
     ends = np.array([[0.005, 5e-9], [1.0, 60e-9]])
     jacobian = np.array([[50.0, 50.0], [1.0, -2.0], [30.0, 30.0]])
@@ -174,7 +174,7 @@ def make_fit(folder: Path, fit: Path) -> None:
     words = {"x_unit": [""] * 3, "conditions": [""] * 3, "quantity": ["h_c", "restitution", "h_min"]}
     columns = {**numbers, "predicted": measured, **{key: np.array(each, dtype=object) for key, each in words.items()}}
     data = {key: (values, "") for key, values in columns.items()}
-    fit_dataset(point, data, {"title": "film", "runs": 9, "best": "runs/best", "warnings": ["hardly decided"]}).to_zarr(
+    fit_dataset(point, data, {"title": "film", "runs": 9, "best": "runs/0123456789abcdef", "warnings": ["hardly decided"]}).to_zarr(
         fit / "fit.zarr", consolidated=False
     )
     (fit / "fit.png").write_bytes(b"png")

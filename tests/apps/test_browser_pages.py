@@ -302,7 +302,7 @@ async def test_a_fit_is_started_stopped_and_goes_on_to_its_values(user, site, tm
     ):
         assert text in outcome
     assert float(re.findall(r"<td>(-?[0-9.]+)</td>", outcome)[1]) < -0.99  # the correlation of eta0 with alpha
-    assert site.folder.run("fits/film/runs/best") not in site.folder.runs()  # it is that of the fit
+    assert site.folder.run("fits/film/runs/0123456789abcdef") not in site.folder.runs()  # it is that of the fit
     (root / "fits" / "film" / "fit.zarr" / "zarr.json").write_text("{")
     await user.open("/study?name=fits/film")
     await user.should_see("The outcome of this study cannot be read", retries=50)

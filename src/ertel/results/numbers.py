@@ -95,6 +95,8 @@ def numbers(summary: Outcome) -> dict[str, Number]:
     none.
     """
     values = {"M": summary["M"], "L": summary["L"], **values_of(summary)}
+    if wrong := [name for name in KEY if name in values and values[name] is None]:
+        raise ValueError(f"{wrong[0]} is not a number")
     values |= {f"{name}_extreme": one["value"] for name, one in summary.get("extremes", {}).items()}
     values |= {name: summary.get(name) for name in ("restitution", "contact_time", "F_max")}
     thermal = summary.get("thermal") or {}

@@ -45,7 +45,6 @@ ROLLING = Algorithms(nonlinear.approach_as_unknown, nonlinear.point_precondition
 
 MEASURED = (*state.KEY_VALUES[:-1], "F")  # of a step, besides the numbers of the account
 SMALL = 512  # nodes a side of a grid on which one program more takes longer than it saves
-INSTANT = 1e-6  # t0, over which the rate of the prescribed load is taken
 
 
 @register_dataclass
@@ -203,10 +202,9 @@ class Transient2D(Method):
         predict = bdf.interpolation_weights(T, times)
         motion = outside.predicted(levels, T, self.geometry.hertz_load, self.case.motion.entrainment(T))
         if not self.case.starts_apart:
-            # with little or no inertia V follows from the film of the same step, and extrapolating it is unstable;
-            # that of a dry contact under this load is near it
-            now, before = (self.geometry.dry_approach(max(self.case.motion.load(t), 0.0)) for t in (T, T - INSTANT))
-            motion = motion._replace(velocity=(now - before) / INSTANT)
+            # with little or no inertia V follows from the film of the same step: extrapolating it is unstable, and an
+            # estimate moves the rupture outside, where oil would appear in the cavity
+            motion = motion._replace(velocity=0.0)
         around, sliding = self.outside.at(motion), self.case.motion.sliding(T)
         weights = bdf.three(predict), bdf.three(rates)
         known = Known(*weights, line, approaches, loads, sliding, around.load, around.uplift)
