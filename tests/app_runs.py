@@ -174,9 +174,8 @@ def make_fit(folder: Path, fit: Path) -> None:
     words = {"x_unit": [""] * 3, "conditions": [""] * 3, "quantity": ["h_c", "restitution", "h_min"]}
     columns = {**numbers, "predicted": measured, **{key: np.array(each, dtype=object) for key, each in words.items()}}
     data = {key: (values, "") for key, values in columns.items()}
-    fit_dataset(point, data, {"title": "film", "runs": 9, "best": "runs/0123456789abcdef", "warnings": ["hardly decided"]}).to_zarr(
-        fit / "fit.zarr", consolidated=False
-    )
+    about = {"title": "film", "runs": 9, "best": "runs/0123456789abcdef", "warnings": ["hardly decided"]}
+    fit_dataset(point, data, about).to_zarr(fit / "fit.zarr", consolidated=False)
     (fit / "fit.png").write_bytes(b"png")
 
 
