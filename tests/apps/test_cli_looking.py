@@ -173,6 +173,10 @@ def test_a_run_of_somebody_else_does_not_say_where_pictures_go(runs, tmp_path):
     (runs / "plane" / "export").symlink_to(tmp_path)
     assert "plane/export: is a symbolic link" in refused("export", str(runs / "plane"))
     (runs / "plane" / "export").unlink()
+    (runs / "plane" / "plots").symlink_to(tmp_path)
+    plane = str(runs / "plane")
+    assert "plane/plots: is a symbolic link" in ertel_("compare", plane, plane, "--plot", code=2).stderr
+    (runs / "plane" / "plots").unlink()
     assert not list(tmp_path.iterdir())
 
 
@@ -214,7 +218,7 @@ def test_a_profile_is_exported_and_compared_with_its_run(runs, tmp_path):
         ("compare plane film.csv", "it has 'place', 'film'"),
         ("compare plane film.csv --column at=s", "--column at: must be"),
         ("compare plane none.csv --column x=um", "none.csv: no such file or directory"),
-        ("compare none plane --plot", "none/plots: no such file or directory"),
+        ("compare none plane --plot", "none: no such file or directory"),
         ("compare film.csv plane", "film.csv: not a directory"),
         ("compare plane plane/case.toml", "case.toml is not a file of columns; for a run give its directory"),
         ("plot plane --measured none.csv", "none.csv: not a file in "),

@@ -94,6 +94,22 @@ def test_what_may_be_read_in_two_ways_is_refused(lines, complaint):
         read(lines)
 
 
+COUNTS = np.random.default_rng(3).integers(-32768, 32768, (30, 40)).astype(float)
+
+
+@pytest.mark.parametrize(
+    "heights",
+    [
+        np.where(COUNTS == COUNTS.max(), 32767.0, np.where(COUNTS == COUNTS.min(), -32768.0, COUNTS)),  # of 16 bits
+        np.minimum(np.abs(COUNTS), 9999.0),  # clipped
+        np.where(COUNTS > 30000, -1.0, 0.05 * COUNTS / 32768),  # a texture of flat dimples
+        np.repeat([[0.0, 0.1, 1.0]], 4, axis=0),  # steps
+    ],
+)
+def test_deep_and_flat_places_of_a_surface_are_no_marks(heights):
+    check_marks(heights)
+
+
 def test_the_files_arrive_there(tmp_path: Path):
     """Through a case: what the reader of the instrument's files took for a map of 30 x 4 is refused."""
     np.savetxt(tmp_path / "map.txt", np.column_stack([POINTS, np.arange(30)]))

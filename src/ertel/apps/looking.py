@@ -95,13 +95,13 @@ def compare(
     as x_um or x (um). A column intensity has the light of an interferometer along a line; wavelength, layers and index
     are those of its rig.
     """
-    if plot and plot.name == USUAL:
+    named = plot is not None and plot.name != USUAL
+    if plot and not named:
         plot = first / "plots" / f"compared-{second.stem}.png"
-        plot.parent.mkdir(exist_ok=True)
     if second.is_file():
         if second.suffix in (".toml", ".json", ".npz"):  # of cases and runs
             leave(BAD_INPUT, f"{shown(second)} is not a file of columns; for a run give its directory")
-        _compare_measured(first, _measurement(second, given, along=along), plot, as_json, overwrite)
+        _compare_measured(first, _measurement(second, given, along=along), plot, as_json, overwrite, named)
         return
     wrong = [name for name, each in {**vars(given), "along": along != "x"}.items() if each]
     if wrong and second.is_dir():
@@ -124,7 +124,7 @@ def compare(
 
         data = [run.dataset() for run in (one, two)]
         short = [run.case.name or run.directory.name for run in (one, two)]
-        with bad_input(), placing(plot.parent, overwrite) as place:
+        with bad_input(), placing(plot.parent, overwrite, may_be_link=named) as place:
             plots.comparison(data, names if short[0] == short[1] else short).savefig(place / plot.name)
         print_path(plot)
 
@@ -144,16 +144,16 @@ def _measurement(file: Path, given: Measured, light: str = "mono", along: str = 
 
 
 def _compare_measured(
-    directory: Path, measurement: "Measurement", plot: Path | None, as_json: bool, overwrite: bool
+    directory: Path, measurement: "Measurement", plot: Path | None, as_json: bool, overwrite: bool, named: bool
 ) -> None:
-    """Print a measurement beside a run, and draw both."""
+    """Print a measurement beside a run, and draw both.  named: whether the user says where."""
     from ertel.runs.store import RunStore
 
     result = RunStore.open(directory).result()
     with bad_input():
         found = result.compare(measurement)
         if plot:
-            with placing(plot.parent, overwrite) as place:
+            with placing(plot.parent, overwrite, may_be_link=named) as place:
                 result.plot.measured(found).savefig(place / plot.name)
     if as_json:
         columns = {name: getattr(found, name).tolist() for name in ("x", "measured", "computed", "difference")}

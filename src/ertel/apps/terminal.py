@@ -82,7 +82,8 @@ def writing_to(directory: Path, advice: str) -> Iterator[None]:
 def placing(directory: Path, overwrite: bool = False, may_be_link: bool = True) -> Iterator[Path]:
     """Give a new directory for the files of this block; then move them into this one, also in place of ertel's own.
 
-    A file that is there already is taken for ertel's own where it begins as the new one does, see `_kind`.
+    A file that is there already is taken for ertel's own where it begins as the new one does, see `_kind`: any picture
+    of Matplotlib is.
     """
     if not may_be_link and directory.is_symlink():
         leave(BAD_INPUT, f"{shown(directory)}: is a symbolic link; delete it, or name a directory with --out")
@@ -93,7 +94,8 @@ def placing(directory: Path, overwrite: bool = False, may_be_link: bool = True) 
             yield Path(draft)
             new = sorted(Path(draft).iterdir())
             for path, place in ((path, directory / path.name) for path in new):
-                if lexists(place) and not overwrite and _kind(path) != _kind(place):
+                is_other = not overwrite and _kind(path) != _kind(place)
+                if lexists(place) and (is_other or (place.is_dir() and not place.is_symlink())):
                     leave(BAD_INPUT, f"{shown(place)}: ertel did not write this file; move it, or add --overwrite")
             for path in new:
                 path.replace(directory / path.name)

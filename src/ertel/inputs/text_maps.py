@@ -18,7 +18,7 @@ Numbers = NDArray[np.float64]
 UTF_16 = b"\xff\xfe", b"\xfe\xff"
 GAPS = {"nan", "bad"}
 SENTINELS = (-9999.0, -99999.0, -32768.0, 32767.0, -2147483648.0, 9999.0, 99999.0)  # with which programs mark a gap
-FAR = 100.0  # ranges of all others, from which on one height alone is a mark
+FAR = 100.0  # ranges of all others, from which on any height is a mark; for those of programs one range is enough
 ROUNDED = 0.02  # of a step: coordinates are written with few digits
 MOST_COLUMNS = 8  # of a list of points with more than x, y and a height
 UNITS = re.compile(r"#\s*Lateral units:\s*(\S+).*?#\s*Value units:\s*(\S+)", re.S)  # as Gwyddion writes them
@@ -177,8 +177,8 @@ def check_marks(heights: Numbers) -> None:
         if len(inner) < 2:
             return
         distance = abs(values[end] - inner[end])
-        far = distance > np.ptp(inner) * (FAR if counts[end] == 1 else 1.0)
-        if far or values[end] in SENTINELS:
+        far = 1.0 if values[end] in SENTINELS else FAR
+        if distance > far * np.ptp(inner):
             others = f"the others are from {inner[0]:g} to {inner[-1]:g}"
             raise ValueError(
                 f"its height {values[end]:g} marks a gap ({counts[end]} points, {others}); write nan for it"

@@ -180,7 +180,10 @@ class Geometry:
         return velocity / (2 * (1 + D)) - wedge
 
     def ruptured_flow(self, velocity: Floats, entrainment: float, X: Floats, Y: Floats, constant: Floats) -> Floats:
-        """The same where the oil ruptures behind the contact, zero there.  constant: the gap less the parabola."""
+        """The same where the oil ruptures behind the contact, not above zero there.
+
+        constant: the gap less the parabola.
+        """
         flow = self.far_flow(velocity, entrainment, X, Y)
         if entrainment == 0.0:
             return flow
@@ -267,7 +270,10 @@ def far_pressure(X: Floats, Y: Floats, motion: ContactMotion, lambda_bar: float,
 def rigid_pressure(
     X: Floats, Y: Floats, motion: ContactMotion, lambda_bar: float, geometry: Geometry = CIRCLE
 ) -> Floats:
-    """P everywhere while the surfaces are apart and rigid; below a film sqrt(lambda_bar) they would give way."""
+    """P everywhere while the surfaces are apart and rigid; below a film sqrt(lambda_bar) they would give way.
+
+    Where they also roll it ends at the middle, without the rupture of `far_pressure`: it is the start of a run.
+    """
     film = geometry.gap(X, Y) - motion.approach
     flow = geometry.far_flow(motion.velocity, motion.entrainment, X, Y)
     return np.maximum(lambda_bar * flow / np.maximum(film**2, lambda_bar), 0.0)

@@ -18,6 +18,7 @@ from ertel.physics.units import Unit, si_numbers
 
 LARGEST_FILE = 20_000_000  # bytes: a million rows
 SEPARATORS = ";", "\t", ","
+COMMA = "has a comma inside of a column, and commas part the columns; write a point, or nothing for thousands"
 HEADING = re.compile(r"(?P<name>.+?)\s*(?:[\[(]\s*(?P<unit>[^\])]+?)\s*[\])]|/\s*(?P<after>\S+))?\s*")
 GAPS = {"", "nan", "na", "n/a", "-", "---"}
 
@@ -48,7 +49,7 @@ class Columns:
         Raises ValueError where the file has no numbers, its lines have unlike numbers of columns, or a heading is not
         there, and where there is no file.
         """
-        lines, rows = _rows(path)
+        separator, lines, rows = _rows(path)
         header = rows[0]
         if not np.isnan([_number(text) for text in header]).any():
             if len(units) != len(header):
@@ -67,6 +68,9 @@ class Columns:
                 advice = f'say which one is {twice[0]}, such as columns={{"{twice[0]}": "{header[-1]}"}}'
                 raise ValueError(f"{path.name}: {_listed(header)}; {advice}")
         texts = {name: column for (name, _), column in zip(named, zip(*rows, strict=True), strict=False) if name}
+        for column in texts.values() if separator == "," else ():
+            if commas := [(line, text) for line, text in zip(lines, column, strict=True) if "," in text]:
+                raise ValueError(f"{path.name}: line {commas[0][0]}: {commas[0][1][:40]!r} {COMMA}")
         return cls(path.name, _listed(header), texts, {**dict(named), **units}, lines)
 
     def values(self, name: str, si_unit: str, unit: str = "") -> NDArray[np.float64]:
@@ -96,8 +100,8 @@ class Columns:
         return found
 
 
-def _rows(path: Path) -> tuple[list[int], list[list[str]]]:
-    """The numbers of the lines of a file, and their cells; the first one is its header if it has one."""
+def _rows(path: Path) -> tuple[str | None, list[int], list[list[str]]]:
+    """The separator of a file, the numbers of its lines, and their cells; the first one is its header if it has one."""
     if not path.exists() or path.is_dir():
         raise ValueError(f"{path.name}: not a file in {path.parent.absolute()}")
     try:
@@ -121,12 +125,9 @@ def _rows(path: Path) -> tuple[list[int], list[list[str]]]:
             raise ValueError(f"{path.name}: line {number}: {error}") from error
         rows.append([cell.strip() for cell in row])
     for number, row in zip(lines, rows, strict=True):
-        if separator == "," and row is not rows[0] and (commas := [cell for cell in row if "," in cell]):
-            why = "has a comma inside of a column, and commas part the columns; write a point, or nothing for thousands"
-            raise ValueError(f"{path.name}: line {number}: {commas[0][:40]!r} {why}")
         if len(row) != len(rows[0]):
             raise ValueError(f"{path.name}: line {number} has {len(row)} columns and the first has {len(rows[0])}")
-    return list(lines), rows
+    return separator, list(lines), rows
 
 
 def _quantity(heading: str, headings: Mapping[str, str], known: Collection[str]) -> tuple[str, str]:

@@ -222,8 +222,8 @@ def _outside(case: Case, share: float) -> Iterator[str]:
 
     Steady, against wide domains, H_c is off by 0.005, 0.2 and 0.15 % for M = 5, 2 and 1 on the default domain, whose
     share is 0.24 at most; by 1.5 % for M = 5, L = 2 and a share of 0.30; for M = 2, L = 10 and 22, by 0.2 and 0.6 % at
-    0.38, by 3.4 and 1.4 % at 0.55.  In time V is zero outside: by up to 3 % for M = 5 on
-    the default domain under a load that swings by 30 %.
+    0.38, by 3.4 and 1.4 % at 0.55.  In time V is zero outside: by up to 3 % for M = 5 on the default domain under a
+    load that swings by 30 %.
     """
     if share > OUTSIDE_SHARE:
         half_width = min(ceil(2 * case.solver.half_width * share / OUTSIDE_SHARE) / 2, WIDEST_HALF_WIDTH)

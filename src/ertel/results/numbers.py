@@ -100,6 +100,8 @@ def numbers(summary: Outcome) -> dict[str, Number]:
     values |= {f"{name}_extreme": one["value"] for name, one in summary.get("extremes", {}).items()}
     values |= {name: summary.get(name) for name in ("restitution", "contact_time", "F_max")}
     thermal = summary.get("thermal") or {}
+    if not thermal.get("converged", True):
+        thermal = {key: each for key, each in thermal.items() if key in ("h_c_m", "h_min_m", "phi_T")}
     values |= {f"{key.removesuffix('_m').removesuffix('_K')}_warm": thermal.get(key) for key in WARM}
     values |= {name: summary.get(key) for key, name in WORK.items()}
     scales, errors = scales_in(summary), errors_of(summary)
@@ -340,7 +342,10 @@ def _thermal_lines(summary: Outcome) -> Iterator[str]:
     cold = ", ".join(f"{table[name].about.symbol} {table[name].full_text}" for name in names if name in table)
     yield f"without heat: {cold} (phi_T = {thermal['phi_T']:.4g}, L_t = {thermal['L_t']:.3g})"
     rises = ("T_1_max", "T_2_max", "T_film_max", "T_film_mean")
-    surface_1, surface_2, film, mean = (f"{thermal[f'{name}_K'] - ZERO_CELSIUS:.1f} degC" for name in rises)
+    kelvins = [thermal[f"{name}_K"] for name in rises]
+    if None in kelvins:
+        return
+    surface_1, surface_2, film, mean = (f"{each - ZERO_CELSIUS:.1f} degC" for each in kelvins)
     yield f"highest temperatures: surface 1 {surface_1}, surface 2 {surface_2}, film {film}; mean of the film {mean}"
 
 

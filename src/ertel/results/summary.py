@@ -56,7 +56,8 @@ def impact_summary(
         reached = _without_zero(with_coefficients(values, case.scales))
     top = _without_zero({name: (reached or {}).get(name) for name in names if name not in ("T", "F")})
     over_time = _over_time(case, data, status)
-    warnings = diagnostics.impact_warnings(case, data) + _account_warnings(case, data, over_time)
+    warnings = diagnostics.impact_warnings(case, data)
+    warnings += [] if status.failed else _account_warnings(case, data, over_time)
     content = {**top, "max_approach": reached, **_contact(data, status), **over_time, **work}
     return _summary(case, content, status, warnings)
 
@@ -172,7 +173,9 @@ def _contact(data: xr.Dataset, status: Status) -> dict[str, float | None]:
 def _judged(status: Status, data: xr.Dataset) -> tuple[Status, float]:
     """The status of a run in time, and the time at which its film vanished, infinite where it did not."""
     gone = data["time"].values[data["H_min"].values <= 0.0]
-    return (status.of_film(0.0), float(gone[0])) if gone.size else (status, inf)
+    if not gone.size:
+        return status, inf
+    return status if status.failed else Status.FILM_VANISHED, float(gone[0])
 
 
 def _over_time(case: Case, data: xr.Dataset, status: Status) -> dict[str, Any]:

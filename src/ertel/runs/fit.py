@@ -173,7 +173,8 @@ class Search:
         if not np.isfinite(self.at(values).residuals).all():
             pairs = zip(self.problem.unknowns, values, strict=True)
             where = ", ".join(f"{u.field} = {amount(value, u.unit)}" for u, value in pairs)
-            raise FitError(f"the fit cannot {what}: a run at {where}, or next to it, failed: {self._failures[-1]}")
+            why = (self._failures or ["its numbers are not finite"])[-1]
+            raise FitError(f"the fit cannot {what}: a run at {where}, or next to it, failed: {why}")
 
     def at(self, values: Values) -> FitPoint:
         """The point with these values; its residuals are nan where a run failed, from which the search steps back."""

@@ -100,6 +100,10 @@ def _measurement(place: str, table: Mapping[str, Any], folder: Path) -> Measurem
         if not file:
             return Measurement.number(**content)
         rig = {name: content.pop(name) for name in RIG if name in content and name != "index"}
+        if wrong := [name for name, value in rig.items() if not isinstance(value, str)]:
+            raise ValueError(f"{wrong[0]} = {show(rig[wrong[0]])}: must be a text")
+        if not isinstance(content.get("index", 1.0), float | int):
+            raise ValueError(f"index = {show(content['index'])}: must be a number")
         return Measurement.read(folder / file, **content, optics=interferometer(**rig, index=content.get("index")))
     except TypeError as error:
         raise ConfigError(f"{place} = {show(table)}: must have a file, or quantity, value and sigma") from error

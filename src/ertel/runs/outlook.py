@@ -31,7 +31,7 @@ from ertel.runs.compile import jax_devices, may_use_accelerator
 MOST_SHOWN = 257  # points a side at which the heights of a roughness are looked at
 OIL_DENSITY = 900.0  # kg/m^3, typical
 LOW_STOKES = 50.0  # below which the tension in a full gap changes restitution by more than a tenth
-TENSION = 5.0  # St times that change: .41 at St = 5 (nothing comes back), .26 at 20
+TENSION = 5.0  # St times that change, as it is at St = 20: .26; at St = 5 nothing comes back
 SMALLEST_FILM = 1e-9  # m: about the size of the oil's molecules
 
 # Time steps and seconds, measured on one to two cores with `benchmarks/steps.py`, `scaling.py` and `time_error.py`,
@@ -330,7 +330,7 @@ def _no_tension(case: Case) -> str:
         return ""
     return (
         f"the Stokes number is {St:.3g}, and oil without tension does not hold the ball back: restitution is an upper "
-        f"bound; oil that carries tension takes about {TENSION:g}/St = {min(TENSION / St, 1.0):.2g} more"
+        f"bound; tension in the oil lowers it by about {TENSION:g}/St = {min(TENSION / St, 1.0):.2g}, at most to zero"
     )
 
 

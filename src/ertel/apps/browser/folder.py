@@ -173,7 +173,7 @@ def progress_of(path: Path) -> dict[str, Any] | None:
     if (found := read_progress(path)) or is_run(path) or not (path / RUNS).is_dir():
         return found
     status = Status.RUNNING if is_locked(path) else Status.INTERRUPTED
-    with suppress(OSError, ValueError, LookupError):
+    with suppress(OSError, ValueError, LookupError, csv.Error):
         rows = csv.DictReader(content_of(path / "sweep.csv").decode().splitlines())
         if status is Status.INTERRUPTED and not TO_DO & {row["status"] for row in rows}:
             status = Status.CONVERGED
