@@ -31,7 +31,7 @@ DRAWN_LAZILY = {"results.result", "results.study_result", "results.fit_result"} 
 SHORTEST_FILE = 60
 SHORT = {"case.status", "inputs.materials"}  # an enumeration and a public face
 LONGEST_FILE = 400
-MOST_CODE, MOST_SHELL, MOST_FILES = 19_644, 12_328, 145  # aims: 15 000, 9 000, 140
+MOST_CODE, MOST_SHELL, MOST_FILES = 19_648, 12_332, 145  # aims: 17 500, 9 000, 140
 
 
 def module_name(path: Path) -> str:

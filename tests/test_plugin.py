@@ -20,7 +20,7 @@ CASE = {
         "viscosity": {"law": "mcewen", "alpha": "22 / GPa", "q": 12},
     },
     "solver": {"method": "transient", "nodes": 65},
-    "roughness": [{"shape": "scratch", "depth": "200 nm", "width": "60 um", "x": -2.0}],
+    "roughness": [{"shape": "scratch", "depth": "200 nm", "width": "60 um", "x": "-200 um"}],
 }
 
 

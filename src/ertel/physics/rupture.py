@@ -45,7 +45,7 @@ class Rupture(NamedTuple):
     in_k: Floats
 
     def correction(self, ratio: Floats, angle: Floats, k: Floats) -> Floats:
-        """What is added to f/(U r); ratio: V/(U r), angle: from the axis x, k: C/r^2; arrays of one shape."""
+        """Return what is added to f/(U r); ratio: V/(U r), angle: from the axis x, k: C/r^2; arrays of one shape."""
         spread = SPEEDS[1] - SPEEDS[0]
         i, u = _place((np.clip(ratio / self.full, SPEEDS[0], SPEEDS[-1]) - SPEEDS[0]) / spread, len(SPEEDS) - 1)
         j, v = _place(angle % (2 * pi) / (2 * pi) * ANGLES, ANGLES)

@@ -62,6 +62,11 @@ def with_limits(dataset: xr.Dataset) -> xr.Dataset:
 def limits_of(dataset: xr.Dataset) -> dict[str, Limit]:
     """The limits of the numbers that all runs of a series have and that differ, by their name in it."""
     names = [name for each in ESTIMATED for name in dict.fromkeys((each, name_in_si(each))) if name in dataset]
-    on_grid = {name: f"{name}_on_grid" if f"{name}_on_grid" in dataset else name for name in names}
-    values = {name: dataset[on_grid[name]].values.tolist() for name in names}
+    values = {name: _on_grid(dataset, name).values.tolist() for name in names}
     return {name: limit(each) for name, each in values.items() if all(each) and np.ptp(each) > 0.0}
+
+
+def _on_grid(dataset: xr.Dataset, name: str) -> xr.DataArray:
+    """The values on the grids; a grid without an estimated error has only the one value."""
+    there = f"{name}_on_grid"
+    return dataset[there].fillna(dataset[name]) if there in dataset else dataset[name]

@@ -159,12 +159,14 @@ def scales_in(summary: Outcome) -> Scales | None:
 
 def moment(summary: Outcome) -> str:
     """The time at which the values hold, or the reason why there are none."""
+    if "T" in summary and not summary["steps"]:
+        return "no step was taken"
     if Status(summary["status"]).failed and not values_of(summary):
         return f"no result: {summary['status']}"
     if "max_approach" in summary:
         return "at maximum approach" if summary["max_approach"] else "maximum approach was not reached"
     if summary["H_c"] is None:
-        return "no step was taken" if "T" in summary else "no result"
+        return "no result"
     if "T" in summary:
         return f"at T = {summary['T']:.4g}"
     return f"on {summary['nodes']} x {summary.get('nodes_y', summary['nodes'])} nodes"

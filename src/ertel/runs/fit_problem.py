@@ -1,4 +1,4 @@
-"""What a fit is asked: a case, its unknowns, and the data with the conditions under which they were measured."""
+"""The question of a fit: a case, its unknowns, and the data with the conditions under which they were measured."""
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
