@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 import ertel
 from ertel.apps import arguments
 from ertel.apps.cli import app
-from ertel.case.sections import SOLVERS
+from ertel.case.methods import METHODS
 from ertel.inputs import materials, oils
 from ertel.inputs.case_files import load_case, parse_case
 from ertel.inputs.layout import places
@@ -246,7 +246,7 @@ def test_an_oscillation_needs_steps():
 
 
 def test_the_usual_tolerance_is_that_of_the_counts():
-    assert SOLVERS["2d"].tolerance == 1e-3
+    assert METHODS["2d"].defaults.tolerance == 1e-3
 
 
 # -- about ------------------------------------------------------------------------------------------------------------

@@ -7,7 +7,7 @@ from made_up import BALL_FALLS, BALL_ROLLS, MOES_FALLS, as_in_time, dry_impact, 
 from PIL import Image, ImageSequence
 
 from ertel import plots
-from ertel.case.definition import radii
+from ertel.case.spaces import radii
 from ertel.inputs.python import rolling
 from ertel.optics import Constant, Layer, Monochromatic, Rig, TwoBeams, White
 from ertel.plots import interferograms as page

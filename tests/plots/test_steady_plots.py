@@ -10,7 +10,7 @@ from made_up import C1, H_C, H_MIN, solutions, steady
 from made_up import MOES_ROLLS as MOES
 
 from ertel import plots
-from ertel.case.sections import SOLVERS
+from ertel.case.methods import METHODS
 from ertel.inputs.python import rolling
 from ertel.physics import hertz
 from ertel.physics.geometry import Geometry
@@ -97,7 +97,7 @@ def test_convergence_and_films_on_every_grid(moes):
     assert residuals.get_yscale() == "log"
     np.testing.assert_array_equal(line(residuals, "65²").get_ydata(), [1.0, 1e-2, 1e-5, 1e-9])
     np.testing.assert_array_equal(line(residuals, "33²").get_xdata(), [0, 1, 2])
-    np.testing.assert_array_equal(line(residuals, "tolerance").get_ydata(), SOLVERS["steady"].tolerance)
+    np.testing.assert_array_equal(line(residuals, "tolerance").get_ydata(), METHODS["steady"].defaults.tolerance)
     central, minimum = films.containers
     np.testing.assert_array_equal(central.lines[0].get_ydata(), H_C)
     bars = central.lines[2][0].get_segments()

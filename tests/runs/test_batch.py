@@ -10,7 +10,8 @@ import pytest
 from cases import impact, rolled
 
 from ertel.case.case import Case
-from ertel.case.sections import SOLVERS, Drive
+from ertel.case.methods import METHODS
+from ertel.case.sections import Drive
 from ertel.case.status import Status
 from ertel.physics.lubricant import Oil
 from ertel.physics.registry import DENSITY_LAWS
@@ -22,7 +23,7 @@ from ertel.runs.drive import simulate
 from ertel.runs.stepping import Step
 from ertel.runs.workers import Failure
 
-ROLLED = rolled(Parameters.from_moes(20, 5), Oil(), replace(SOLVERS["transient"], nodes=33))
+ROLLED = rolled(Parameters.from_moes(20, 5), Oil(), replace(METHODS["transient"].defaults, nodes=33))
 TIGHT = {"tolerance": 1e-8, "half_width": 2.0}  # the default width depends on M
 
 

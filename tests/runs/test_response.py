@@ -9,7 +9,8 @@ import xarray as xr
 from cases import OIL, SMALL, impact, rolled, steady_solver
 
 from ertel.case.case import Case
-from ertel.case.sections import SOLVERS, Drive
+from ertel.case.methods import METHODS
+from ertel.case.sections import Drive
 from ertel.inputs.case_files import parse_case
 from ertel.inputs.python import quantity
 from ertel.physics.lubricant import Oil
@@ -164,6 +165,6 @@ def test_what_does_not_repeat_has_no_periodic_response(features: list[Shape], me
 
 
 def test_only_a_steady_case_has_a_periodic_response() -> None:
-    case = rolled(Parameters.from_moes(20, 5), OIL, SOLVERS["transient"])
+    case = rolled(Parameters.from_moes(20, 5), OIL, METHODS["transient"].defaults)
     with pytest.raises(ValueError, match=r'^solver\.method = "transient": must be "steady"'):
         respond_in_rolling(case, [[Feature(Waviness(0.01, 0.5))]])

@@ -10,11 +10,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from html import escape
+from math import inf
 from typing import Any
 
 from ertel.case import records, rules, sections
 from ertel.case.definition import SECTIONS, Definition
 from ertel.case.height_map import NO_MAPS, HeightMap
+from ertel.case.methods import of_kind
 from ertel.case.reading import Reader, check_keys
 from ertel.case.records import ConfigError
 from ertel.case.sections import Output, Solver, Time
@@ -104,15 +106,14 @@ class Case(Definition):
             object.__setattr__(self, "oil", self.oil.completed())
         if self.solver.inlet == self.solver.half_width:
             object.__setattr__(self, "solver", replace(self.solver, inlet=None))
-        if self.solver.method != "radial":
-            across = sections.half_width_y(self.solver, self.geometry)
-            object.__setattr__(self, "solver", records.checked(replace(self.solver, half_width_y=across), "solver"))
+        solver = self.method.space.completed(self.solver, self.geometry)
+        object.__setattr__(self, "solver", records.checked(solver, "solver"))
         if not self.is_steady:
             given = self.time or Time()
             layer = self.track.extremes[1] if self.track else 0.0
             above = min(sections.START_APPROACH, -layer) if self.starts_apart else None
             start = above if given.start_approach is None else given.start_approach
-            until = sections.ENDS[self.kind] if given.until is None else given.until
+            until = self.method.end if given.until is None else given.until
             object.__setattr__(self, "time", replace(given, start_approach=start, until=until))
             object.__setattr__(self, "output", self.output or Output())
 
@@ -194,20 +195,17 @@ class Case(Definition):
 def _completed(case: Definition, written: Mapping[str, Any]) -> Solver:
     """The solver with what is not written filled in, an inlet of its default's share of the half width."""
     written = {key: getattr(case.solver, key) for key, value in written.items() if value is not None}
-    method = written.get("method") or sections.METHODS[case.kind][0]
-    rules.refuse(replace(case, solver=Solver(method)), [rules.method_suits])
-    default = sections.SOLVERS[method]
-    half_width, inlet = default.half_width, default.inlet
-    if method == "transient" and _reverses(case):
-        half_width, inlet = sections.CENTRED_HALF_WIDTH, None
+    case = replace(case, solver=Solver(written.get("method") or of_kind(case.kind)[0].name))
+    rules.refuse(case, [rules.method_suits])
+    method, half_width, inlet = case.method, case.method.defaults.half_width, case.method.defaults.inlet
+    if inlet and not case.is_steady and _reverses(case):
+        half_width, inlet = inlet, None  # either side is the upstream one for a while
     if "half_width" not in written:
         rules.refuse(case, [rules.oil_is_complete])
         p = case.parameters
-        wide = sections.half_width_at(case.kind, half_width, p.as_ball.M if case.starts_apart else p.M_BH)
+        wide = method.widening.of(half_width, p.as_ball.M if case.starts_apart else p.M_BH)
         half_width, inlet = wide, inlet and inlet * wide / half_width
-    default = replace(default, half_width=half_width, inlet=inlet)
-    if method != "radial":
-        default = sections.suited(default, case.geometry)
+    default = method.space.suited(replace(method.defaults, half_width=half_width, inlet=inlet), case.geometry)
     # not default.inlet itself, which may differ in the last bit and so in the digest
     inlet = default.inlet and default.inlet * written.get("half_width", default.half_width) / default.half_width
     return replace(default, **{"inlet": inlet, **written})
@@ -218,6 +216,6 @@ def _reverses(case: Definition) -> bool:
     if case.drive is None or case.drive.entrainment is None:
         return False
     until = records.scaled(case.time or Time(), case.scales, "time").until
-    end = sections.ROLLING_UNTIL if until is None or isinstance(until, str) else plain(until)
-    least, most = case.motion.entrainment.range(end)
+    end = case.method.end if until is None else until
+    least, most = case.motion.entrainment.range(inf if isinstance(end, str) or end is None else plain(end))
     return least < 0 < most
