@@ -267,7 +267,8 @@ class View:
     @cached_property
     def _now(self) -> xr.Dataset:
         """The maps at the moment; those of other moments stay on the disk where the Dataset was opened so."""
-        maps = self.dataset[[name for name, each in self.dataset.items() if {"Y", "r"} & set(each.dims)]]
+        axis = self.dataset["P"].dims[-1]
+        maps = self.dataset[[name for name, each in self.dataset.items() if axis in each.dims]]
         return (maps if self.frame is None else maps.isel(frame=self.frame)).load()
 
     @property
@@ -282,7 +283,7 @@ class View:
     @cached_property
     def _along_x(self) -> xr.Dataset:
         fields = self.dataset[["H", "P"]]
-        return (fields if self.is_radial else fields.sel(Y=0.0, method="nearest")).load()
+        return (fields.sel(Y=0.0, method="nearest") if "Y" in fields.dims else fields).load()
 
     def midline(self, name: str) -> Values:
         """A variable along the mid-line at the moment."""

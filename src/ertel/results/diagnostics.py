@@ -255,8 +255,7 @@ def _grid(case: Case, solutions: "Sequence[SteadyGrid]") -> Iterator[str]:
             finer = _use(2 * case.solver.nodes - 1)
             yield f"{worst} is uncertain by about {shares[worst]:.0%} on this grid; {finer}"
     else:
-        nodes = solutions[-2].grid.nodes
-        yield f"there is no error estimate, because the grid of {nodes} x {nodes} nodes did not converge"
+        yield f"there is no error estimate, because the grid of {solutions[-2].grid.nodes} nodes did not converge"
     if abs(fine["P_max"] - coarse["P_max"]) > LARGE_ERROR * fine["P_max"]:
         yield (
             f"the pressure spike is not resolved: P_max changes from {coarse['P_max']:.3g} to {fine['P_max']:.3g} "

@@ -99,9 +99,10 @@ def steady_summary(
     """
     finest = solutions[-1]
     grid = finest.grid
+    across = case.method.space.across(case.solver)
     counts = {
-        "nodes": grid.nodes_x,
-        **({} if grid.nodes_y == grid.nodes_x else {"nodes_y": grid.nodes_y}),
+        "nodes": grid.nodes,
+        **({} if across in (1, grid.nodes) else {"nodes_y": across}),
         "residual": finest.residual,
         "newton_iterations": sum(s.record["newton_iterations"] for s in solutions),
         "krylov_iterations": sum(s.record["krylov_iterations"] for s in solutions),
