@@ -19,7 +19,7 @@ from ertel.runs.drive import Run, result_of, run_of
 from ertel.runs.files import StoreError
 from ertel.runs.stepping import StepLimits, TransientRun
 from ertel.runs.store import RunStore, compute
-from ertel.solvers.transient import Transient2D
+from ertel.solvers.radial import RadialImpact
 
 OWN = ("wall_s", "compilations", "date_created")  # of the process
 BALL = {"radius": "10 mm", "E_prime": "219.7802 GPa"}
@@ -54,7 +54,7 @@ class Kind:
     @property
     def run(self) -> Run:
         limits = LIMITS.get(self.name)
-        return TransientRun(self.case, Transient2D(self.case), limits) if limits else run_of(self.case)
+        return TransientRun(self.case, RadialImpact(self.case), limits) if limits else run_of(self.case)
 
     @cached_property
     def whole(self) -> ertel.Result:

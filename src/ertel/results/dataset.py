@@ -223,10 +223,10 @@ def to_vtk(dataset: xr.Dataset, directory: Path) -> list[Path]:
         raise ValueError('maps for ParaView need pyevtk: pip install "ertel[paraview]"') from error
     if dataset.sizes.get("frame", 1) == 0:
         raise ValueError("the run has no maps yet; export it later")
-    if "r" in dataset.dims:
-        raise ValueError("maps for ParaView: a run by the radial method has profiles only; use netcdf or csv")
     Y, X = ("Y", "X") if "Y" in dataset.dims else ("y", "x")
     names = [str(name) for name, values in dataset.data_vars.items() if values.dims[-2:] == (Y, X)]
+    if not names:
+        raise ValueError(f"maps for ParaView: a {dataset.attrs['method']} run has profiles only; use netcdf or csv")
     x, y = (dataset[axis].values.tolist() for axis in (X, Y))  # of NumPy they would be written as np.float64(...)
     origin, spacing = (x[0], y[0], 0.0), (x[1] - x[0], y[1] - y[0], 1.0)
     moments = dataset.sizes.get("frame", 1)
