@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from ertel.case.conditions import MOES_L, MOES_M, REDUCED
-from ertel.case.definition import Definition
+from ertel.case.definition import SECTIONS, Definition
 from ertel.case.methods import METHODS, Method, as_written, of_kind
-from ertel.case.records import ConfigError, show
+from ertel.case.records import ConfigError, checked, show
 from ertel.case.sections import WIDEST_HALF_WIDTH
 from ertel.physics.film_formulas import rigid_film
 from ertel.physics.geometry import CIRCLE, HERTZ_LOAD, ContactMotion, far_film
@@ -78,11 +78,21 @@ def method_suits(case: Definition) -> Complaints:
             yield f"solver.{key}", f"{case.entry('solver.method')} has none; leave it out"
 
 
+def _values(case: Definition) -> Complaints:
+    """Every value is one that its field allows; those of [contact] are checked as soon as they are put together."""
+    for name, section in SECTIONS.items():
+        record = getattr(case, section.field)
+        if record is not None and name != "contact":
+            checked(record, name)
+    yield from ()
+
+
 def _shapes(case: Definition) -> Complaints:
     for number, feature in enumerate(case.roughness, 1):
         if not (is_dataclass(feature.shape) and hasattr(feature.shape, "heights")):
             name = type(feature.shape).__name__
             yield f"roughness[{number}].shape = {name}", "must be a dataclass with a method heights(X, Y)"
+        checked(feature.shape, f"roughness[{number}]")
 
 
 def oil_is_complete(case: Definition) -> Complaints:
@@ -337,7 +347,7 @@ def _thermal(case: Definition) -> Complaints:
         yield "thermal.inlet_factor", f'{at}; must be above zero, use "wilson-sheu" or "none"'
 
 
-GIVEN = (_name, _reference, method_suits, _shapes)  # rules for what is given
+GIVEN = (_values, _name, _reference, method_suits, _shapes)  # rules for what is given
 COMPLETE = (  # rules for a case with its defaults, in the order in which they are looked at
     oil_is_complete,
     _rheology,
