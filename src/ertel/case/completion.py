@@ -22,15 +22,16 @@ def completed(case: Definition) -> Definition:
     if solver.inlet == solver.half_width:
         solver = replace(solver, inlet=None)  # a centred grid is written in one way
     solver = records.checked(case.method.space.completed(solver, case.geometry), "solver")
+    thermal = case.thermal and case.thermal.completed()
     if case.is_steady:
-        return replace(case, oil=oil, solver=solver)
+        return replace(case, oil=oil, solver=solver, thermal=thermal)
     given = case.time or Time()
     layer = case.track.extremes[1] if case.track else 0.0
     above = min(START_APPROACH, -layer) if case.starts_apart else None
     start = above if given.start_approach is None else given.start_approach
     until = case.method.end if given.until is None else given.until
     time = replace(given, start_approach=start, until=until)
-    return replace(case, oil=oil, solver=solver, time=time, output=case.output or Output())
+    return replace(case, oil=oil, solver=solver, thermal=thermal, time=time, output=case.output or Output())
 
 
 def solver_of(case: Definition, written: Mapping[str, Any]) -> Solver:

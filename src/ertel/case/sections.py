@@ -200,10 +200,10 @@ class Thermal:
     ] = "houpert"
     inlet_factor: Annotated[thermal.InletName, Meaning("formula of the film with inlet shear heating")] = "gupta"
 
-    def __post_init__(self) -> None:
-        for name in ("temperature_1", "temperature_2"):
-            if getattr(self, name) is None:
-                object.__setattr__(self, name, self.temperature)
+    def completed(self) -> "Thermal":
+        """The same with the temperature of the oil for a body whose own is left out."""
+        first, second = (T or self.temperature for T in (self.temperature_1, self.temperature_2))
+        return replace(self, temperature_1=first, temperature_2=second)
 
     @property
     def bodies(self) -> tuple[thermal.Solid, thermal.Solid]:
@@ -214,8 +214,8 @@ class Thermal:
     @property
     def warmer(self) -> tuple[float, float]:
         """By how much the bodies are warmer than the oil in the inlet (K)."""
-        assert self.temperature_1 is not None and self.temperature_2 is not None  # `__post_init__`
-        return self.temperature_1 - self.temperature, self.temperature_2 - self.temperature
+        T = self.temperature
+        return (self.temperature_1 or T) - T, (self.temperature_2 or T) - T
 
     def viscosity_of(self, eta0: float) -> thermal.WarmViscosity:
         """The law of the warm oil's viscosity.  Raises ValueError for an eta0 (Pa s) for which it has no meaning."""
