@@ -294,6 +294,8 @@ class View:
         """A variable over the surface, (Y, X); a radial profile is turned round the centre."""
         values, data = self.values(name), self.dataset
         if not self.is_radial:
+            if "Y" not in data.coords:
+                raise NoFigure(f"{name}: a run along one axis has profiles, and no maps")
             return field(data["X"].values, data["Y"].values, values)
         r = np.asarray(data["r"].values)
         x = np.linspace(-r[-1], r[-1], 601)
