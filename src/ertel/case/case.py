@@ -83,6 +83,7 @@ class Case(Definition):
     ) -> None:
         given = Definition(contact, oil or Oil(), solver or Solver(), drive, roughness, time, output, name, thermal)
         given = with_own_numbers(given)
+        rules.check_values(given)
         rules.refuse(given, rules.GIVEN)
         whole = completed(given)
         rules.refuse(whole, rules.COMPLETE)
