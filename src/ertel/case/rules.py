@@ -118,9 +118,7 @@ def _supported(case: Definition) -> Complaints:
     for name, place, only in asked:
         if not getattr(supports, name):
             others = of_kind(case.kind, lambda method: all(getattr(method.supports, each) for each, _, _ in asked))
-            instead = (
-                f"use {as_written(others)}" if others else f'no method with contact.kind = "{case.kind}" supports more'
-            )
+            instead = f"use {as_written(others)}" if others else f"no method of {case.kind} supports it"
             this = "" if place == "solver.method" else f"{case.entry('solver.method')} "
             yield place, f"{this}is for {only}; {instead}"
 
