@@ -14,7 +14,7 @@ from threadpoolctl import ThreadpoolController, threadpool_limits
 
 import ertel
 from ertel.runs import compile
-from ertel.runs.batch import usual_cases
+from ertel.runs.ahead import usual_cases
 from ertel.runs.drive import watch
 from ertel.runs.workers import one_blas_thread
 from ertel.version import source_digest

@@ -61,11 +61,9 @@ def test_readers_say_what_they_take(given):
 
 def test_a_case_in_the_wrong_place_is_named_in_one_line():
     case = ertel.parse_case(DATA)
-    for wrong in (ertel.parse_case, ertel.load_case, ertel.simulate_batch):
+    for wrong in (ertel.parse_case, ertel.load_case):
         with pytest.raises(ertel.ConfigError, match=r"^\w+ = Case: impact \(radial\), M = 200, L = 10 .*: must be"):
             wrong(case)
-    with pytest.raises(ertel.ConfigError, match=r"^cases\[1\] = 5: must be a Case"):
-        ertel.simulate_batch([case, 5])
 
 
 @pytest.mark.parametrize(

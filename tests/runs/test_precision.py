@@ -45,11 +45,6 @@ def swept():
     return found.dataset.newton_iterations.values.tolist()
 
 
-def batch():
-    found = ertel.simulate_batch([ertel.impact(**{**IMPACT, "M": M, "until": 0.3}) for M in (20, 25)])
-    return [value for result in found for value in final(result)]
-
-
 ball = {"radius": 0.01, "ball_density": 7850, "speed": 0.01, "E_prime": 2.2e11}
 oil = ertel.Oil(0.02, 2e-8, viscosity=OfJax(2e-8))
 radial = ertel.impact(**ball, oil=oil, method="radial", nodes=65, until=0.5, time_tolerance=0.05)
@@ -60,7 +55,6 @@ FOUND = {
     "radial": lambda: final(ertel.simulate(radial)),
     "swept": swept,
     "steady": lambda: final(ertel.simulate(ertel.rolling(**ROLLING))),
-    "batch": batch,
     "respond": lambda: ertel.respond(ertel.impact(**IMPACT), waves).dH.values.ravel().tolist(),
     "respond_in_rolling": lambda: ertel.respond_in_rolling(sliding, waves).dH_amplitude.values.ravel().tolist(),
 }
@@ -105,7 +99,7 @@ blas.limit(limits=2)
 set_before, told_before = dict(jax.config.values), dict(os.environ)
 {runs}
 filters = list(warnings.filters)
-import ertel.runs.store, ertel.runs.batch, ertel.runs.traction  # all that computes
+import ertel.runs.store, ertel.runs.ahead, ertel.runs.traction  # all that computes
 from ertel.numerics.programs import Program
 call, threads = Program.__call__, set()
 
@@ -129,7 +123,7 @@ said = {{
 sys.stdout.write(json.dumps([said, found]))
 """
 QUICK = ("radial", "swept", "steady")  # all methods are run by the same function, and each refuses single precision
-SLOW = ("on_the_plane", "batch", "respond", "respond_in_rolling")
+SLOW = ("on_the_plane", "respond", "respond_in_rolling")
 
 
 @cache

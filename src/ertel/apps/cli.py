@@ -243,7 +243,7 @@ def warm_up(
     """
     from ertel.apps import running
     from ertel.inputs.case_files import load_case
-    from ertel.runs.batch import usual_cases
+    from ertel.runs.ahead import usual_cases
 
     if set_ and not files:
         leave(BAD_INPUT, f"--set {set_[0]}: needs a case file; without one the usual grids are compiled")

@@ -36,7 +36,7 @@ from ertel.numerics.programs import double_precision
 from ertel.results.convergence import with_limits
 from ertel.results.numbers import scalars
 from ertel.results.study_result import MISSING, ConvergenceResult, StudyResult, StudyRun, grouped, study_dataset
-from ertel.runs.batch import STEPS, program_of
+from ertel.runs.ahead import STEPS, program_of
 from ertel.runs.compile import check_jax
 from ertel.runs.directory import CASE, PROGRESS, STOP, Taken, heeding_stop, is_asked_to_stop, read_progress, status_of
 from ertel.runs.drive import bars
