@@ -296,7 +296,6 @@ def test_files_of_the_user_are_left_alone(here, command, file):
     [
         ("sweep loads.toml --set contact.M=[20,'x']", 'contact.M = "x": must be a number (in the case with contact.M'),
         ("sweep loads.toml --part 3/2", "--part 3/2: must be I/N"),
-        ("sweep loads.toml --scheduler tcp://a:1 --scheduler-file b", "scheduler = "),
         ("sweep loads.toml --jobs 0", "Invalid value for '--jobs'"),
         ("traction ball.toml --slide-to-roll 0:1:3 --set solver.nodes=66", "solver.nodes = 66: must be"),
     ],

@@ -155,8 +155,9 @@ class RunOptions(Report):
 
 
 JOBS_HELP = "Number of processes; default one per core. 1: this process, with all cores."
-SCHEDULER_HELP = "Use the workers of a running dask scheduler. Who reaches it can run programs as you."
-TLS_HELP = "PEM file with certificate, key and authority, for a scheduler at tls://."
+SCHEDULER_HELP = (
+    "Use the workers of a running dask scheduler. Who reaches it can run programs as you, except at tls://."
+)
 
 
 @dataclass(frozen=True)
@@ -165,10 +166,6 @@ class EngineOptions:
 
     jobs: Annotated[int | None, option(JOBS_HELP, min=1)] = None
     scheduler: Annotated[str | None, option(SCHEDULER_HELP, "ADDRESS")] = None
-    scheduler_file: Annotated[Path | None, path_option("The same, by the file that the scheduler wrote.", "FILE")] = (
-        None
-    )
-    tls: Annotated[Path | None, path_option(TLS_HELP, "FILE")] = None
 
 
 ALIGN_HELP = "Unknown of a measurement: centre, offset, tilt, index of the oil."
