@@ -17,7 +17,7 @@ from PIL import Image
 import ertel
 from ertel import plots
 from ertel.apps import about, running
-from ertel.apps.process import SIGNALS
+from ertel.apps.process import MOVED, SIGNALS
 from ertel.inputs.case_files import load_case
 from ertel.runs import compile, stepping, store
 from ertel.runs.directory import ask_to_stop, is_asked_to_stop, read_progress
@@ -30,7 +30,7 @@ from ertel.runs.store import RunStore, compute
 
 @pytest.mark.parametrize(
     "command",
-    ["run", "resume", "show", "plot", "params", "film", "about", "sweep", "ls", "compare", "export"],
+    ["run", "resume", "show", "plot", "check", "about", "sweep", "ls", "compare", "export"],
 )
 def test_help(command):
     text = ertel_("--help").stdout
@@ -220,7 +220,7 @@ def test_plot_of_a_run_with_one_map_only(here):
     assert ertel_("plot", "a", "--what", "overview").stdout == "a/plots/overview.png\n"  # each: test_plots_in_time
 
 
-# -- params and film --------------------------------------------------------------------------------------------------
+# -- check ------------------------------------------------------------------------------------------------------------
 
 
 OIL = ["lubricant.eta0=40 mPa*s", "lubricant.alpha=22 / GPa"]
@@ -234,48 +234,49 @@ def numbers(*arguments):
     return json.loads(ertel_(*arguments, "--json").stdout)
 
 
-def test_params():
+def checked(*settings):
+    return numbers("check", *given(*settings))
+
+
+def test_check_of_parameters():
     """What the parameters are is tested with case files and scales."""
-    moes = numbers("params", *given("contact.M=1000", "contact.L=10"))
+    moes = checked("contact.M=1000", "contact.L=10")["parameters"]
     assert (moes["lambda_bar"], moes["trapped_film"]) == pytest.approx((0.00109777359, 0.1), rel=1e-8)
     assert "si" not in moes
     ball = [f"contact.{one}" for one in ("radius=10 mm", "mass=32.6726 g", "speed=0.1 m/s", "E_prime=226.37 GPa")]
-    falls = numbers("params", *given(*ball, "lubricant.eta0=0.1 Pa*s", "lubricant.alpha=22 / GPa"))
+    falls = checked(*ball, "lubricant.eta0=0.1 Pa*s", "lubricant.alpha=22 / GPa")["parameters"]
     found = [falls["stokes"], falls["M"], falls["si"]["p_h_Pa"], falls["si"]["contact_time_s"]]
     assert found == pytest.approx([17.3333, 48.8118, 1393610000.0, 0.000110098], rel=1e-5)
-    assert "p_h_Pa" in ertel_("params", *given(*ball, *OIL)).stdout
-    rolls = numbers("params", *given("contact.kind=rolling", *ROLLED))
+    rolls = checked("contact.kind=rolling", *ROLLED)["parameters"]
     assert [rolls["M"], rolls["L"], rolls["si"]["u_m_m_per_s"]] == pytest.approx([200, 10, 0.502636], rel=1e-6)
     assert rolls["si"]["t0_s"] == pytest.approx(1.384509e-4 / 0.502636, rel=1e-6)
     assert {"stokes", "trapped_film"}.isdisjoint(rolls) and "contact_time_s" not in rolls["si"]
 
 
-def test_film_of_a_contact_that_is_too_light_to_run(here):
-    """A ball of 3 mm under 2 mN: the formulas answer, where a run and check name the film."""
-    ball = ("radius=3 mm", "load=2 mN", "mean_speed=2 m/s", "E_prime=226 GPa")
+def test_formulas_of_a_contact_that_is_too_light_to_run():
+    """A ball of 3 mm under 2 mN: the formulas are printed before the refusal."""
+    ball = ("kind=rolling", "radius=3 mm", "load=2 mN", "mean_speed=2 m/s", "E_prime=226 GPa")
     light = [f"contact.{entry}" for entry in ball] + ["lubricant.eta0=50 mPa*s", "lubricant.alpha=22 / GPa"]
-    settings = [entry.replace("=", '="', 1) + '"' for entry in light]
-    assert "9.458 mm" in ertel_("film", *given(*settings)).stdout
-    (here / "light.toml").write_text('[contact]\nkind = "rolling"\n')
-    assert "a rigid ball's" in refused("check", "light.toml", *given(*settings))
+    told = ertel_("check", *given(*light), code=2)
+    assert "9.458 mm" in told.stdout and "a rigid ball's" in told.stderr
 
 
-def test_film_side_by_side():
+def test_films_side_by_side():
     """Hamrock and Dowson's, and Nijenbanning's, of reference/rolling.json."""
-    films = {film["name"]: film["si"] for film in numbers("film", *given(*ROLLED))["films"]}
+    rolls = ["contact.kind=rolling", *ROLLED]
+    films = {film["name"]: film["si"] for film in checked(*rolls)["films"]}
     assert films["Hamrock-Dowson"] == pytest.approx({"h_c_m": 167.8e-9, "h_min_m": 95.7e-9}, rel=1e-3)
     assert films["Nijenbanning-Venner-Moes"]["h_c_m"] == pytest.approx(172.9e-9, rel=1e-3)
     assert films["Nijenbanning-Venner-Moes"]["h_min_m"] is None
-    text = ertel_("film", *given(*ROLLED)).stdout
-    assert all(part in text for part in ("167.8 nm", "95.71 nm", "172.9 nm", "Wear 1994", "M small, L large"))
+    text = ertel_("check", *given(*rolls)).stdout
+    assert all(part in text for part in ("p_h_Pa", "167.8 nm", "95.71 nm", "172.9 nm"))
+    first, *_ = numbers("check", "--set", "contact.kind=rolling", *given("contact.M=20", "contact.L=10"))["films"]
+    assert first["central"] > 0 and "si" not in first and first["source"]
 
 
-def test_params_and_film_of_a_case_file(here):
-    for command in ("params", "film"):
-        small, large = (numbers(command, "steady.toml", *given(f"contact.load={load} N"))["M"] for load in (20, 40))
-        assert large == pytest.approx(2 * small)
-    first, *_ = numbers("film", "transient.toml")["films"]
-    assert first["central"] > 0 and "si" not in first
+def test_earlier_commands_say_which_one_to_use():
+    for command, now in MOVED.items():
+        assert f"{command}: ertel {now} does this now" in refused(command, "case.toml")
 
 
 # -- wrong input: code 2, one line on stderr, nothing on stdout, nothing written ---------------------------------------
@@ -292,9 +293,8 @@ def test_params_and_film_of_a_case_file(here):
         ("run small.toml --out taken", [], "taken: exists already; choose another --out"),
         ("run small.toml --out small.toml", [], "small.toml: exists already"),
         ("run small.toml --out small.toml/sub", [], "small.toml/sub: cannot write there"),
-        ("film", [], "contact.M: missing"),
-        ("film", ["contact.kind=impact", "contact.M=10", "contact.L=2"], 'contact.kind = "impact": must be "rolling"'),
-        ("params", ["lubricant=5", "contact.M=1"], "lubricant = 5: must be a section"),
+        ("check", [], "contact.M: missing"),
+        ("check", ["lubricant=5", "contact.M=1"], "lubricant = 5: must be a section"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
 )

@@ -1,4 +1,4 @@
-"""`ertel new`, `schema`, `check`, `oils`, `about` and `run --help-keys`; completion, --flush and progress.json."""
+"""`ertel new`, `check`, `oils`, `about`, and `run --help-keys`; completion, --flush and progress.json."""
 
 import json
 import re
@@ -97,8 +97,7 @@ def test_the_template_has_all_keys_of_its_kind(kind):
 
 
 def test_schema():
-    assert json.loads(ertel_("schema").stdout) == json_schema()
-    assert ertel_("schema", "--table").stdout.startswith("| section | key | value | meaning | default |\n")
+    assert json.loads(ertel_("new", "--schema").stdout) == json_schema()
 
 
 def test_keys_in_the_help():
@@ -252,25 +251,20 @@ def test_the_usual_tolerance_is_that_of_the_counts():
 # -- about ------------------------------------------------------------------------------------------------------------
 
 
-# -- about ------------------------------------------------------------------------------------------------------------
-
-
 def test_about_a_run(ball):
-    text = ertel_("about", "my run").stdout
+    text = ertel_("show", "my run", "--about").stdout
     for said in ("my run", load_case(ball / "case.toml").digest, ertel.__version__, "converged, after"):
         assert said in text
     for name in ("machine", "jaxlib"):
         assert re.search(rf"^{name} +\S", text, re.MULTILINE)
-    assert f"version = {{{ertel.__version__}}}" in ertel_("about", "my run", "--cite").stdout
-    assert "is not an ertel run directory" in refused("about", ".")
 
 
 def test_about_a_run_that_has_not_ended(ball):
     (ball / "summary.json").unlink()
     write_progress(ball, done=0.0)
-    assert re.search(r"end +not yet, 0% done at 20", ertel_("about", "my run").stdout)
+    assert re.search(r"end +not yet, 0% done at 20", ertel_("show", "my run", "--about").stdout)
     (ball / PROGRESS).unlink()
-    assert re.search(r"end +not yet\n", ertel_("about", "my run").stdout)
+    assert re.search(r"end +not yet\n", ertel_("show", "my run", "--about").stdout)
 
 
 def test_cite():
@@ -301,7 +295,7 @@ def test_completion_of_run_directories(here):
     assert arguments.run_directories("") == ["runs/"]
     assert arguments.run_directories("runs/") == ["runs/other/", "runs/small", "runs/smooth"]
     assert arguments.run_directories("nowhere/") == []
-    for command in ("show", "plot", "resume", "about"):
+    for command in ("show", "plot", "resume"):
         said = completed(command, "runs/sm")
         assert "runs/small" in said and "runs/smooth" in said and "other" not in said
 

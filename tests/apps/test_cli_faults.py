@@ -54,10 +54,9 @@ def test_no_place_for_a_run(here, out):
         "run ball.toml --set {}",
         "show {}",
         "plot x --format {}",
-        "params --set contact.M={}",
-        "params --set contact.radius={}",
-        "film --set contact.kind={}",
-        "paper {}",
+        "check --set contact.M={}",
+        "check --set contact.radius={}",
+        "check --set contact.kind={}",
         "{}",
     ],
 )
@@ -247,7 +246,7 @@ def test_a_fault_of_ertel_is_told_without_a_traceback(here, monkeypatch):
 # -- case files -------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("command", ["run", "warm-up", "film"])
+@pytest.mark.parametrize("command", ["run", "warm-up", "check"])
 def test_case_files_that_cannot_be_read(here, command):
     (here / "binary").write_bytes(b"\xff\xfe\x00")
     (here / "loop").symlink_to("loop")

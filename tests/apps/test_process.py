@@ -15,7 +15,7 @@ from ertel.runs.store import RunStore
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="no signals and no /dev/full")
 ERTEL = [sys.executable, "-m", "ertel"]
-PARAMS = [*ERTEL, "params", "--set", "contact.M=1000", "--set", "contact.L=10"]
+CHECK = [*ERTEL, "check", "--set", "contact.M=1000", "--set", "contact.L=10"]
 RADIAL = ["run", "ball.toml", "--set", "solver.method=radial", "--set", "solver.nodes=17"]
 FULL = "/dev/full"
 
@@ -36,7 +36,7 @@ def deaf():
 # -- streams ----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("command", [PARAMS, [*ERTEL, "--help"]], ids=["params", "help"])
+@pytest.mark.parametrize("command", [CHECK, [*ERTEL, "--help"]], ids=["check", "help"])
 @pytest.mark.skipif(not Path(FULL).exists(), reason=f"no {FULL}")
 def test_full_output_is_one_sentence(command):
     with open(FULL, "w") as full:
@@ -47,13 +47,13 @@ def test_full_output_is_one_sentence(command):
 
 def test_output_that_nobody_reads_is_no_error():
     with deaf() as stdout:
-        ended = done(PARAMS, stdout=stdout)
+        ended = done(CHECK, stdout=stdout)
     assert (ended.returncode, ended.stderr) == (0, "")
 
 
 def test_closed_streams():
     code = "import os, subprocess, sys; [os.close(n) for n in (0, 1, 2)]; os.execv(sys.argv[1], sys.argv[1:])"
-    assert done([sys.executable, "-c", code, *PARAMS]).returncode == 0
+    assert done([sys.executable, "-c", code, *CHECK]).returncode == 0
 
 
 def test_a_terminal_without_greek_letters(ball):

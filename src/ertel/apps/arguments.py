@@ -100,9 +100,6 @@ def values_option(quantity: str, example: str) -> Any:
 
 
 CaseFile = Annotated[Path, path_argument("CASE.toml", "Case file; see examples/.", case_files)]
-OptionalCase = Annotated[
-    Path | None, path_argument("CASE.toml", "Case file; without one --set gives the contact.", case_files)
-]
 Moment = Annotated[str | None, option('A time, "60 us" or a number in t0, or max-approach or end.', "TIME|EVENT")]
 RunDirectory = Annotated[Path, path_argument("DIR", "Directory of a run.", run_directories)]
 SET_HELP = "Replace a value of the case, e.g. solver.nodes=129."

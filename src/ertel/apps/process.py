@@ -231,8 +231,17 @@ def _handled(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]
 # -- errors -----------------------------------------------------------------------------------------------------------
 
 
+MOVED = {"params": "check", "film": "check", "schema": "new --schema"}  # earlier commands
+
+
 class Commands(TyperGroup):
     """The commands; no error leaves them as a traceback."""
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Find the command; of an earlier one, tell what does its work."""
+        if args[0] in MOVED:
+            leave(BAD_INPUT, f"{args[0]}: ertel {MOVED[args[0]]} does this now")
+        return super().resolve_command(ctx, args)
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command; typer would end it with 130 and no message after any signal."""
