@@ -60,7 +60,7 @@ def new(
     """Write a new case file that runs, with all keys and their meanings.
 
     Beside it the file ertel.schema.json is written, unless it is there: from it editors with TOML support show meanings
-    and complete keys, and mark what is wrong. Units are known to it in their usual spellings only.
+    and complete keys, and mark what is wrong. Units are checked by ertel check alone.
     """
     from ertel.inputs.templates import SCHEMA_FILE, json_schema_text, template
 
