@@ -315,21 +315,3 @@ def test_a_session(server, driver, folder):
     later = of_the_app(process.pid)
     print(f"memory of the web process and of the one that draws: {sizes} MB, with interferograms {later} MB")
     assert megabytes(process.pid, "status", "VmHWM") < LARGEST and max(sum(sizes), sum(later)) < TOGETHER
-
-
-def test_closing_the_app_leaves_the_run_going(server, driver, folder):
-    process, address, token = server
-    page, runs = driver, Processes(Folder.at(folder))
-    page.open(f"{address}/?token={token}")
-    page.until(lambda: "Impact and rolling" in page.text(".welcome"))
-    page.open(f"{address}/new")
-    page.until(lambda: "Ready" in page.text(".answer"))
-    page.fill("Name of the run", "long")
-    page.click("Case file")
-    page.type(FINE_STEPS + "[output]\ninterval = 0.02\n")
-    page.click("Run")
-    page.until(lambda: "running" in page.text(".chip"))
-    process.terminate()
-    assert f"{folder / 'runs' / 'long'} goes on without the app" in process.communicate(timeout=30)[1]
-    run = folder / "runs" / "long"
-    page.until(lambda: runs.status(run).phase is Phase.FINISHED)

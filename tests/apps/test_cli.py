@@ -1,9 +1,7 @@
 """The command line: what it prints and where, its exit codes, and that wrong input leaves nothing behind."""
 
 import json
-import os
 import signal
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -12,30 +10,17 @@ import xarray as xr
 from app_runs import CASE_FILES, given, raising, refused
 from cases import ertel_, names, physics, stop_after
 from matplotlib.figure import Figure
-from PIL import Image
 
 import ertel
 from ertel import plots
-from ertel.apps import about, running
+from ertel.apps import about
 from ertel.apps.process import MOVED, SIGNALS
 from ertel.inputs.case_files import load_case
-from ertel.runs import compile, stepping, store
+from ertel.runs import compile, store
 from ertel.runs.directory import ask_to_stop, is_asked_to_stop, read_progress
-from ertel.runs.drive import drive
-from ertel.runs.stepping import StepLimits
 from ertel.runs.store import RunStore, compute
 
 # -- answers at once --------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    "command",
-    ["run", "resume", "show", "plot", "check", "about", "sweep", "ls", "compare", "export"],
-)
-def test_help(command):
-    text = ertel_("--help").stdout
-    assert command in text and "--install-completion" in text
-    assert "--help" in ertel_(command, "--help").stdout
 
 
 def test_version():
@@ -59,14 +44,6 @@ def test_run_tells_what_it_stores(small, runs):
     assert f"{summary['max_approach']['H_c']:.5g}" in printed
     assert "Warning: the film is not resolved at the front" in printed  # 33 nodes do not resolve it
     assert f"ertel plot {runs[0] / 'small'}" in printed
-
-
-def test_run_json_is_json_and_nothing_else(here):
-    summary = json.loads(ertel_("run", "ball.toml", "--out", "here", "--json").stdout)
-    assert summary == RunStore.open(here / "here").summary()
-    assert summary["max_approach"] is None  # it ends before
-    assert summary["si"]["p_h_Pa"] == pytest.approx(1.39361e9, rel=1e-5)
-    assert summary["si"]["max_approach"] is None
 
 
 def test_a_second_run_gets_its_own_directory_and_is_as_quiet_unless_jax_computes_wrongly(here, monkeypatch):
@@ -148,63 +125,7 @@ def test_interrupt_and_resume(here, ball, monkeypatch, ask, code):
     assert whole.drop_attrs(deep=False).identical(resumed.drop_attrs(deep=False))
 
 
-@pytest.mark.parametrize(("ask", "code"), [raise_signal(signal.SIGTERM), BY_FILE])
-def test_interrupt_of_the_half_grid(here, monkeypatch, ask, code):
-    original = running.drive
-
-    def interrupted(course, observers):
-        ask(here / "runs" / "ball")
-        return original(course, observers)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(running, "drive", interrupted)
-        said = refused("run", "ball.toml", "-q", "--error", code=code)
-    assert said == "ertel: interrupted; to continue: ertel resume runs/ball --error\n"
-    assert "nothing is computed yet; to start it: ertel resume" in refused("show", "runs/ball")
-    ertel_("resume", "runs/ball", "-q")
-    assert json.loads(ertel_("show", "runs/ball", "--json").stdout)["status"] == "converged"
-
-
-# -- show -------------------------------------------------------------------------------------------------------------
-
-
-def test_show_of_a_run_that_ends_before_maximum_approach(ball):
-    summary = RunStore.open(ball).summary()
-    for command in ("resume", "show"):
-        assert json.loads(ertel_(command, "my run", "--json").stdout) == summary
-    said = ertel_("show", "my run").stdout
-    for words in ("Maximum approach was not reached.", "Thinnest film of the run", "mbalance: mass "):
-        assert words in said
-    assert "ertel plot 'my run'" in said
-
-
-def test_show_si(here):
-    said = ertel_("run", "ball.toml", "--set", "time.until=max-approach", "--set", "time.step=0.1").stdout
-    assert all(words in said for words in ("in SI", "GPa", "µm"))
-
-
 # -- plot -------------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("kind", "start", "at"), [("png", b"\x89PNG", "60 us"), ("svg", b"<?xml", "max-approach"), ("pdf", b"%PDF", None)]
-)
-def test_plot_in_a_format_at_a_moment_and_elsewhere(here, ball, monkeypatch, kind, start, at):
-    asked = []
-    monkeypatch.setattr(plots, "names_of", lambda data: ("film", "history"))
-    monkeypatch.setattr(plots, "draw", lambda data, name, at, **_: asked.append((name, at)) or Figure())
-    ertel_("plot", "my run", "--format", kind, "--out", "pictures/here", *(["--at", at] if at else []))
-    assert asked == [("film", at), ("history", at)]
-    assert names(here / "pictures" / "here") == {f"film.{kind}", f"history.{kind}"}
-    assert (here / "pictures" / "here" / f"film.{kind}").read_bytes().startswith(start)
-
-
-def test_plot_of_one_figure_for_print(small):
-    """One column at 300 dots an inch."""
-    command = ("plot", "runs/small", "--what", "history", "--columns", "1", "--no-title")
-    assert ertel_(*command).stdout == "runs/small/plots/history.png\n"
-    with Image.open(small / "plots" / "history.png") as picture:
-        assert picture.width == pytest.approx(85 / 25.4 * 300, abs=1)
 
 
 def test_plot_refused(small):
@@ -212,12 +133,6 @@ def test_plot_refused(small):
     said = refused("plot", "runs/small", "--what", "midlines")
     assert said.startswith("ertel: midlines: a run in time has no such figure; it has overview, ")
     assert not (small / "plots").exists()
-
-
-def test_plot_of_a_run_with_one_map_only(here):
-    ertel_("run", "ball.toml", "--out", "a", "-q", *given("output.interval=50", "time.until=0.01"))
-    assert RunStore.open(here / "a").dataset().sizes["frame"] == 1  # the end
-    assert ertel_("plot", "a", "--what", "overview").stdout == "a/plots/overview.png\n"  # each: test_plots_in_time
 
 
 # -- check ------------------------------------------------------------------------------------------------------------
@@ -311,12 +226,6 @@ def test_directory_of_a_run_is_taken(ball):
     assert "; choose another --out, or continue it: ertel resume 'my run'" in said
 
 
-@pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="root may write anywhere")
-def test_unwritable_output(here):
-    (here / "locked").mkdir(mode=0o500)
-    assert "locked/run: cannot write there, permission denied" in refused("run", "small.toml", "--out", "locked/run")
-
-
 # -- rolling contacts, from their start to their report ---------------------------------------------------------------
 
 
@@ -358,16 +267,6 @@ def test_a_run_on_the_track_of_another(here, runs):
     assert "the run is an impact" in ertel_("run", "steady.toml", "--after", str(runs[0] / "small"), code=2).stderr
 
 
-def test_a_run_under_way(here):
-    run = RunStore.create(here / "cut", load_case("steady.toml"))
-    for command in ("show", "plot"):
-        ertel_(command, "cut", code=2)
-    drive(run.run, [run, stop_after(1)], run.resume())
-    run.flush()
-    summary = json.loads(ertel_("show", "cut", "--json").stdout)
-    assert (summary["status"], summary["nodes"]) == ("running", 33)
-
-
 def test_a_transient_run_whole_and_resumed(here, no_pictures):
     text = ertel_("run", "transient.toml").stdout
     for part in ("at the last time", "H_c", "Nijenbanning", "steps"):
@@ -386,24 +285,3 @@ def test_a_transient_run_whole_and_resumed(here, no_pictures):
     compute(RunStore.create(here / "cut", load_case("transient.toml")), [stop_after(3)])
     ertel_("resume", "cut", "-q")
     xr.testing.assert_identical(physics(RunStore.open(here / "cut").dataset()), physics(data))
-
-
-@pytest.mark.slow
-def test_the_error_of_a_transient_run(here):
-    short = ("run", "transient.toml", "--json", "--set", "time.until=0.1")
-    fine = json.loads(ertel_(*short, "--error").stdout)
-    coarse = json.loads(ertel_(*short, "--set", "solver.nodes=17").stdout)
-    for name in ("H_c", "H_min"):
-        parts = fine["error_estimate"][name]
-        assert parts["grid"] == pytest.approx((fine[name] - coarse[name]) / 3)
-        changes = [parts[part] for part in ("grid", "time", "domain")]
-        sizes = dict(zip(("grid", "time", "domain"), np.abs(changes), strict=True))
-        assert fine[f"{name}_error"] == pytest.approx(max(abs(sum(changes)), sum(each**2 for each in changes) ** 0.5))
-        assert parts["dominant"] == max(sizes, key=sizes.get)
-
-
-def test_a_transient_run_that_cannot_begin(here, monkeypatch):
-    monkeypatch.setattr(stepping, "StepLimits", partial(StepLimits, smallest=10.0))
-    result = ertel_("run", "transient.toml", code=1)
-    assert "failed: " in result.stderr
-    assert "No step was taken" in ertel_("show", "runs/transient").stdout

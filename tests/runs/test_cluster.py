@@ -51,11 +51,6 @@ def fails() -> None:
     raise RuntimeError("no film")
 
 
-def about() -> tuple[int, dict[str, str | None]]:
-    names = ("NPROC", "OPENBLAS_NUM_THREADS", "XLA_FLAGS")
-    return os.getpid(), {name: os.environ.get(name) for name in names}
-
-
 def slow(log: Path, name: str) -> str:
     with log.open("a") as file:
         file.write(f"begins {name} {os.getpid()}\n")
@@ -122,22 +117,8 @@ def test_a_wish_to_stop_reaches_every_task(workers, tmp_path):
     assert found == {str(n): "stopped" for n in range(4)}
 
 
-def test_each_worker_keeps_to_one_thread_and_has_the_same_flags(two):
-    """XLA_FLAGS are part of the key of JAX's cache."""
-    process, settings = dict(two.outcomes([Task("a", about)]))["a"]
-    assert process != os.getpid()
-    assert settings == {"NPROC": "1", "OPENBLAS_NUM_THREADS": "1", "XLA_FLAGS": os.environ.get("XLA_FLAGS")}
-    assert "NPROC" not in os.environ
-
-
 def test_an_error_of_the_system_is_tried_again(two, tmp_path):
     assert dict(two.outcomes([Task("a", stumbles, (tmp_path / "log",))])) == {"a": "done"}
-
-
-def test_one_of_those_that_need_the_same_programs_goes_ahead(two, tmp_path):
-    log = tmp_path / "log"
-    dict(two.outcomes([Task(name, slow, (log, name), program="33 nodes") for name in "abc"]))
-    assert [line.split()[:2] for line in log.read_text().splitlines()[:2]] == [["begins", "a"], ["ends", "a"]]
 
 
 def test_the_others_need_not_wait_for_its_end(two, tmp_path):

@@ -11,7 +11,7 @@ import xarray as xr
 from cases import physics, stop_after
 
 import ertel
-from ertel.inputs.case_files import ConfigError, load_case, parse_case
+from ertel.inputs.case_files import load_case, parse_case
 from ertel.physics import units
 from ertel.physics.surfaces import Feature
 from ertel.runs.drive import simulate
@@ -106,21 +106,3 @@ def test_a_users_law_and_shape_are_those_of_case_files(tmp_path):
     with_table = replace(case, oil=replace(oil, viscosity=Power(5e8, 11.0, (1.0, 2.0))))
     assert with_table.to_data()["lubricant"]["viscosity"]["table"] == [1.0, 2.0]
     assert ertel.Case.from_data(with_table.to_data()) == with_table
-
-
-LAW = {"law": "stored-power", "p1": "1 GPa"}
-
-
-@pytest.mark.parametrize(
-    ("law", "said"),
-    [
-        ("stored-power", r'lubricant\.viscosity = "stored-power"'),
-        (LAW, r"lubricant\.viscosity\.n: missing"),
-        ({**LAW, "p1": "1 m", "n": 2}, r'lubricant\.viscosity\.p1 = "1 m": has the wrong'),
-        ({**LAW, "n": 2, "m": 1}, r"lubricant\.viscosity\.m = 1: unknown"),
-        ({"law": "none"}, r'lubricant\.viscosity\.law = "none"; allowed: .*roelands.*stored-power'),
-    ],
-)
-def test_a_users_law_is_checked_as_the_others(law, said):
-    with pytest.raises(ConfigError, match=said):
-        parse_case({"contact": {"M": 200, "L": 10}, "lubricant": {"viscosity": law}})
