@@ -16,7 +16,6 @@ from ertel.apps import arguments
 from ertel.apps.cli import app
 from ertel.inputs import materials, oils
 from ertel.inputs.case_files import load_case
-from ertel.inputs.layout import places
 from ertel.inputs.templates import SCHEMA_FILE, json_schema, template
 from ertel.runs import outlook, store
 from ertel.runs.directory import PROGRESS, read_progress
@@ -72,27 +71,11 @@ def test_every_key_in_a_comment_is_valid_by_itself(kind):
     assert tried > 35
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_the_template_has_all_keys_of_its_kind(kind):
-    text = template(kind, "case.toml")
-    contact = text[text.index("[contact]") : text.index("[lubricant]")]
-    other = KINDS[1 - KINDS.index(kind)]
-    for key in next(place.keys for place in places() if place.title == "[contact]"):
-        there = re.search(rf"^(# )?{key.name} = ", contact, re.MULTILINE) is not None
-        assert there != key.meaning.text.startswith(f"{other}:"), key.name
-
-
 # -- schema -----------------------------------------------------------------------------------------------------------
 
 
 def test_schema():
     assert json.loads(ertel_("new", "--schema").stdout) == json_schema()
-
-
-def test_keys_in_the_help():
-    text = ertel_("run", "--help-keys").stdout
-    assert "[contact]  the two bodies" in text
-    assert "  nodes  (integer; default 257)\n      nodes per side" in text
 
 
 # -- check ------------------------------------------------------------------------------------------------------------
@@ -110,22 +93,6 @@ def test_check_of_examples(name):
     assert bool(found["films"]) == (case.kind == "rolling")
     assert found["memory"]["needed"] > 5e8
     assert bool(found["time"]["steps"]) != case.is_steady
-
-
-@pytest.mark.parametrize(
-    "changes",
-    [
-        ["contact.radius=2 um", "contact.speed=1 mm/s"],  # the tip of an indenter
-        ["contact.radius=2 m", "contact.speed=10 m/s"],
-        ["contact.E1=100 kPa", "contact.E2=100 kPa"],  # a gel
-        ["contact.E1=1.1 TPa", "contact.E2=1.1 TPa"],  # diamond
-        ["lubricant.eta0=1 mPa*s", "lubricant.alpha=0.5 / GPa"],  # water
-        ["lubricant.eta0=2 kPa*s", "lubricant.alpha=60 / GPa"],  # a cold traction fluid
-    ],
-    ids=str,
-)
-def test_real_contacts_are_not_refused(changes):
-    load_case(EXAMPLES / "steel_ball_impact.toml", changes)
 
 
 # -- oils -------------------------------------------------------------------------------------------------------------

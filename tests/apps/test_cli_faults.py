@@ -30,12 +30,6 @@ def test_home_directory_in_every_path(here, monkeypatch):
         assert "converged" in ertel_(command, "~/res").stdout
 
 
-@pytest.mark.parametrize("out", ["", "file:///tmp/run", "s3://bucket/run", "run::1", "~nobody-of-this-name/run"])
-def test_no_place_for_a_run(here, out):
-    assert "'--out'" in refused("run", "ball.toml", "--out", out)
-    assert names(here) == set(CASE_FILES)
-
-
 # -- messages ---------------------------------------------------------------------------------------------------------
 
 
