@@ -125,7 +125,7 @@ def test_the_others_need_not_wait_for_its_end(two, tmp_path):
     """Only for its programs; here both must run at the same time."""
     begun = {name: tmp_path / name for name in "ab"}
     stop = StopSignal(tmp_path / "stop", lambda: all(file.exists() for file in begun.values()))
-    tasks = [Task(name, until_stopped, (file, stop), 0.0, "33 nodes", file.exists) for name, file in begun.items()]
+    tasks = [Task(name, until_stopped, (file, stop), "33 nodes", file.exists) for name, file in begun.items()]
     assert dict(two.outcomes(tasks, stop)) == {"a": "stopped", "b": "stopped"}
 
 

@@ -183,16 +183,6 @@ def raised() -> Iterator[None]:
 
 
 @contextmanager
-def deferred() -> Iterator[None]:
-    """Signals wait for the end of this block, which must be short: what it starts is then whole and can be ended."""
-    came: list[int] = []
-    with _handled(lambda number, frame: came.append(number)):
-        yield
-    for number in came[:1]:
-        signal.raise_signal(number)
-
-
-@contextmanager
 def interruptible(advice: str) -> Iterator[Stop]:
     """An observer that stops the run after a signal; the current step or grid is finished first.
 

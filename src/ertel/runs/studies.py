@@ -264,7 +264,7 @@ def _task_of(case: Case, directory: Path, stop: Condition) -> Task:
     """The task that brings the run of a case to its end."""
     path = run_directory(directory, case)
     arguments = str(path), case.to_data(), case.maps, stop
-    return Task(case.digest, run_case, arguments, 0.0, program_of(case), partial(has_compiled, case, path))
+    return Task(case.digest, run_case, arguments, program_of(case), partial(has_compiled, case, path))
 
 
 def has_compiled(case: Case, directory: Path) -> bool:
