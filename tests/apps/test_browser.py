@@ -206,11 +206,6 @@ def test_the_form_begins_with_a_case(kind, choices):
     assert (case.contact.drop_height is not None) == (kind == "impact" and "impact_by" in choices)
 
 
-@pytest.mark.parametrize("kind", ["impact", "rolling"])
-def test_the_first_case_has_no_warning(tmp_path, kind):
-    assert form.outlook_of(chosen(contact__kind=kind).data(), Folder.at(tmp_path))["warnings"] == []
-
-
 def wrong_field(form):
     """The field that the message about a case names."""
     with pytest.raises(ConfigError) as error:

@@ -125,16 +125,6 @@ def test_interrupt_and_resume(here, ball, monkeypatch, ask, code):
     assert whole.drop_attrs(deep=False).identical(resumed.drop_attrs(deep=False))
 
 
-# -- plot -------------------------------------------------------------------------------------------------------------
-
-
-def test_plot_refused(small):
-    assert "at = '99': must be a time" in refused("plot", "runs/small", "--at", "99")
-    said = refused("plot", "runs/small", "--what", "midlines")
-    assert said.startswith("ertel: midlines: a run in time has no such figure; it has overview, ")
-    assert not (small / "plots").exists()
-
-
 # -- check ------------------------------------------------------------------------------------------------------------
 
 

@@ -4,7 +4,6 @@ import csv
 import json
 import re
 import signal
-from pathlib import Path
 
 import pytest
 from app_runs import ROLLING, raising, refused
@@ -229,17 +228,3 @@ def test_files_of_the_user_are_left_alone(here, command, file):
         with pytest.raises(StoreError, match=re.escape(f"directory {complaint} study")):
             ertel.sweep("loads.toml", "mine")
     assert names(here / "mine") == {file} and (here / "mine" / file).read_text() == "mine"
-
-
-@pytest.mark.parametrize(
-    ("command", "said"),
-    [
-        ("sweep loads.toml --set contact.M=[20,'x']", 'contact.M = "x": must be a number (in the case with contact.M'),
-        ("sweep loads.toml --part 3/2", "--part 3/2: must be I/N"),
-        ("sweep loads.toml --jobs 0", "Invalid value for '--jobs'"),
-        ("traction ball.toml --slide-to-roll 0:1:3 --set solver.nodes=66", "solver.nodes = 66: must be"),
-    ],
-)
-def test_wrong_input_is_one_sentence_and_runs_nothing(here, command, said):
-    assert said in refused(*command.split(), "-q")
-    assert not list(Path().glob("*/*/runs/*"))
