@@ -1,4 +1,4 @@
-"""Which programs runs need, and compiling them ahead by short runs.
+"""The programs that runs need, and compiling them ahead by short runs.
 
 A program depends on the kind of run, the number of nodes, the axes of symmetry and the laws of the oil; not on M, L,
 the constants of the oil, tolerances, times or how far the grid reaches.

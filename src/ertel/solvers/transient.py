@@ -202,7 +202,7 @@ class Transient2D(Method):
         return new
 
     def problem(self, levels: Sequence[State], step: float) -> StepProblem:
-        """What one step on from one to three levels has to solve, newest level first."""
+        """The equations of one step on from one to three levels, newest level first."""
         T = levels[0].T + step
         times = [level.T for level in levels]
         rates = bdf.derivative_weights([T, *times[:2]])
