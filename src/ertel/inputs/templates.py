@@ -1,7 +1,7 @@
-"""Texts made of the layout: new case files that explain all keys, the table of all keys, and their JSON schema."""
+"""Texts made of the layout: new case files that explain all keys, and their JSON schema."""
 
 import json
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from textwrap import wrap
 from typing import Any
 
@@ -99,25 +99,6 @@ def _line(text: str, meaning: str) -> Iterator[str]:
     else:
         yield from (f"# {part}" for part in wrap(meaning, WIDTH - 2))
         yield text
-
-
-# -- the table of all keys --------------------------------------------------------------------------------------------
-
-
-def table(sections: Iterable[Place]) -> str:
-    """The table of the keys of some places in Markdown."""
-    lines = ["| section | key | value | meaning | default |", "| --- | --- | --- | --- | --- |"]
-    for title, text, keys in sections:
-        lines.append(f"| `{title}` | | | {_cell(text)} | |")
-        for key in keys:
-            default = key.default if key.default in ("", layout.NEEDED) or "(" in key.default else f"`{key.default}`"
-            lines.append(f"| | `{key.name}` | {key.kind} | {_cell(key.meaning.text)} | {default} |".replace("  ", " "))
-    return "\n".join(lines) + "\n"
-
-
-def _cell(text: str) -> str:
-    """A text in a table, where a line between bars would end its cell."""
-    return text.replace("|", "\\|")
 
 
 # -- the JSON schema --------------------------------------------------------------------------------------------------
