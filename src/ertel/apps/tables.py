@@ -218,22 +218,21 @@ def _deviation(film: float | None, computed: Number) -> str:
     return f"{film / computed.value - 1:+.1%}" if film is not None and computed.value and computed.known else ""
 
 
-def print_sources(films: "Sequence[FormulaFilm]") -> None:
-    """Sources and ranges of the formulas."""
-    sources: dict[str, list[str]] = {}
-    for f in films:
-        sources.setdefault(f.source, []).append(f"{f.name}: {f.valid}")
-    for source, formulas in sources.items():
-        console().print(f"\n{source}", *(f"  {line}" for line in formulas), sep="\n")
+def print_formulas(case: "Case") -> None:
+    """The parameters and scales of a case, and the films by the formulas at T = 0."""
+    print_parameters(parameter_summary(case))
+    if films := formula_films(case, case.motion.load(0.0), case.motion.entrainment(0.0)):
+        console().print()
+        print_films(case, films)
 
 
-def films_as_data(case: "Case", films: "Sequence[FormulaFilm]") -> dict[str, Any]:
-    """The parameters of a case and its film thicknesses by the formulas, as data for JSON."""
-    rows = [film._asdict() for film in films]
+def films_as_data(case: "Case") -> list[dict[str, Any]]:
+    """The films by the formulas at T = 0, with sources and ranges, as data for JSON."""
+    rows = [film._asdict() for film in formula_films(case, case.motion.load(0.0), case.motion.entrainment(0.0))]
     if case.scales:
         for row in rows:
             row["si"] = values_in_si({"H_c": row["central"], "H_min": row["minimum"]}, case.scales)
-    return {**parameter_summary(case), "films": rows}
+    return rows
 
 
 # -- oils and materials -----------------------------------------------------------------------------------------------

@@ -65,8 +65,6 @@ def fit(
     *,
     jobs: int | None = 1,
     scheduler: str | None = None,
-    scheduler_file: str | Path | None = None,
-    tls: str | Path | None = None,
     progress: bool = False,
 ) -> FitResult:
     """Find the numbers of a case that explain what was measured.
@@ -85,7 +83,7 @@ def fit(
     directory : str or Path, optional
         Of the fit: a new or empty one, or that of an earlier fit, whose runs are used again as far as they are the
         same, so that a fit that was killed goes on.  Left out, no run is kept.
-    jobs, scheduler, scheduler_file, tls
+    jobs, scheduler
         Who does the runs, as in `sweep`.  A point of the search takes one run and one for each unknown, side by side;
         as many again for each further set of conditions.
     progress : bool
@@ -113,7 +111,7 @@ def fit(
         The data do not decide an unknown, one ends at its bound, or the case does not explain the data.
     """
     check_jax()
-    engine = Engine(jobs, scheduler, scheduler_file, tls)
+    engine = Engine(jobs, scheduler)
     problem = fit_problem(case, measurements, unknowns)
     result = studies.in_directory(directory, NAME, lambda place: store_fit(problem, place, engine, progress=progress))
     warn(result.warnings, frames=1)
