@@ -191,7 +191,7 @@ def test_a_profile_is_exported_and_compared_with_its_run(runs, tmp_path):
         ("export plane --along y", "--along y: only for --what profile"),
         ("export plane --at 1", "--at 1: only for --what profile"),
         ("export plane --to vtk --what profile", "--to vtk: a profile is written as csv"),
-        ("export below/radial --to vtk", "ParaView: a run by the radial method has profiles only; use netcdf or csv"),
+        ("export below/radial --to vtk", "ParaView: a radial run has profiles only; use netcdf or csv"),
         ("export below/moes --to csv --si", "the case is dimensionless"),
         ("show plane --sigma 1nm,2nm,3nm", "--sigma 1nm,2nm,3nm: must be one"),
     ],

@@ -6,7 +6,7 @@ from made_up import BALL_FALLS, BALL_ROLLS, MOES_FALLS, dry_impact, steady
 from PIL import Image, ImageSequence
 
 from ertel import plots
-from ertel.case.definition import radii
+from ertel.case.spaces import radii
 from ertel.optics import Monochromatic, TwoBeams
 from ertel.plots import interferograms as page
 from ertel.plots.view import View

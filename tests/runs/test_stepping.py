@@ -8,10 +8,11 @@ import pytest
 from cases import OIL, rolled, steps_of
 
 from ertel.case.case import Case
-from ertel.case.sections import SOLVERS, Drive, Output, Time
+from ertel.case.methods import METHODS
+from ertel.case.sections import Drive, Output, Time
 from ertel.case.status import Status
 from ertel.equations.account import Friction
-from ertel.equations.state import Method, State, combined
+from ertel.equations.state import State, Stepper, combined
 from ertel.numerics import bdf
 from ertel.physics.motion import Oscillation, Polyline, Signal
 from ertel.physics.scales import Parameters
@@ -22,7 +23,7 @@ from ertel.runs.stepping import TransientRun
 PULSE = Polyline(((0.0, 1.0), (1.0, 1.0), (1.02, 3.0), (1.04, 1.0)))
 
 
-class LikeTheLoad(Method):
+class LikeTheLoad(Stepper):
     """A contact whose approach and film are the load of the moment: every step is exact and costs nothing."""
 
     def __init__(self, case: Case):
@@ -55,7 +56,7 @@ class LikeTheLoad(Method):
 
 
 def rolling(time: Time, output: Output | None = None, load: Signal | None = None, speed: Signal | None = None) -> Case:
-    case = rolled(Parameters.from_moes(20, 5), OIL, SOLVERS["transient"], Drive(load, speed), time=time)
+    case = rolled(Parameters.from_moes(20, 5), OIL, METHODS["transient"].defaults, Drive(load, speed), time=time)
     return case if output is None else Case(case.contact, case.oil, case.solver, case.drive, (), time, output)
 
 

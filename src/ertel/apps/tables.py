@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 
 from ertel.apps.terminal import capital, printable
+from ertel.case.methods import METHODS
 from ertel.case.records import ConfigError, show
 from ertel.inputs import materials, oils
 from ertel.physics.materials import Material, NamedOil, Sourced, celsius
@@ -65,9 +66,7 @@ def print_parameters(content: Mapping[str, Any]) -> None:
 def needs(content: Mapping[str, Any]) -> dict[str, str]:
     """Oil, grid, memory and time of an outlook in words."""
     grid, memory, time = content["grid"], content["memory"], content["time"]
-    size = f"{grid['nodes']} nodes along the radius"
-    if content["method"] != "radial":
-        size = f"{grid['nodes']} x {grid['nodes_across']} nodes"
+    size = METHODS[content["method"]].space.in_words(grid["nodes"], grid["nodes_across"])
     in_si = f" = {with_prefix(grid['spacing_m'], 'm')}" if "spacing_m" in grid else ""
     there = f" of {memory['available'] / 1e9:.3g} GB" if memory["available"] else ""
     steps = f", {time['steps']} time steps" if time["steps"] else ""

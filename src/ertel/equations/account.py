@@ -147,7 +147,7 @@ def coefficients(friction: Friction) -> dict[str, float]:
 
 
 def whole_maps(whole: Callable[..., Any], level: Mapping[str, Any], friction: Friction) -> dict[str, np.ndarray]:
-    """Pressure, film, oil, stress and power loss on the whole plane, by name.  whole: as `Method.whole`.
+    """Pressure, film, oil, stress and power loss on the whole plane, by name.  whole: as `Stepper.whole`.
 
     level: the fields P, H and mass.  A void has ambient pressure, so the oil beside it has its ambient density.
     """

@@ -1,4 +1,4 @@
-"""The state at one time, the key values of its film, and the interface of a solution method."""
+"""The state at one time, the key values of its film, and the two interfaces of methods: in time, and steady."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -36,7 +36,7 @@ class State:
 
     The fields are P, H and others that a method needs to go on.  load, outside: the double integral of P on the grid
     and outside it.  status, work, error, record: of the step that made this state: its outcome, its work, how far the
-    film is from its prediction (relative), and its numbers by name (those of `Method.measure` and of
+    film is from its prediction (relative), and its numbers by name (those of `Stepper.measure` and of
     `account`).
     """
 
@@ -139,7 +139,7 @@ def _beside(line: Array, node: Array, even: bool) -> Array:
 _numbers = Program(jax.jit(key_values), ANY_SIZE)
 
 
-# -- the interface of a solution method -------------------------------------------------------------------------------
+# -- the interfaces of methods ----------------------------------------------------------------------------------------
 
 
 @exportable
@@ -150,8 +150,8 @@ class StepSolution(NamedTuple):
     numbers: Array
 
 
-class Method(Protocol):
-    """A way to step a contact forward in time.
+class Stepper(Protocol):
+    """A method that steps a contact forward in time, made of a case.
 
     coordinates: axes of the fields in order, by name, in units a*.
     """
@@ -178,3 +178,23 @@ class Method(Protocol):
 
         odd: whether the field changes its sign at the axis Y = 0.
         """
+
+
+class SteadySolver(Protocol):
+    """A method that finds a steady contact on one grid after the other, made of a case.
+
+    grids: coarsest first, each with its `coordinates` and its number of `nodes`; the last one is that of the case.  A
+    solution on a grid has P, H and its history of residuals, its plain numbers and its status as
+    `solvers.steady.GridSolution`, all of which are stored, and its `record` and `maps`, which are shown.
+    """
+
+    grids: Sequence[Any]
+
+    def compile_ahead(self) -> None:
+        """Compile what the grids need, or load it, in the background."""
+
+    def solve(self, done: Sequence[Any]) -> Any:
+        """The solution on the next grid, after those that are done."""
+
+    def restored(self, number: int, stored: Mapping[str, Any]) -> Any:
+        """The solution on a grid, by its number, from what was stored of it."""

@@ -7,8 +7,8 @@ from typing import Any
 
 from ertel.case.conditions import FOREIGN, Kind
 from ertel.case.definition import SECTIONS
+from ertel.case.methods import NEW, of_kind
 from ertel.case.records import inner_laws, show
-from ertel.case.sections import ENDS, SOLVERS
 from ertel.inputs import layout
 from ertel.inputs.layout import Key, Place
 from ertel.inputs.names import OF_OILS
@@ -21,17 +21,15 @@ SCHEMA_FILE = "ertel.schema.json"
 WIDTH, MEANING_FROM = 120, 36  # columns
 STEEL = {"E1": "210 GPa", "nu1": 0.3, "E2": "210 GPa", "nu2": 0.3}
 OIL = {"eta0": "20 mPa*s", "alpha": "20 / GPa"}
-GIVEN: Mapping[Kind, Mapping[str, Mapping[str, Any]]] = {  # what a new case file gives
+GIVEN: Mapping[Kind, Mapping[str, Mapping[str, Any]]] = {  # what a new case file gives, besides its [solver]
     "impact": {
         "[contact]": {"kind": "impact", "radius": "10 mm", "ball_density": "7850 kg/m^3", "speed": "0.1 m/s", **STEEL},
         "[lubricant]": OIL,
-        "[solver]": {"method": "radial", "nodes": 401},
         "[time]": {"until": "max-approach"},
     },
     "rolling": {
         "[contact]": {"kind": "rolling", "radius": "10 mm", "load": "40 N", "mean_speed": "0.5 m/s", **STEEL},
         "[lubricant]": OIL,
-        "[solver]": {"method": "steady", "nodes": 257},
     },
 }
 ABOUT: Mapping[Kind, str] = {"impact": "A ball hits an oiled surface.", "rolling": "A ball rolls on an oiled surface."}
@@ -50,7 +48,7 @@ def template(kind: Kind, name: str) -> str:
         "# Keys in comments are optional; some exclude others, see ertel check. Quantities have a unit, any",
         "# that you like; amounts without one are in the units of the case: lengths a, heights a^2/R, times t0.",
     ]
-    given = GIVEN[kind]
+    given = {**GIVEN[kind], "[solver]": {"method": NEW[kind].name, "nodes": NEW[kind].new_nodes}}
     for place in layout.places():
         is_told = place.title.startswith("[") or place.title == f'shape = "{SHAPE}"'
         if is_told and not _is_of_other(place.text, kind):
@@ -86,9 +84,8 @@ def _written(key: Key, values: Mapping[str, Any], examples: Mapping[str, str]) -
 def _examples(title: str, kind: Kind) -> Mapping[str, str]:
     """Examples that depend on the kind of contact: the defaults of its method, and its end."""
     if title == "[solver]":
-        usual = SOLVERS[GIVEN[kind][title]["method"]]
-        return {name: show(value) for name, value in vars(usual).items() if value is not None}
-    return {"until": show(ENDS[kind])} if title == "[time]" else {}
+        return {name: show(value) for name, value in vars(NEW[kind].defaults).items() if value is not None}
+    return {"until": show(next(each.end for each in of_kind(kind) if each.end))} if title == "[time]" else {}
 
 
 def _line(text: str, meaning: str) -> Iterator[str]:

@@ -267,7 +267,8 @@ class View:
     @cached_property
     def _now(self) -> xr.Dataset:
         """The maps at the moment; those of other moments stay on the disk where the Dataset was opened so."""
-        maps = self.dataset[[name for name, each in self.dataset.items() if {"Y", "r"} & set(each.dims)]]
+        axis = self.dataset["P"].dims[-1]
+        maps = self.dataset[[name for name, each in self.dataset.items() if axis in each.dims]]
         return (maps if self.frame is None else maps.isel(frame=self.frame)).load()
 
     @property
@@ -282,7 +283,7 @@ class View:
     @cached_property
     def _along_x(self) -> xr.Dataset:
         fields = self.dataset[["H", "P"]]
-        return (fields if self.is_radial else fields.sel(Y=0.0, method="nearest")).load()
+        return (fields.sel(Y=0.0, method="nearest") if "Y" in fields.dims else fields).load()
 
     def midline(self, name: str) -> Values:
         """A variable along the mid-line at the moment."""
@@ -293,6 +294,8 @@ class View:
         """A variable over the surface, (Y, X); a radial profile is turned round the centre."""
         values, data = self.values(name), self.dataset
         if not self.is_radial:
+            if "Y" not in data.coords:
+                raise NoFigure(f"{name}: a run along one axis has profiles, and no maps")
             return field(data["X"].values, data["Y"].values, values)
         r = np.asarray(data["r"].values)
         x = np.linspace(-r[-1], r[-1], 601)

@@ -11,6 +11,7 @@ from io import BytesIO
 from math import floor, isfinite, log10
 from typing import Any, NamedTuple
 
+from ertel.case.methods import METHODS
 from ertel.case.status import Status
 from ertel.physics.scales import Scales
 from ertel.physics.temperature_laws import ZERO_CELSIUS
@@ -169,7 +170,8 @@ def moment(summary: Outcome) -> str:
         return "no result"
     if "T" in summary:
         return f"at T = {summary['T']:.4g}"
-    return f"on {summary['nodes']} x {summary.get('nodes_y', summary['nodes'])} nodes"
+    space = METHODS[summary["method"]].space
+    return f"on {space.in_words(summary['nodes'], summary.get('nodes_y', summary['nodes']))}"
 
 
 def key_numbers(summary: Outcome) -> list[Number]:

@@ -121,7 +121,10 @@ def profile(dataset: xr.Dataset, at: At = None, along: str = "x") -> xr.Dataset:
     fields, moment = dataset[[name for name in ON_A_LINE if name in dataset]], "steady contact"
     if not is_without_moments(dataset, at):
         fields, moment = _at(fields, moment_of(dataset, at))
-    line = _through_centre(fields.load(), axis) if "r" in fields.coords else fields.load().interp({other: 0.0})
+    if "r" in fields.coords:
+        line = _through_centre(fields.load(), axis)
+    else:
+        line = fields.load().interp({other: 0.0}) if other in fields.coords else fields.load()
     line = line.drop_vars([other, "frame"], errors="ignore").assign_attrs(dataset.attrs, moment=moment)
     return to_si(line) if "si_factor" in line["H"].attrs else line
 

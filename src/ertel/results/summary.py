@@ -13,11 +13,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from ertel.case import definition
 from ertel.case.case import Case
-from ertel.case.sections import Solver
 from ertel.case.status import Status
-from ertel.numerics.grid import allowed_nodes
 from ertel.results import balances, diagnostics, variables
 from ertel.results.dataset import SteadyGrid
 from ertel.results.parameters import parameters_of, scale_values
@@ -102,9 +99,10 @@ def steady_summary(
     """
     finest = solutions[-1]
     grid = finest.grid
+    across = case.method.space.across(case.solver)
     counts = {
-        "nodes": grid.nodes_x,
-        **({} if grid.nodes_y == grid.nodes_x else {"nodes_y": grid.nodes_y}),
+        "nodes": grid.nodes,
+        **({} if across in (1, grid.nodes) else {"nodes_y": across}),
         "residual": finest.residual,
         "newton_iterations": sum(s.record["newton_iterations"] for s in solutions),
         "krylov_iterations": sum(s.record["krylov_iterations"] for s in solutions),
@@ -261,23 +259,10 @@ ORDERS = {"restitution": 1.0}  # in the spacing, where they are not 2; seen are 
 def comparisons(case: Case) -> Mapping[str, Case]:
     """The cases by the part of the error that they tell: "grid", "time" (not if steady), "domain"."""
     half = case.on_half_grid()
-    cases = {"grid": half, "domain": replace(half, solver=wider(half.solver))}
+    cases = {"grid": half, "domain": replace(half, solver=half.method.space.wider(half.solver, WIDER_DOMAIN))}
     if case.time is not None:
         cases["time"] = replace(half, time=case.time.with_steps(SMALLER_STEPS))
     return cases
-
-
-def wider(solver: Solver) -> Solver:
-    """The domain 1.5 times as wide, at the same spacing: as near as grids allow."""
-    if solver.method == "radial":
-        width = WIDER_DOMAIN * solver.half_width
-        cells = (solver.nodes - 1) * definition.extent(width) / definition.extent(solver.half_width)
-        return replace(solver, half_width=width, nodes=round(cells) + 1)
-    spacing = 2 * solver.half_width / (solver.nodes - 1)
-    nodes = allowed_nodes(WIDER_DOMAIN * (solver.nodes - 1) + 1)
-    inlet = solver.inlet and solver.inlet + spacing * ((nodes - solver.nodes) * solver.inlet // (2 * solver.half_width))
-    across = solver.half_width_y and WIDER_DOMAIN * solver.half_width_y
-    return replace(solver, nodes=nodes, half_width=spacing * (nodes - 1) / 2, half_width_y=across, inlet=inlet)
 
 
 def error_estimate(name: str, fine: float, others: Mapping[str, float]) -> dict[str, Any]:

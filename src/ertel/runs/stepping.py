@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.equations.account import coefficients, whole_maps
-from ertel.equations.state import Method, State, Work, combined, interpolated
+from ertel.equations.state import State, Stepper, Work, combined, interpolated
 from ertel.numerics import bdf
 from ertel.results.dataset import Frame, assemble
 from ertel.results.summary import impact_summary, rolling_summary
@@ -104,7 +104,7 @@ class TransientRun:
     name; frames, the maps that fell due; and the status of the run after it.
     """
 
-    def __init__(self, case: Case, method: Method, limits: StepLimits | None = None):
+    def __init__(self, case: Case, method: Stepper, limits: StepLimits | None = None):
         self.case, self.method, self.limits = case, method, limits or StepLimits()
 
     def begin(self) -> Step:
@@ -283,6 +283,6 @@ def _each_time_once(frames: Sequence[Frame]) -> tuple[Frame, ...]:
     return tuple(sorted(kept, key=lambda frame: frame.T))
 
 
-def frame_of(method: Method, level: State, event: str) -> Frame:
+def frame_of(method: Stepper, level: State, event: str) -> Frame:
     """The maps of a level."""
     return Frame(level.T, whole_maps(method.whole, level.fields, method.friction(level)), event)

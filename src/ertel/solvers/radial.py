@@ -20,11 +20,11 @@ from jax import Array
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
-from ertel.case.definition import radii
+from ertel.case.spaces import radii
 from ertel.equations import account, outside
 from ertel.equations.approach import ClosureLine, NewtonsLaw, rate_of_change
 from ertel.equations.contact import traceable
-from ertel.equations.state import Method, State, StepSolution, lowest_point, padded
+from ertel.equations.state import State, Stepper, StepSolution, lowest_point, padded
 from ertel.numerics import bdf
 from ertel.numerics.integrals import Disc
 from ertel.numerics.programs import ANY_SIZE, Program, require_double
@@ -248,7 +248,7 @@ def ring_film_error(ring: Array, volume: Array, oil: Array, predicted: Array, P:
     return jnp.sqrt(jnp.sum(pressed * errors**2) / jnp.maximum(pressed.sum(), jnp.finfo(P.dtype).tiny))
 
 
-class RadialImpact(Method):
+class RadialImpact(Stepper):
     """The method "radial".
 
     The default distribution of nodes suits the first touch, the trapped film and the thin edge.  Recommended values are
@@ -306,7 +306,7 @@ class RadialImpact(Method):
         return replace(new, record={**self.measure(new), **new.record})
 
     def measure(self, level: State) -> dict[str, float]:
-        """See `Method.measure`; places are radii."""
+        """See `Stepper.measure`; places are radii."""
         P, H, r = np.asarray(level.P), np.asarray(level.H), self.coordinates["r"]
         X_min, H_min = lowest_point(r, H)
         F = (float(np.asarray(self.mesh.disc.weights) @ P) + level.outside) / CIRCLE.hertz_load
@@ -319,7 +319,7 @@ class RadialImpact(Method):
         return {"F": F, "P_c": float(P[0]), **peak, **films}
 
     def friction(self, level: State) -> account.Friction:
-        """See `Method.friction`."""
+        """See `Stepper.friction`."""
         P, H = jax.device_put((level.P, level.H))
         return _friction_program(self.mesh, P, H)
 

@@ -22,7 +22,7 @@ from ertel.equations.approach import ClosureLine, NewtonsLaw, rate_of_change
 from ertel.equations.contact import Contact
 from ertel.equations.flow import Flow, OilContent, Rate, rate_in_time
 from ertel.equations.outside import Surroundings
-from ertel.equations.state import Method, State, StepSolution, Work, padded
+from ertel.equations.state import State, Stepper, StepSolution, Work, padded
 from ertel.numerics import bdf, halfspace, multigrid, newton, stencils
 from ertel.numerics.grid import Symmetry, check_coarsening
 from ertel.numerics.integrals import Plane
@@ -113,7 +113,7 @@ class StepProblem:
     algorithms: Algorithms = field(metadata={"static": True})
 
 
-class Transient2D(Method):
+class Transient2D(Stepper):
     """The methods "2d" and "transient".
 
     An impact starts with the bodies apart, rolling from its steady film.
@@ -137,7 +137,7 @@ class Transient2D(Method):
         self.layer = discretise.layer_of(case, self.grid)
         self.closure = NewtonsLaw(case.motion.inertia, case.motion.load, self.geometry.hertz_load)
         elastic = multigrid.deformation_operators(self.grid, self.geometry.compliance, PRECISION)
-        self.coordinates = {"Y": self.grid.y, "X": self.grid.x}
+        self.coordinates = self.grid.coordinates
         tolerance = case.solver.tolerance
         if not case.schedule.step:
             rest = FALLING_RESIDUAL if case.starts_apart else ROLLING_RESIDUAL
@@ -264,7 +264,7 @@ class Transient2D(Method):
         return self._programs[kind](problem)
 
     def measure(self, level: State) -> dict[str, float]:
-        """See `Method.measure`."""
+        """See `Stepper.measure`."""
         values = state.measure(self.grid, level.P, level.H)
         values["F"] = (values.pop("load") + level.outside) / self.geometry.hertz_load
         return self._on_rings(values)
@@ -277,7 +277,7 @@ class Transient2D(Method):
         return values
 
     def friction(self, level: State) -> Friction:
-        """See `Method.friction`."""
+        """See `Stepper.friction`."""
         c, sliding, scale = self.contact_at(level.T), self.case.motion.sliding(level.T), self.geometry.hertz_load
         load = (level.load + level.outside) / scale
         P, H = jax.device_put((level.P, level.H))
