@@ -171,7 +171,7 @@ class EngineOptions:
     tls: Annotated[Path | None, path_option(TLS_HELP, "FILE")] = None
 
 
-ALIGN_HELP = "Unknown of a measurement: centre, offset, tilt, index of the oil."
+ALIGN_HELP = "Unknown of a measurement: start of its clock, centre, offset, tilt, index of the oil."
 COLUMN_HELP = "Unit of a column, such as x=um; where the header does not have it."
 INDEX_HELP = "Index of the oil; also that with which a film was computed."
 

@@ -158,7 +158,16 @@ def _compare_measured(
     if as_json:
         columns = {name: getattr(found, name).tolist() for name in ("x", "measured", "computed", "difference")}
         quantity = found.measurement.quantity
-        print_json({"quantity": quantity, "at": found.where, "rms": found.rms, "shift": dict(found.shift), **columns})
+        print_json(
+            {
+                "quantity": quantity,
+                "at": found.where,
+                "rms": found.rms,
+                "shift": dict(found.shift),
+                "warnings": found.warnings,
+                **columns,
+            }
+        )
     else:
         print(found)
     if plot:
