@@ -61,9 +61,9 @@ def test_measured_film_and_pressure_on_the_profiles_of_the_run(ball):
 
 def test_light_along_a_line_beside_the_computed_one_and_a_film_on_the_chart(ball):
     x, rig = np.linspace(-2e-4, 2e-4, 41), Rig(oil_index=1.45)
-    light = light_along(ball.profile("60 us"), ball.case, Interferometer(rig))
-    seen = Measurement("profile", "intensity", 50 + 200 * np.interp(x, light["x"], light), x, 2.0, at="60 us")
-    film = Measurement("profile", "h", np.full(41, 2e-7), x, at="60 us")
+    light = light_along(ball.profile("22 us"), ball.case, Interferometer(rig))
+    seen = Measurement("profile", "intensity", 50 + 200 * np.interp(x, light["x"], light), x, 2.0, at="22 us")
+    film = Measurement("profile", "h", np.full(41, 2e-7), x, at="22 us")
     _, chart, beside = panels(ball.plot.interferogram(rig=rig, measured=[seen, film]))
     assert chart.containers[0].lines[0].get_ydata() == pytest.approx(200.0)
     assert line(beside, "computed").get_ydata() == pytest.approx(50 + 200 * light.sel(x=slice(-2e-4, 2e-4)).values)

@@ -32,7 +32,7 @@ What is left out is as in `optics.Rig`.  Other metals, glass, surfaces and lamps
 `optics.Interferometer`.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from math import inf, isnan, nan, sqrt
@@ -214,12 +214,10 @@ class WrittenCase:
 
     def with_law(self, law: str) -> "WrittenCase":
         """The case with another law of viscosity.  Raises ConfigError."""
-        case = self.under({"lubricant.viscosity": law})
-        if self.data is None:
-            return WrittenCase(case)
-        data = deepcopy(dict(self.data))
-        put(data, ["lubricant", "viscosity"], law)
-        return replace(self, case=case, data=data)
+        data = None if self.data is None else deepcopy(dict(self.data))
+        if data is not None:
+            put(data, ["lubricant", "viscosity"], law)
+        return replace(self, case=self.under({"lubricant.viscosity": law}), data=data)
 
     def has(self, field: str, value: Any) -> bool:
         """Whether this is the value at a path of the case, as it is written or stored."""
@@ -233,12 +231,10 @@ class WrittenCase:
 
 def laws_of(given: Any) -> list[str]:
     """The names of the laws of viscosity under which a fit is made.  Raises ConfigError."""
-    names = [given] if isinstance(given, str) or not isinstance(given, Iterable) else list(given)
-    if wrong := [name for name in names if not isinstance(name, str) or name not in VISCOSITY_LAWS]:
-        raise ConfigError(f"laws = {show(wrong[0])}: {hint_for(str(wrong[0]), tuple(VISCOSITY_LAWS))}")
-    if len(set(names)) != len(names) or len(names) < 2:
-        raise ConfigError(f"laws = {show(names)}: must be two or more, each once")
-    return names
+    laws, known = list(given) if isinstance(given, list | tuple) else [given], tuple(VISCOSITY_LAWS)
+    if wrong := [law for law in laws if law not in known]:
+        raise ConfigError(f"laws = {show(wrong[0])}: {hint_for(str(wrong[0]), known)}")
+    return laws
 
 
 def with_settings(case: Case, settings: Settings) -> Case:

@@ -99,8 +99,8 @@ def with_start(measured: Sequence[Any], result: Any) -> list[Any]:
 
     Raises ValueError where the run is shorter than what is measured, or has no time.
     """
-    if not (hasattr(result, "dataset") and "frame" in result.dataset.dims):
-        raise ValueError(f"{measured[0].name}: has a clock to align; it needs a run in time")
+    if "frame" not in result.dataset.dims:
+        raise ValueError(f"{measured[0].name}: has a clock to align, and a steady contact has no time")
     maps = with_clock(result.dataset)["frame"]
     first, last = (shifted(float(T), maps.attrs) for T in (maps[0], maps[-1]))
     moments = [moment for each in measured for moment in each.moments()]
@@ -112,9 +112,10 @@ def with_start(measured: Sequence[Any], result: Any) -> list[Any]:
     def on(start: float) -> list[Any]:
         return [replace(m, start=start, align=[name for name in m.align if name != "start"]) for m in measured]
 
-    return on(
-        best(lambda start: sum(squares(m, m.predicted(result)) for m in on(start)), np.linspace(low, high, STARTS))
-    )
+    def left(start: float) -> float:
+        return sum(squares(m, m.predicted(result)) for m in on(start))
+
+    return on(best(left, np.linspace(low, high, STARTS)))
 
 
 # -- beside a run ------------------------------------------------------------------------------------------------------
@@ -204,9 +205,9 @@ class Comparison:
         far, middle = FAR * self.line.attrs.get("a_m", np.inf), (m.x.min() + m.x.max()) / 2
         if min(abs(centre), abs(centre - middle)) <= far:
             return []
-        bound = f"more than {with_prefix(far, 'm')}, half of the contact's half width"
-        where = f"from the zero of {m.axis} and from the middle of the measured places, {bound}"
-        return [f"{m.name}: the centre {with_prefix(centre, 'm')} is far {where}: doubt the case, its oil first"]
+        off = f"more than {with_prefix(far, 'm')}, half of the contact's half width,"
+        where = f"{off} from the zero of {m.axis} and from the middle of the measured places"
+        return [f"{m.name}: the centre {with_prefix(centre, 'm')} is {where}: doubt the case, its oil first"]
 
     @property
     def in_words(self) -> str:

@@ -60,6 +60,10 @@ class FitPoint:
         residuals = np.concatenate([self.residuals, ((self.values - expected) / sigma)[there]])
         return residuals, np.vstack([self.jacobian, np.diag(self.values / sigma)[there]])
 
+    def with_noise(self, ratio: Values, grid: Values) -> "FitPoint":
+        """The same with another sigma, in which the old one is `ratio`, and the error of the grid."""
+        return replace(self, residuals=self.residuals * ratio, jacobian=self.jacobian * ratio[:, None], grid=grid)
+
     @property
     def chi_square(self) -> float:
         """The sum of the squares of all residuals, those of the priors too."""
@@ -207,31 +211,19 @@ def with_laws(fits: Mapping[str, "FitResult"]) -> "FitResult":
     """
     first, *_ = fits.values()
     chi = {law: float(each.dataset.attrs["chi_square"]) for law, each in fits.items()}
-    texts = [
-        f"under {law}: {'; '.join(fit.dataset.attrs['found'])}; chi square {chi[law]:.3g}" for law, fit in fits.items()
-    ]
+    about = {law: f"{'; '.join(fit.dataset.attrs['found'])}; chi square {chi[law]:.3g}" for law, fit in fits.items()}
     best, second, *_ = sorted(chi, key=lambda law: chi[law])
+    apart = f"the data speak for {best}: the chi square of {second} is larger by {chi[second] - chi[best]:.3g}"
     if chi[second] - chi[best] < -2.0 * log(UNLIKELY):
-        texts.append("the data do not tell these laws apart: measure at a second speed")
-    else:
-        texts.append(
-            f"the data speak for {best}: {second} has a chi square that is larger by {chi[second] - chi[best]:.3g}"
-        )
-    under = {
-        f"{name}_under": (
-            ["law", "unknown"],
-            [each.dataset[name].values for each in fits.values()],
-            first.dataset[name].attrs,
-        )
-        for name in ("value", "standard_error")
-    }
-    under |= {
-        "chi_square_under": (["law"], np.array(list(chi.values())), {"long_name": "chi square of the fit under a law"})
-    }
-    names = np.array(list(fits), dtype=object)
-    runs = sum(each.dataset.attrs["runs"] for each in fits.values())
-    data = first.dataset.assign(under).assign_coords(law=names).assign_attrs(laws=texts, runs=runs, under="")
-    return replace(first, dataset=data)
+        apart = "the data do not tell these laws apart: measure at a second speed"
+    under: dict[str, Any] = {"chi_square_under": ("law", list(chi.values()), {"long_name": "chi square under a law"})}
+    for name in ("value", "standard_error"):
+        values = [fit.dataset[name].values for fit in fits.values()]
+        under[f"{name}_under"] = ("law", "unknown"), values, first.dataset[name].attrs
+    texts = [*(f"under {law}: {text}" for law, text in about.items()), apart]
+    runs = sum(fit.dataset.attrs["runs"] for fit in fits.values())
+    data = first.dataset.assign(under).assign_coords(law=np.array(list(fits), dtype=object))
+    return replace(first, dataset=data.assign_attrs(laws=texts, runs=runs, under=""))
 
 
 @dataclass(frozen=True, repr=False, eq=False, kw_only=True)
@@ -267,8 +259,7 @@ class FitResult(StudyResult):
 
     def _frame(self) -> Any:
         """The unknowns as a table, in SI."""
-        rest = ["datum", "product", "other", "law"]
-        return self.dataset.drop_dims(rest, errors="ignore").to_dataframe().reset_index()
+        return self._along("unknown").to_dataframe().reset_index()
 
     def as_data(self) -> dict[str, Any]:
         """The fit as plain data for JSON."""
@@ -280,8 +271,10 @@ class FitResult(StudyResult):
 
     def to_csv(self, path: str | Path) -> None:
         """Write the data as a CSV file: what is measured, predicted and left over."""
-        rest = ["unknown", "other", "product", "law"]
-        self.dataset.drop_dims(rest, errors="ignore").to_dataframe().to_csv(path, index=False)
+        self._along("datum").to_dataframe().to_csv(path, index=False)
+
+    def _along(self, dimension: str) -> xr.Dataset:
+        return self.dataset.drop_dims([str(other) for other in self.dataset.dims if other != dimension])
 
     def table(self) -> list[list[str]]:
         """The columns of a table to read, each with its heading first."""

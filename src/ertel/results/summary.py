@@ -60,7 +60,7 @@ def impact_summary(
     over_time = _over_time(case, data, status)
     warnings = diagnostics.impact_warnings(case, data)
     warnings += [] if status.failed else _account_warnings(case, data, over_time)
-    touch = first_touch(data["time"].values, data["Delta"].values)
+    touch = first_touch(data["time"].values, data["Delta"].values, case.schedule.start_approach)
     content = {TOUCH: touch, **top, "max_approach": reached, **_contact(data, status), **over_time, **work}
     return _summary(case, content, status, warnings)
 

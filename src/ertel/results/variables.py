@@ -24,6 +24,7 @@ KELVIN = "K"  # the unit of temperatures, the only one that is the same in SI
 CELSIUS = "degC"  # in which they are shown
 PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 TOUCH = "T_touch"  # in a summary and among the attributes of a run: T at t = 0
+START_APPROACH = "start_approach"  # of an impact, among its attributes
 EVENTS = ("", "max-approach", "end")  # why a frame was kept; the first: because it was time
 
 
@@ -260,8 +261,8 @@ def shifted(value: Any, attributes: Mapping[str, Any]) -> Any:
     return (value - attributes.get("si_zero", 0.0)) * attributes.get("si_factor", 1.0)
 
 
-def first_touch(T: Any, Delta: Any) -> float | None:
-    """T at which the undeformed bodies of an impact touch, Delta = 0; None before the first step.
+def first_touch(T: Any, Delta: Any, start_approach: float) -> float:
+    """T at which the undeformed bodies of an impact touch, Delta = 0.
 
     Interpolated linearly between the steps.  Until the ball is there, and where the oil stops it before, it is the T at
     which a ball that keeps its speed would be there.
@@ -269,7 +270,7 @@ def first_touch(T: Any, Delta: Any) -> float | None:
     for n in range(1, len(T)):
         if Delta[n - 1] < 0.0 <= Delta[n]:
             return float(T[n] - Delta[n] * (T[n] - T[n - 1]) / (Delta[n] - Delta[n - 1]))
-    return float(T[0] - Delta[0]) if len(T) else None
+    return -start_approach
 
 
 def with_clock(dataset: "xr.Dataset") -> "xr.Dataset":
@@ -278,10 +279,11 @@ def with_clock(dataset: "xr.Dataset") -> "xr.Dataset":
     if dataset.attrs.get("kind") != "impact" or not axes or "si_zero" in dataset[axes[0]].attrs:
         return dataset
     zero = dataset.attrs.get(TOUCH)
-    if zero is None and "Delta" in dataset:
-        zero = first_touch(dataset["time"].values, dataset["Delta"].values)
+    if zero is None:
+        steps = (dataset[name].values if "Delta" in dataset else [] for name in ("time", "Delta"))
+        zero = first_touch(*steps, dataset.attrs.get(START_APPROACH, -1.0))
     clocked = dataset.copy()
-    for name in axes if zero is not None else ():
+    for name in axes:
         clocked.variables[name].attrs = {**dataset[name].attrs, "si_zero": zero}
     return clocked
 

@@ -173,9 +173,7 @@ class Search:
         self._add_grid(start * np.exp(found.x - 1.0))
         finest = float(np.sqrt(np.diag(point(found.x).covariance)).min())
         self._step = FINE_STEP if finest < STEP else STEP
-        if found.status > 0 and (
-            finest < STEP or self.grid.any()
-        ):  # the model is straight over a step, or noise is new
+        if found.status > 0 and (finest < STEP or self.grid.any()):  # curvature counts, or the noise is new
             self._check_runs("go on with smaller steps", point(found.x).values)
             found = search(found.x, xtol=NEAR * min(finest / STEP, 1.0))
         return point(found.x), found.status > 0
@@ -185,15 +183,14 @@ class Search:
         fine = self.at(values).residuals * self.sigma + self.measured
         half = self._predicted(values[None], Case.on_half_grid)[0]
         if not np.isfinite(half).all():
-            self.grid_in_words = f"the error of the grid is not part of the noise: {self._failures[-1]}"
+            self.grid_in_words = f"the error of the grid is not in the noise: {self._failures[-1]}"
             return
         orders = np.array([ORDERS.get(name, 2.0) for name in self.columns["quantity"][0]])
-        self.grid, given = (fine - half) / (2.0**orders - 1.0), self.columns["sigma"][0]
-        self.sigma, share = np.hypot(given, self.grid), np.abs(self.grid) / given
-        often, most = float(np.median(share)), float(share.max())
-        self.grid_in_words = (
-            f"the error of the grid is part of the noise: {often:.2g} sigma as a rule, {most:.2g} at most"
-        )
+        self.grid, before, given = (fine - half) / (2.0**orders - 1.0), self.sigma, self.columns["sigma"][0]
+        self.sigma, share = np.hypot(given, self.grid), np.sort(np.abs(self.grid) / given)
+        self.points = {key: p.with_noise(before / self.sigma, self.grid / self.sigma) for key, p in self.points.items()}
+        usual, most = share[len(share) // 2], share[-1]
+        self.grid_in_words = f"the error of the grid is in the noise: {usual:.2g} sigma as a rule, {most:.2g} at most"
 
     def _check_runs(self, what: str, values: Values) -> None:
         """Raise FitError where a search cannot do this, because a run with these values, or next to them, failed."""
@@ -205,7 +202,7 @@ class Search:
 
     def at(self, values: Values) -> FitPoint:
         """The point with these values; its residuals are nan where a run failed, from which the search steps back."""
-        key = np.concatenate([values, [self._step], self.sigma]).tobytes()
+        key = np.append(values, self._step).tobytes()
         if key not in self.points:
             self._note(self)
             self.points[key] = self._computed(values)
@@ -263,19 +260,15 @@ def solve_fit(problem: FitProblem, runner: Runner, note: Callable[[Search], obje
     best = problem.cases(solution.values)
     of_runs = grouped(((case.digest, each) for case in best for each in search.warnings[case.digest]), "run")
     compared = search.compared[best[0].digest]
+    doubts = [warning for each in compared.values() for warning in each.warnings]
     about = {
         "title": problem.case.name or problem.case.kind,
         "runs": len(search.runs),
         "best": f"{studies.RUNS}/{best[0].digest}",
         "under": under_the_law(problem),
         "grid": search.grid_in_words,
-        "aligned": "; ".join(each.in_words for each in compared.values()),
-        "warnings": [
-            *unfinished,
-            *solution.warnings,
-            *(w for each in compared.values() for w in each.warnings),
-            *of_runs,
-        ],
+        "aligned": "; ".join(f"measurement {number}, {each.in_words}" for number, each in compared.items()),
+        "warnings": [*unfinished, *solution.warnings, *doubts, *of_runs],
     }
     aligned = [compared[n].aligned if n in compared else "" for n in search.columns["measurement"][0]]
     columns = {
@@ -284,9 +277,8 @@ def solve_fit(problem: FitProblem, runner: Runner, note: Callable[[Search], obje
         "grid_error": (search.grid, "error of the grid, in SI, a part of the noise"),
         "predicted": (predicted, "in SI"),
     }
-    found = FitResult(
-        fit_dataset(solution, columns, about), case=with_settings(problem.case, problem.at(solution.values))
-    )
+    case = with_settings(problem.case, problem.at(solution.values))
+    found = FitResult(fit_dataset(solution, columns, about), case=case)
     return with_laws({problem.law: found, **others}) if others else found
 
 
