@@ -112,9 +112,9 @@ def test_the_summary_says_when_the_bodies_touch_and_counts_from_there(ball):
     assert s["T_touch"] == pytest.approx(1.0) and s["max_approach"]["T"] == 2.45
     t = 1.45 * ball.case.scales.t0
     assert si["max_approach"]["t_s"] == pytest.approx(t) and scalars(s)["t"].value == pytest.approx(t)
-    thinnest = si["extremes"]["H_min"]["t_s"], s["extremes"]["H_min"]["T"]
-    assert thinnest[0] == pytest.approx((thinnest[1] - 1.0) * ball.case.scales.t0)
-    assert f"at t = {1e6 * thinnest[0]:.4g} µs (T = {thinnest[1]:.4g})" in repr(ball)
+    highest = si["extremes"]["P_max"]["t_s"], s["extremes"]["P_max"]["T"]
+    assert highest[0] == pytest.approx((highest[1] - 1.0) * ball.case.scales.t0)
+    assert f"at t = {1e6 * highest[0]:.4g} µs (T = {highest[1]:.4g})" in repr(ball)
 
 
 def test_a_ball_that_the_oil_stops_before_has_the_touch_of_a_free_one(ball):
@@ -134,7 +134,8 @@ def test_the_start_of_a_clock_is_found_from_all_of_its_frames(ball):
                     at=f"{t + 23e-6!r} s", align=("start", "centre"))
         for t, line in lines.items()
     ]  # fmt: skip
-    found = ball.compare(frames[0])
+    alone = replace(ball, dataset=dry_impact(BALL_FALLS, radial=True, rebound=False))  # a dry rebound has it once more
+    found = alone.compare(frames[0])
     assert found.shift["start"] == pytest.approx(23e-6, abs=0.2e-6) and found.rms < 3e-9
     assert "; start 2" in repr(found) and "; centre " in repr(found) and found.measurement is frames[0]
     starts = {each.start for each in with_start(frames, ball)}
@@ -209,9 +210,13 @@ def test_a_history_with_its_standard_errors(written):
         ("# rig 2\nx_um,h_nm\n\n1,2\n2,-3\n", {}, "film.csv, line 5: h = -3 nm: must not be below zero; its zero may"),
         ("x_um,h_nm\n1,2\n2,3\n", {"align": "index"}, "index = None: must be the index with which film.csv"),
         ("x_um,h_nm\n1,2\n2,3\n", {"index": 145}, "index = 145: must be above 1 and below 3"),
-        ("x_um,intensity\n1,2\n2,3\n", {"align": "ofset"}, "align = 'ofset': allowed: centre, tilt, index, gain,"),
+        (
+            "x_um,intensity\n1,2\n2,3\n",
+            {"align": "ofset"},
+            "align = 'ofset': allowed: start, centre, tilt, index, gain,",
+        ),
         ("x_um,h_nm\n1,2\n2,3\n", {"align": "ofset"}, "align = 'ofset': did you mean offset?"),
-        ("x_um,h_nm\n1,2\n2,3\n", {"align": ["zoom"]}, "align = 'zoom': allowed: centre, offset, tilt, index"),
+        ("x_um,h_nm\n1,2\n2,3\n", {"align": ["zoom"]}, "align = 'zoom': allowed: start, centre, offset, tilt, index"),
         ("x_um,T\n1,2\n", {}, "has no quantity such as h; it has 'x_um', 'T'; give columns={\"h\": ...}"),
         ("x_um,h_nm\n1,nan\n", {}, "film.csv: has 0 values; must be at least one row without a gap"),
         ("x_um,h_nm,sigma\n1,2,0\n", {}, "film.csv: sigma has 0 (in SI); must be finite and above zero"),

@@ -103,7 +103,7 @@ CaseFile = Annotated[Path, path_argument("CASE.toml", "Case file; see examples/.
 OptionalCase = Annotated[
     Path | None, path_argument("CASE.toml", "Case file; without one --set gives the contact.", case_files)
 ]
-Moment = Annotated[str | None, option('A time, "60 us" after the first touch, a number in t0, max-approach or end.', "TIME|EVENT")]
+Moment = Annotated[str | None, option('A time, "60 us" from touch, a number in t0, max-approach or end.', "TIME|EVENT")]
 RunDirectory = Annotated[Path, path_argument("DIR", "Directory of a run.", run_directories)]
 SET_HELP = "Replace a value of the case, e.g. solver.nodes=129."
 Set = Annotated[list[str] | None, option(SET_HELP, "KEY=VALUE", settings, "--set")]

@@ -280,8 +280,8 @@ def with_clock(dataset: "xr.Dataset") -> "xr.Dataset":
         return dataset
     zero = dataset.attrs.get(TOUCH)
     if zero is None:
-        steps = (dataset[name].values if "Delta" in dataset else [] for name in ("time", "Delta"))
-        zero = first_touch(*steps, dataset.attrs.get(START_APPROACH, -1.0))
+        T, Delta = (dataset[name].values if "Delta" in dataset else () for name in ("time", "Delta"))
+        zero = first_touch(T, Delta, dataset.attrs.get(START_APPROACH, -1.0))
     clocked = dataset.copy()
     for name in axes:
         clocked.variables[name].attrs = {**dataset[name].attrs, "si_zero": zero}
