@@ -208,7 +208,9 @@ def test_a_profile_is_exported_and_compared_with_its_run(runs, tmp_path):
     indexed = ["--align", "index", "--index", "1.5", "--at", "-35 us", "--json"]
     assert json.loads(ertel_("compare", plane, str(path), *indexed).stdout)["shift"]["index"] == pytest.approx(1.5)
     (tmp_path / "x.csv").write_text(path.read_text().replace("y_m", "x_m"))
-    seen = ertel_("plot", plane, "--measured", str(tmp_path / "x.csv"), "--out", out, "--at", "-35 us", "--columns", "1")
+    seen = ertel_(
+        "plot", plane, "--measured", str(tmp_path / "x.csv"), "--out", out, "--at", "-35 us", "--columns", "1"
+    )
     assert seen.stdout == f"{tmp_path / 'profiles.png'}\n"
 
 
