@@ -182,12 +182,8 @@ def _draw_fitted(axes: Axes, dataset: xr.Dataset, part: xr.Dataset) -> None:
     variable = QUANTITIES[str(part["quantity"].values[0])]
     y = _scale(variable, part["measured"], variable.si_units or "1")
     _draw_values(axes, (x, measured * y.factor), sigma * y.factor, (x, predicted * y.factor), ("measured", "fit"))
-    axes.set(
-        ylabel=y.label,
-        title="\n".join(
-            filter(None, (str(part[name].values[0]) for name in ("conditions", "aligned") if name in part))
-        ),
-    )
+    about = [str(part[name].values[0]) for name in ("conditions", "aligned") if name in part]
+    axes.set(ylabel=y.label, title="\n".join(filter(None, about)))
 
 
 def _draw_residuals(axes: Axes, dataset: xr.Dataset, part: xr.Dataset) -> None:
