@@ -191,7 +191,7 @@ class Comparison:
 
     @property
     def aligned(self) -> str:
-        """What the alignment took off, in words: "centre 5 µm; offset 20 nm"."""
+        """The values that the alignment took off, in words: "centre 5 µm; offset 20 nm"."""
         unit, along = si_unit(self.measurement.quantity), si_unit(self.measurement.axis)
         units = {"start": "s", "centre": along, "offset": unit, "tilt": f"{unit}/{along}"}
         return "; ".join(f"{name} {with_prefix(value, units.get(name, '1'))}" for name, value in self.shift.items())
