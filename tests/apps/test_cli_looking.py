@@ -151,24 +151,26 @@ def test_a_run_of_somebody_else_does_not_say_where_pictures_go(runs, tmp_path):
 def test_a_profile_is_exported_and_compared_with_its_run(runs, tmp_path):
     """What the run itself gave differs from it by nothing; moved and lifted it is aligned again."""
     plane, out = str(runs / "plane"), str(tmp_path)
-    done = ertel_("export", plane, "--what", "profile", "--at", "3 us", "--along", "y", "--out", out)
-    path = tmp_path / "profile_y_3_us.csv"
-    assert done.stdout == f"{path}\n" and re.match("along y, 3 µs, between the maps at .* and .* µs", done.stderr)
+    done = ertel_("export", plane, "--what", "profile", "--at", "-35 us", "--along", "y", "--out", out)
+    path = tmp_path / "profile_y_-35_us.csv"
+    assert done.stdout == f"{path}\n" and re.match("along y, -35 µs, between the maps at .* and .* µs", done.stderr)
     assert path.read_text().startswith("y_m,h_m,p_Pa,h_oil_m,t_s\n")
-    assert json.loads(ertel_("compare", plane, str(path), "--at", "3 us", "--json").stdout)["rms"] < 1e-18
+    assert json.loads(ertel_("compare", plane, str(path), "--at", "-35 us", "--json").stdout)["rms"] < 1e-18
     rows = np.loadtxt(path, delimiter=",", skiprows=1)[4:-4]
     moved = tmp_path / "moved.csv"
     np.savetxt(moved, [(y * 1e6 + 2, h * 1e9 + 30) for y, h, *_ in rows], delimiter=",")
-    given_ = ["--column", "y=um", "--column", "h=nm", "--align", "centre, offset", "--at", "3 us"]
+    given_ = ["--column", "y=um", "--column", "h=nm", "--align", "centre, offset", "--at", "-35 us"]
     said = ertel_("compare", plane, str(moved), *given_, "--plot", str(tmp_path / "both.png")).stdout
     assert "centre 2 µm; offset 30 nm" in said and said.endswith("both.png\n")
     assert (tmp_path / "both.png").read_bytes().startswith(b"\x89PNG")
     assert ertel_("compare", plane, str(moved), *given_, "--plot").stdout.endswith("plots/compared-moved.png\n")
     assert ertel_("compare", plane, str(moved), "--plot", *given_).stdout.endswith("plots/compared-moved.png\n")
-    indexed = ["--align", "index", "--index", "1.5", "--at", "3 us", "--json"]
+    indexed = ["--align", "index", "--index", "1.5", "--at", "-35 us", "--json"]
     assert json.loads(ertel_("compare", plane, str(path), *indexed).stdout)["shift"]["index"] == pytest.approx(1.5)
     (tmp_path / "x.csv").write_text(path.read_text().replace("y_m", "x_m"))
-    seen = ertel_("plot", plane, "--measured", str(tmp_path / "x.csv"), "--out", out, "--at", "3 us", "--columns", "1")
+    seen = ertel_(
+        "plot", plane, "--measured", str(tmp_path / "x.csv"), "--out", out, "--at", "-35 us", "--columns", "1"
+    )
     assert seen.stdout == f"{tmp_path / 'profiles.png'}\n"
 
 

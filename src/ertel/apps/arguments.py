@@ -100,7 +100,7 @@ def values_option(quantity: str, example: str) -> Any:
 
 
 CaseFile = Annotated[Path, path_argument("CASE.toml", "Case file; see examples/.", case_files)]
-Moment = Annotated[str | None, option('A time, "60 us" or a number in t0, or max-approach or end.', "TIME|EVENT")]
+Moment = Annotated[str | None, option('A time, "60 us" from touch, a number in t0, max-approach or end.', "TIME|EVENT")]
 RunDirectory = Annotated[Path, path_argument("DIR", "Directory of a run.", run_directories)]
 SET_HELP = "Replace a value of the case, e.g. solver.nodes=129."
 Set = Annotated[list[str] | None, option(SET_HELP, "KEY=VALUE", settings, "--set")]
@@ -165,7 +165,7 @@ class EngineOptions:
     scheduler: Annotated[str | None, option(SCHEDULER_HELP, "ADDRESS")] = None
 
 
-ALIGN_HELP = "Unknown of a measurement: centre, offset, tilt, index of the oil."
+ALIGN_HELP = "Unknown of a measurement: start of its clock, centre, offset, tilt, index of the oil."
 COLUMN_HELP = "Unit of a column, such as x=um; where the header does not have it."
 INDEX_HELP = "Index of the oil; also that with which a film was computed."
 

@@ -158,7 +158,8 @@ def _compare_measured(
     if as_json:
         columns = {name: getattr(found, name).tolist() for name in ("x", "measured", "computed", "difference")}
         quantity = found.measurement.quantity
-        print_json({"quantity": quantity, "at": found.where, "rms": found.rms, "shift": dict(found.shift), **columns})
+        told = {"rms": found.rms, "shift": dict(found.shift), "warnings": found.warnings}
+        print_json({"quantity": quantity, "at": found.where, **told, **columns})
     else:
         print(found)
     if plot:

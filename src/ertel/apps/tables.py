@@ -167,8 +167,8 @@ def value_rows(heading: str, values: Sequence[Number]) -> list[list[str]]:
 
 def _with_si(number: Number, value: float, in_si: Sequence[str]) -> list[str]:
     """A value in the unit of a number, and in SI if that is shown; a warm film is known in SI alone."""
-    factor, unit = 1.0 if number.factor is None else number.factor, number.about.si_units or number.unit
-    return ["" if number.unit in IN_SI else f"{value:.5g}", *(with_prefix(value * factor, unit) for _ in in_si)]
+    unit = number.about.si_units or number.unit
+    return ["" if number.unit in IN_SI else f"{value:.5g}", *(with_prefix(number.in_si(value), unit) for _ in in_si)]
 
 
 # -- film formulas ----------------------------------------------------------------------------------------------------
