@@ -30,7 +30,6 @@ from ertel.results.contact_law import contact_law as contact_law
 from ertel.results.measurements import Measurement as Measurement
 from ertel.results.result import Result as Result
 from ertel.results.variables import to_si as to_si
-from ertel.runs.batch import simulate_batch as simulate_batch
 from ertel.runs.compile import cache as cache
 from ertel.runs.drive import simulate as simulate
 from ertel.runs.fit import fit as fit

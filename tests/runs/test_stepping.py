@@ -12,7 +12,7 @@ from ertel.case.methods import METHODS
 from ertel.case.sections import Drive, Output, Time
 from ertel.case.status import Status
 from ertel.equations.account import Friction
-from ertel.equations.state import State, Stepper, Stepping, combined
+from ertel.equations.state import State, Stepper, combined
 from ertel.numerics import bdf
 from ertel.physics.motion import Oscillation, Polyline, Signal
 from ertel.physics.scales import Parameters
@@ -37,16 +37,12 @@ class LikeTheLoad(Stepper):
     def start(self) -> State:
         return self._state(0.0)
 
-    def attempt(self, levels: Sequence[State], step: float) -> Stepping:
+    def advance(self, levels: Sequence[State], step: float) -> State:
         new = self._state(levels[0].T + step)
         weights = bdf.interpolation_weights(new.T, [level.T for level in levels])
         error = abs(new.H - combined(weights, [level.H for level in levels])).max()
         record = self.measure(new) | dict.fromkeys((*BUDGET, *FRICTION), 0.0)
         return replace(new, error=float(error), record=record)
-        yield
-
-    def solve(self, problem: object) -> object:
-        raise AssertionError("there is nothing to solve")
 
     def measure(self, level: State) -> dict[str, float]:
         names = ("F", "P_c", "P_max", "X_P_max", "Y_P_max", "P_fall", "H_c", "H_min", "X_min", "Y_min")
@@ -97,8 +93,8 @@ def test_a_fixed_step_is_fixed() -> None:
 
 
 class Unwilling(LikeTheLoad):
-    def attempt(self, levels: Sequence[State], step: float) -> Stepping:
-        new = yield from super().attempt(levels, step)
+    def advance(self, levels: Sequence[State], step: float) -> State:
+        new = super().advance(levels, step)
         return new if step <= 0.02 else replace(new, status=Status.NEWTON_STALLED)
 
 
@@ -117,8 +113,8 @@ class Lost(LikeTheLoad):
         super().__init__(case)
         self.lost = lost
 
-    def attempt(self, levels: Sequence[State], step: float) -> Stepping:
-        new = yield from super().attempt(levels, step)
+    def advance(self, levels: Sequence[State], step: float) -> State:
+        new = super().advance(levels, step)
         return new if new.T < 0.3 else replace(new, **{self.lost: float("nan")})
 
 

@@ -304,7 +304,7 @@ def _outside(case: Definition) -> Complaints:
     if needed > WIDEST_HALF_WIDTH:
         beyond = f"reaches beyond the largest domain (half_width = {WIDEST_HALF_WIDTH:g})"
         in_si = f" = {rigid_film(p.M) * case.scales.film * 1e6:.3g} um" if case.scales else ""
-        film = f"the film is a rigid ball's, {rigid_film(p.M):.3g} a^2/R{in_si}; ertel film has the formulas"
+        film = f"the film is a rigid ball's, {rigid_film(p.M):.3g} a^2/R{in_si}; ertel check prints the formulas"
         error = TooLight(f"contact: M = {p.M:.3g} is too low: the oil that carries the load {beyond}; {film}")
         error.case = case
         raise error

@@ -1,8 +1,8 @@
 """The state at one time, the key values of its film, and the two interfaces of methods: in time, and steady."""
 
-from collections.abc import Callable, Generator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, Protocol, TypeVar
+from typing import Any, NamedTuple, Protocol
 
 import jax
 import jax.numpy as jnp
@@ -18,7 +18,6 @@ from ertel.numerics.programs import ANY_SIZE, Program, exportable
 from ertel.numerics.stencils import total
 
 Field = Any  # an array of NumPy or of JAX
-Outcome = TypeVar("Outcome")
 TIE = 1e-6  # relative difference of two extremes that mirror each other
 KEY_VALUES = ("H_c", "H_min", "X_min", "Y_min", "P_c", "P_max", "X_P_max", "Y_P_max", "P_fall", "load")
 
@@ -151,19 +150,6 @@ class StepSolution(NamedTuple):
     numbers: Array
 
 
-Stepping = Generator[Any, Any, State]  # yields the problems of a step, is sent their solutions, returns the new state
-
-
-def solved(course: Generator[Any, Any, Outcome], solve: Callable[[Any], Any]) -> Outcome:
-    """The return value of a generator of problems, with each problem solved when it is yielded."""
-    try:
-        problem = next(course)
-        while True:
-            problem = course.send(solve(problem))
-    except StopIteration as end:
-        return end.value
-
-
 class Stepper(Protocol):
     """A method that steps a contact forward in time, made of a case.
 
@@ -175,15 +161,8 @@ class Stepper(Protocol):
     def start(self) -> State:
         """The state at T = 0."""
 
-    def attempt(self, levels: Sequence[State], step: float) -> Stepping:
-        """One step on from one to three levels, newest first; the new state has its error and its record."""
-
-    def solve(self, problem: Any) -> StepSolution:
-        """The solution of a problem that `attempt` yields."""
-
     def advance(self, levels: Sequence[State], step: float) -> State:
-        """One step on from one to three levels, newest first, its problems solved by this method."""
-        return solved(self.attempt(levels, step), self.solve)
+        """One step on from one to three levels, newest first; the new state has its error and its record."""
 
     def measure(self, level: State) -> dict[str, float]:
         """F (in units of the Hertz load F*) and the key values of `measure`.

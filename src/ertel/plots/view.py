@@ -22,7 +22,7 @@ from ertel.results.alignment import NOT_FULL, Comparison
 from ertel.results.dataset import maps_of
 from ertel.results.numbers import plus_minus
 from ertel.results.profiles import At, is_without_moments, mirrored, moment_of
-from ertel.results.variables import FILMS, FRICTION, with_prefix
+from ertel.results.variables import FILMS, FRICTION, with_clock, with_prefix
 
 MARGIN, WIDEST = 1.3, 2.0  # of what is shown round the contact, at most so many half widths from its centre
 LOADED = 0.02  # of the maximum pressure or load: with less the film carries nothing
@@ -88,6 +88,9 @@ class View:
     measured: tuple[Comparison, ...] = ()
     limits: Limits | None = None
     beside: "View | None" = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "dataset", with_clock(self.dataset))
 
     @classmethod
     def of(cls, dataset: xr.Dataset, at: At = None) -> "View":
@@ -215,7 +218,7 @@ class View:
     def clock(self) -> str:
         """The time of the map, as t = 60 µs."""
         time = self.scale("time")
-        return f"{time.symbol} = {self.time * time.factor:.4g} {time.unit}"
+        return f"{time.symbol} = {time.shown(self.time):.4g} {time.unit}"
 
     @property
     def friction(self) -> list[str]:

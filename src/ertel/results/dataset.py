@@ -130,6 +130,7 @@ def provenance(case: Case) -> dict[str, object]:
         "method": case.solver.method,
         **parameters_of(case),
         **scale_values(case),
+        **({variables.START_APPROACH: case.schedule.start_approach} if case.starts_apart else {}),
     }
 
 

@@ -20,6 +20,7 @@ from ertel.results.variables import (
     FILMS,
     FRICTION,
     MEASURED,
+    TOUCH,
     VARIABLES,
     Variable,
     in_celsius,
@@ -44,7 +45,7 @@ class Number(NamedTuple):
 
     value, error, on_grid: in `unit`, "1" for a plain number.  The value is the extrapolated one where the error of the
     discretisation was estimated, the error is its bar, and on_grid the value on the grid, as in the maps.  factor: what
-    1 is in SI, None where that is not known or the same.
+    1 is in SI, None where that is not known or the same.  zero: T at t = 0.
     """
 
     name: str
@@ -52,8 +53,13 @@ class Number(NamedTuple):
     value: float
     unit: str = "1"
     factor: float | None = None
+    zero: float = 0.0
     error: float | None = None
     on_grid: float | None = None
+
+    def in_si(self, value: float) -> float:
+        """A value of this number in SI; as it is where that is not known."""
+        return value if self.factor is None else (value - self.zero) * self.factor
 
     @property
     def known(self) -> bool:
@@ -76,7 +82,7 @@ class Number(NamedTuple):
         """The value in SI; empty where it is not known, or the same."""
         if self.factor is None or self.about.si_units == "1" or not self.known:
             return ""
-        return with_prefix(self.value * self.factor, self.about.si_units)
+        return with_prefix(self.in_si(self.value), self.about.si_units)
 
     @property
     def text_of_error(self) -> str:
@@ -114,7 +120,7 @@ def numbers(summary: Outcome) -> dict[str, Number]:
         if value is not None:
             error, best, on_grid = (*errors[name], value) if name in errors else (None, value, None)
             found[name] = number(summary["kind"], scales, name, best, error, on_grid)
-    return found
+    return {**found, **({"T": found["T"]._replace(zero=summary.get(TOUCH) or 0.0)} if "T" in found else {})}
 
 
 def shown_of(names: Iterable[str], there: Container[Any]) -> list[str]:
@@ -129,7 +135,7 @@ def number(kind: str, scales: Scales | None, name: str, value: float, *errors: f
     if scales and about.scale:
         factor = about.factor(scales)
         unit = "1" if about.scale == COEFFICIENT else unit
-    return Number(name, about, value, unit, factor, *errors)
+    return Number(name, about, value, unit, factor, 0.0, *errors)
 
 
 def values_of(summary: Outcome) -> dict[str, float]:
@@ -231,20 +237,20 @@ def scalars(summary: Outcome, in_si: bool = True) -> dict[str, Scalar]:
     """
     table = {}
     for each in numbers(summary).values():
-        name, factor, about = each.name, 1.0, {"units": "1"}
+        name, factor, about, zero = each.name, 1.0, {"units": "1"}, 0.0
         if in_si and each.factor is not None:
-            name, factor, about = each.about.si_name, each.factor, {"units": each.about.si_units}
+            name, factor, zero, about = each.about.si_name, each.factor, each.zero, {"units": each.about.si_units}
         elif each.unit in IN_SI:
             about = {"units": each.unit}
         elif each.unit != "1":
             about = {"units": "1", "in_units_of": each.unit}
         if each.known:
-            table[name] = Scalar(float(each.value * factor), {"long_name": each.about.long_name, **about})
-        for ending, value in (("error", each.error), ("on_grid", each.on_grid)):
+            table[name] = Scalar(float((each.value - zero) * factor), {"long_name": each.about.long_name, **about})
+        for ending, value, start in (("error", each.error, 0.0), ("on_grid", each.on_grid, zero)):
             if value is not None:
                 long_name = f"{'estimated error of the ' * (ending == 'error')}{each.about.long_name}"
                 long_name += ", on the grid" * (ending == "on_grid")
-                table[f"{name}_{ending}"] = Scalar(value * factor, {"long_name": long_name, **about})
+                table[f"{name}_{ending}"] = Scalar((value - start) * factor, {"long_name": long_name, **about})
     return table
 
 
@@ -328,6 +334,7 @@ def _extreme_lines(summary: Outcome) -> Iterator[str]:
     for name, one in summary.get("extremes", {}).items():
         extreme = table[f"{name}_extreme"]
         T, X, Y = (number(summary["kind"], scales, key, one[key]) for key in ("T", "X", "Y"))
+        T = T._replace(zero=summary.get(TOUCH) or 0.0)
         if scales:
             where = f"t = {T.text_in_si} (T = {T.value:.4g}), x = {X.text_in_si}, y = {Y.text_in_si}"
         else:

@@ -7,6 +7,7 @@ many steps, and 9/16.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from math import hypot, inf, isfinite
 from typing import Any
 
@@ -18,7 +19,7 @@ from ertel.case.status import Status
 from ertel.results import balances, diagnostics, variables
 from ertel.results.dataset import SteadyGrid
 from ertel.results.parameters import parameters_of, scale_values
-from ertel.results.variables import ESTIMATED, FILMS, values_in_si, with_coefficients
+from ertel.results.variables import ESTIMATED, FILMS, TOUCH, first_touch, values_in_si, with_coefficients
 
 # share of a maximum by which the pressure may fall to the next nodes; below, P_max changes by some per cent
 NARROW = 0.1
@@ -34,6 +35,7 @@ def impact_summary(
 ) -> dict[str, Any]:
     """The outcome of an impact as plain data: parameters, values at maximum approach, restitution, work, status.
 
+    `T_touch` is T at t = 0, the first touch of the undeformed bodies; times in SI count from there.
     `extremes` has the thinnest film and the highest pressure of the whole run, see `extremes`.
     `budgets` has those of mass, momentum and energy, see `balances.in_time`.
     The values at maximum approach are under `max_approach`; but T and F they also stand where those of rolling do, None
@@ -55,7 +57,8 @@ def impact_summary(
     over_time = _over_time(case, data, status)
     warnings = diagnostics.impact_warnings(case, data)
     warnings += [] if status.failed else _account_warnings(case, data, over_time)
-    content = {**top, "max_approach": reached, **_contact(data, status), **over_time, **work}
+    touch = first_touch(data["time"].values, data["Delta"].values, case.schedule.start_approach)
+    content = {TOUCH: touch, **top, "max_approach": reached, **_contact(data, status), **over_time, **work}
     return _summary(case, content, status, warnings)
 
 
@@ -215,15 +218,16 @@ def with_si(case: Case, content: Mapping[str, Any]) -> dict[str, Any]:
         return dict(content)
     reached = content.get("max_approach", content)  # of an impact that did not get there only the whole is known
     known = content if reached else {name: content[name] for name in ("contact_time", "F_max")}
-    in_si = values_in_si(known, case.scales)
+    converted = partial(values_in_si, scales=case.scales, zero=content.get(TOUCH) or 0.0)
+    in_si = converted(known)
     if "delta_m" in in_si:
         in_si["approach_m"] = in_si.pop("delta_m")
     si: dict[str, Any] = {**scale_values(case), **in_si, "budgets": balances.terms_in_si(case, content["budgets"])}
     if "max_approach" in content:
-        si["max_approach"] = reached and values_in_si(reached, case.scales)
+        si["max_approach"] = reached and converted(reached)
     if "extremes" in content:
         extreme = content["extremes"].items()
-        si["extremes"] = {name: values_in_si({**one, name: one["value"]}, case.scales) for name, one in extreme}
+        si["extremes"] = {name: converted({**one, name: one["value"]}) for name, one in extreme}
     return {**content, "si": si}
 
 

@@ -24,7 +24,7 @@ from ertel.case.spaces import radii
 from ertel.equations import account, outside
 from ertel.equations.approach import ClosureLine, NewtonsLaw, rate_of_change
 from ertel.equations.contact import traceable
-from ertel.equations.state import State, Stepper, Stepping, StepSolution, lowest_point, padded
+from ertel.equations.state import State, Stepper, StepSolution, lowest_point, padded
 from ertel.numerics import bdf
 from ertel.numerics.integrals import Disc
 from ertel.numerics.programs import ANY_SIZE, Program, require_double
@@ -279,8 +279,8 @@ class RadialImpact(Stepper):
         fields = jax.device_put({"P": P, "H": H, "mass": oil})
         return State(0.0, motion.approach, 1.0, fields, outside=around.load, load=float(weights @ P))
 
-    def attempt(self, levels: Sequence[State], step: float) -> Stepping:
-        """One BDF step (BDF1 from one level, BDF2 from more), newest level first: yields one `RadialProblem`."""
+    def advance(self, levels: Sequence[State], step: float) -> State:
+        """See `Method.advance`: BDF1 from one level, BDF2 from more."""
         T = levels[0].T + step
         times = [level.T for level in levels]
         rates = bdf.derivative_weights([T, *times[:2]])
@@ -302,12 +302,8 @@ class RadialImpact(Stepper):
             self.tolerance,
             self.ring,
         )
-        new = account.new_level(T, (yield problem))
+        new = account.new_level(T, _step_program(problem))
         return replace(new, record={**self.measure(new), **new.record})
-
-    def solve(self, problem: RadialProblem) -> StepSolution:
-        """The step's solution, on this device."""
-        return _step_program(problem)
 
     def measure(self, level: State) -> dict[str, float]:
         """See `Stepper.measure`; places are radii."""

@@ -22,7 +22,7 @@ from ertel.equations.approach import ClosureLine, NewtonsLaw, rate_of_change
 from ertel.equations.contact import Contact
 from ertel.equations.flow import Flow, OilContent, Rate, rate_in_time
 from ertel.equations.outside import Surroundings
-from ertel.equations.state import State, Stepper, Stepping, StepSolution, Work, padded
+from ertel.equations.state import State, Stepper, StepSolution, Work, padded
 from ertel.numerics import bdf, halfspace, multigrid, newton, stencils
 from ertel.numerics.grid import Symmetry, check_coarsening
 from ertel.numerics.integrals import Plane
@@ -191,8 +191,18 @@ class Transient2D(Stepper):
         gap, layer = self.contact.gap, self.layer
         return OilContent.without_void(gap if layer is None else jnp.broadcast_to(layer, gap.shape))
 
-    def attempt(self, levels: Sequence[State], step: float) -> Stepping:
-        """One BDF step (BDF1 from one level, BDF2 from more): yields one `StepProblem`."""
+    def advance(self, levels: Sequence[State], step: float) -> State:
+        """See `Method.advance`: BDF1 from one level, BDF2 from more."""
+        T, problem = levels[0].T + step, self.problem(levels, step)
+        new = self._level(T, self.solve(problem), in_the_middle=problem.middle is not None)
+        if problem.middle is not None and not new.status.ok:  # P > 0 elsewhere too
+            tried = new.work.convolutions
+            new = self._level(T, self.solve(replace(problem, middle=None)))
+            new = replace(new, work=new.work._replace(convolutions=tried + new.work.convolutions))
+        return new
+
+    def problem(self, levels: Sequence[State], step: float) -> StepProblem:
+        """The equations of one step on from one to three levels, newest level first."""
         T = levels[0].T + step
         times = [level.T for level in levels]
         rates = bdf.derivative_weights([T, *times[:2]])
@@ -210,7 +220,7 @@ class Transient2D(Stepper):
         known = Known(*weights, line, approaches, loads, sliding, around.load, around.uplift)
         # the Delta of a light ball that rolls is a small difference of large numbers, so it is not eliminated
         falls = self.case.starts_apart and line.approach_weight
-        problem = StepProblem(
+        return StepProblem(
             self.setting,
             self.contact_at(T),
             tuple(level.fields for level in past),
@@ -221,12 +231,6 @@ class Transient2D(Stepper):
             discretise.roughness_change(self.case, self.grid, T),
             FALLING if falls else ROLLING,
         )
-        new = self._level(T, (yield problem), in_the_middle=problem.middle is not None)
-        if problem.middle is not None and not new.status.ok:  # P > 0 elsewhere too
-            tried = new.work.convolutions
-            new = self._level(T, (yield replace(problem, middle=None)))
-            new = replace(new, work=new.work._replace(convolutions=tried + new.work.convolutions))
-        return new
 
     def _level(self, T: float, solution: StepSolution, in_the_middle: bool = False) -> State:
         """The state after a step with its work: in the middle, the film on the whole grid is one convolution more."""
