@@ -13,7 +13,7 @@ from html import escape
 from typing import Any
 
 from ertel.case import records, rules
-from ertel.case.completion import completed, solver_of
+from ertel.case.completion import solver_of, with_defaults
 from ertel.case.conditions import Conditions
 from ertel.case.definition import SECTIONS, Definition
 from ertel.case.height_map import NO_MAPS, HeightMap
@@ -85,7 +85,7 @@ class Case(Definition):
         given = with_own_numbers(given)
         rules.check_values(given)
         rules.refuse(given, rules.GIVEN)
-        whole = completed(given)
+        whole = with_defaults(given)
         rules.refuse(whole, rules.COMPLETE)
         super().__init__(**{item.name: getattr(whole, item.name) for item in fields(whole)})
         self.lubricant  # noqa: B018  # raises if its data give no law
