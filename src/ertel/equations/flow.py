@@ -81,9 +81,9 @@ class OilContent(NamedTuple):
     kinked: Array | None = None
 
     @classmethod
-    def without_void(cls, mass: Array) -> "OilContent":
-        """A gap that is full, or a uniform layer."""
-        return cls(mass, mass, jnp.zeros_like(mass), mass, 1.0)
+    def without_void(cls, mass: Array, kinked: Array | None = None) -> "OilContent":
+        """A gap that is full, or a layer that does not change along X, which is nowhere kinked."""
+        return cls(mass, mass, jnp.zeros_like(mass), mass, 1.0, kinked)
 
 
 class Flow(NamedTuple):
