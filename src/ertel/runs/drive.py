@@ -109,6 +109,7 @@ class SteadyRun:
         arrays["status"] = np.asarray(result.status.value)
         for i, s in enumerate(solutions):
             arrays |= {f"{name}_{i}": np.asarray(getattr(s, name)) for name in FIELDS}
+            arrays |= {} if s.kinked is None else {f"kinked_{i}": np.asarray(s.kinked)}
         return arrays
 
     def from_arrays(self, arrays: Arrays) -> GridStep:
@@ -122,6 +123,7 @@ class SteadyRun:
                     H=jax.device_put(arrays[f"H_{i}"]),
                     status=Status(str(arrays["grid_status"][i])),
                     history=tuple(arrays[f"history_{i}"].tolist()),
+                    kinked=arrays.get(f"kinked_{i}"),
                     **{name: arrays[name][i].item() for name in COUNTED},
                 )
             )
