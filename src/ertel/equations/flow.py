@@ -198,7 +198,7 @@ def kinked_at(P: Array) -> Array:
     """Whether a node lies beside a meniscus in the inlet: the last that is not full, and the first full one.
 
     X points downstream.  A line through two nodes upstream would there cross the kink in the film.  Without it the oil
-    that passes does not jump when a node fills.
+    that passes jumps less when a node fills.
     """
     meniscus = (P[:, :-1] <= 0.0) & (P[:, 1:] > 0.0)
     return jnp.pad(meniscus, ((0, 0), (0, 1))) | jnp.pad(meniscus, ((0, 0), (1, 0)))
