@@ -188,8 +188,10 @@ class Transient2D(Stepper):
         """The oil of the film from which the run starts: of steady rolling, of the gap of an impact, or its layer."""
         if not self.case.starts_apart:
             return self._rolling.finest.content
-        gap, layer = self.contact.gap, self.layer
-        return OilContent.without_void(gap if layer is None else jnp.broadcast_to(layer, gap.shape))
+        gap = self.contact.gap
+        if self.layer is None:
+            return OilContent.without_void(gap)
+        return OilContent.without_void(jnp.broadcast_to(self.layer, gap.shape), jnp.zeros(gap.shape, bool))
 
     def advance(self, levels: Sequence[State], step: float) -> State:
         """See `Method.advance`: BDF1 from one level, BDF2 from more."""
