@@ -46,8 +46,8 @@ class Border(NamedTuple):
 
     s: the first guess.  tolerance: bound of the misfit.  weight: least weight of the misfit, relative to the field's
     residual, in the norm that the Krylov iteration reduces.  A misfit of one counts at least as much as the residual of
-    all nodes: on the wide domain of a very light contact that is large, and the search would ignore the load.  dP_ds: the change with s of a P
-    that is given (r = 0 there).
+    all nodes: on the wide domain of a very light contact that is large, and the search would ignore the load.  dP_ds:
+    the change with s of a P that is given (r = 0 there).
     """
 
     s: Array | float
@@ -167,8 +167,7 @@ class NewtonKrylov:
             return free * change_of_r(dP, self.change_of_H(d)), weight * change_of_misfit(dP, d[1])
 
         inverse = self.preconditioner(it.P, it.H, free, it.shared)
-        dP_ds = jnp.zeros_like(it.P) + self.border.dP_ds
-        column = free * change_of_r(dP_ds, jnp.full_like(it.H, self.border.dH_ds))
+        column = free * change_of_r(jnp.full_like(it.P, self.border.dP_ds), jnp.full_like(it.H, self.border.dH_ds))
 
         def direction(k: Array, r: _Pair) -> _Pair:
             """Search direction k: first a change of s with the field's response, then changes of the field alone."""

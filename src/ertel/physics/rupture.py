@@ -38,7 +38,6 @@ Floats = NDArray[np.float64]
 ANGLES = 720  # around the contact
 COARSEST = 45  # angles on which the wet region is found first
 SPEEDS = np.linspace(-1.25, 1.0, 37)  # of V/(U r), over that with which the gap is just full; zero is one of them
-TINY = np.finfo(float).tiny
 LIMIT = 50  # of iterations of the wet region; some ten are needed
 
 
@@ -69,8 +68,7 @@ class Rupture(NamedTuple):
     def squeezed(self, flow: Floats, velocity: Floats, angle: Floats) -> Floats:
         """The flow f >= 0 of V = 0 with a small V, to first order; above zero in the same places."""
         change = velocity * np.interp(angle % (2 * pi), np.linspace(0.0, 2 * pi, ANGLES + 1), self.in_V)
-        fall = np.minimum(change, 0.0)
-        return flow + np.where(fall < 0.0, fall * flow / (flow - fall + TINY), change)
+        return flow + np.where(change < 0.0, change * flow / (flow - np.minimum(change, 0.0) + 1e-300), change)
 
 
 def _place(position: Floats, cells: int) -> tuple[NDArray[np.int64], Floats]:
