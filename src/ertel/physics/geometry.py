@@ -195,10 +195,8 @@ class Geometry:
         (x, y), (c, s), r = self._axes(X, Y), self._direction, np.hypot(X, Y)
         angle = np.arctan2(y, x) + (0.0 if entrainment >= 0.0 else pi)  # seen from the other side
         table, across, k = rupture(self.radius_ratio, c, s), abs(entrainment) * r, constant / r**2
-        if held:
-            flow += across * table.correction(np.zeros_like(r), angle, k)
-            return table.squeezed(np.maximum(flow, 0.0), velocity, angle)
-        return flow + across * table.correction(velocity / across, angle, k)
+        flow += across * table.correction(np.zeros_like(r) if held else velocity / across, angle, k)
+        return table.squeezed(np.maximum(flow, 0.0), velocity, angle) if held else flow
 
     def _axes(self, X: Array, Y: Array) -> tuple[Array, Array]:
         """Coordinates along the principal axes."""
