@@ -102,7 +102,7 @@ def test_a_small_speed_of_approach_adds_the_closed_form_where_there_is_oil() -> 
     assert around(0.3, entrainment=0.0) == pytest.approx(expected, abs=5e-4)  # as after U > 0
     assert around(0.3, entrainment=-1.0)[::-1] == pytest.approx(around(0.3), abs=1e-9)
     drawn_apart = around(-0.3)
-    assert np.array_equal(drawn_apart > 0, wet) and (drawn_apart <= around(0.0)).all()
+    assert np.array_equal(drawn_apart > 1e-12, wet) and (drawn_apart <= around(0.0)).all()
 
 
 @pytest.mark.parametrize("sign", [1, -1])

@@ -67,8 +67,7 @@ class Rupture(NamedTuple):
 
     def squeezed(self, flow: Floats, velocity: Floats, angle: Floats) -> Floats:
         """The flow f >= 0 of V = 0 with a small V, to first order; above zero in the same places."""
-        share = np.interp(angle % (2 * pi), np.linspace(0.0, 2 * pi, ANGLES + 1), self.in_V)
-        change, flow = velocity * share, np.where(share > 0.0, flow, 0.0)  # which may be of rounding
+        change = velocity * np.interp(angle % (2 * pi), np.linspace(0.0, 2 * pi, ANGLES + 1), self.in_V)
         return flow + np.where(change < 0.0, change * flow / (flow - np.minimum(change, 0.0) + 1e-300), change)
 
 
