@@ -20,6 +20,7 @@ from ertel.equations.approach import ClosureLine
 from ertel.equations.contact import Contact, PressureFlow
 from ertel.equations.flow import Rate, downstream, flow_aligned, upstream_of, void_change
 from ertel.equations.linearised import linear_film
+from ertel.equations.outside import UNCHANGED, Surroundings
 from ertel.numerics import multigrid, newton, stencils
 from ertel.numerics.grid import Grid
 from ertel.numerics.line_smoother import line_smoother
@@ -38,7 +39,8 @@ class Problem:
 
     contact, rate, line: the surfaces, the rate of change following the flow, the closure's line.
     tolerance: of Reynolds' equation at each node, (n, n) or a number.  load_tolerance: of a line with Delta unknown.
-    elastic: the deformation operators of the preconditioner's grids.
+    elastic: the deformation operators of the preconditioner's grids.  outside: the change of the oil outside with
+    Delta, from the first guess of an unknown Delta.
     """
 
     contact: Contact
@@ -48,6 +50,7 @@ class Problem:
     tolerance: FloatLike
     load_tolerance: FloatLike
     algorithms: "Algorithms" = field(metadata={"static": True})
+    outside: Surroundings = UNCHANGED
 
 
 Preconditioner = Callable[[Problem, Array, Array, Array], newton.Map]  # from P, H and the free nodes
@@ -135,6 +138,7 @@ class Middle(NamedTuple):
             elastic=self.elastic,
             rate=rate._replace(past=jnp.asarray(rate.past)[middle]),
             tolerance=jnp.asarray(problem.tolerance)[middle],
+            outside=problem.outside._replace(edge=0.0),  # P = 0 there
         )
         solution, found = solve(inner, P[middle], approach)
         P = jnp.zeros_like(P).at[middle].set(solution.P)
@@ -196,16 +200,17 @@ def eliminate_approach(problem: Problem, P: Array, approach: FloatLike) -> Close
 
 def approach_as_unknown(problem: Problem, P: Array, approach: FloatLike) -> ClosedSystem:
     """Delta as one more unknown, with the closure as its equation."""
-    c, line = problem.contact, problem.line
+    c, line, outside, first = problem.contact, problem.line, problem.outside, approach
 
     def misfit(P: Array, approach: Array) -> Array:
-        return line.approach_weight * approach + line.load_weight * contact.pressure_load(c, P) - line.value
+        load = contact.pressure_load(c, P) + outside.load * (approach - first)
+        return line.approach_weight * approach + line.load_weight * load - line.value
 
     def film_change(dP: Array) -> Array:
         return contact.deformation(c, dP)
 
     weight = LOAD_WEIGHT * (1.0 + problem.rate.new) / c.spacing
-    border = newton.Border(approach, -1.0, misfit, problem.load_tolerance, weight)
+    border = newton.Border(approach, outside.uplift - 1.0, misfit, problem.load_tolerance, weight, outside.edge)
     return ClosedSystem(contact.film_thickness(c, P, approach), film_change, border, lambda s: s.s)
 
 
