@@ -22,9 +22,17 @@ from ertel.case.case import Case
 from ertel.case.height_map import HeightMap
 from ertel.numerics.grid import Grid
 from ertel.physics.scales import Scales
-from ertel.results import variables
 from ertel.results.parameters import parameters_of, scale_values
-from ertel.results.variables import FIELDS, is_steady, named_with_unit, variable_attributes, with_coefficients
+from ertel.results.variables import (
+    EVENTS,
+    VARIABLES,
+    Variable,
+    is_steady,
+    named_with_unit,
+    names,
+    variable_attributes,
+    with_coefficients,
+)
 from ertel.version import installed_version
 
 Arrays = dict[str, tuple[tuple[str, ...], Any]]  # dimensions and values by the name of the variable
@@ -41,18 +49,25 @@ class Frame(NamedTuple):
 
 
 def columns(records: Sequence[Mapping[str, float]], scales: Scales | None) -> dict[str, np.ndarray]:
-    """Step records as arrays by variable name, T as `time`; coefficients as `with_coefficients` says."""
-    keys = {"time": "T", **{name: name for name in variables.SCALARS}}
-    arrays = {name: np.array([record[key] for record in records], dtype=float) for name, key in keys.items()}
+    """Step records as arrays by variable name, T as `time`; coefficients as `with_coefficients` says.
+
+    What a method does not have is nan.
+    """
+    keys = {"time": "T", **{name: name for name in names(lambda variable: variable.over == "step")}}
+    arrays = {name: np.array([each.get(key, np.nan) for each in records], dtype=float) for name, key in keys.items()}
     return with_coefficients(arrays, scales)
+
+
+def _is_map(variable: Variable) -> bool:
+    return variable.over == "map"
 
 
 def maps(frames: Sequence[Frame]) -> dict[str, np.ndarray]:
     """Frames as arrays by variable name, stacked along the first axis."""
     return {
         "frame": np.array([frame.T for frame in frames], dtype=float),
-        "event": np.array([variables.EVENTS.index(frame.event) for frame in frames], dtype=np.int8),
-        **{name: np.array([frame.fields[name] for frame in frames], dtype=float) for name in FIELDS},
+        "event": np.array([EVENTS.index(frame.event) for frame in frames], dtype=np.int8),
+        **{name: np.array([frame.fields[name] for frame in frames], dtype=float) for name in names(_is_map)},
     }
 
 
@@ -68,7 +83,7 @@ def assemble(
     shape = len(frames), *(len(axis) for axis in space.values())  # which no maps at all have, too
     arrays: Arrays = {name: (("time",), values) for name, values in columns(records, case.scales).items()}
     for name, values in maps(frames).items():
-        arrays[name] = (("frame", *space), values.reshape(shape)) if name in FIELDS else (("frame",), values)
+        arrays[name] = (("frame", *space), values.reshape(shape)) if _is_map(VARIABLES[name]) else (("frame",), values)
     arrays |= {name: ((name,), axis) for name, axis in space.items()}
     return _dataset(case, arrays)
 
@@ -79,16 +94,17 @@ def assemble_steady(case: Case, grid: Grid, solutions: Sequence[SteadyGrid]) -> 
     grid: that of the fields, of the last solution, or of the case as long as there is none.  solutions: coarsest first;
     the coordinate `grid` has their numbers of nodes a side.
     """
-    fields = FIELDS if case.thermal is None else {**FIELDS, **variables.TEMPERATURES}
+    fields = names(lambda variable: variable.over in ("map", "heated map" if case.thermal else "map"))
     nothing = np.full((len(grid.y), len(grid.x)), np.nan)
     maps = solutions[-1].maps if solutions else dict.fromkeys(fields, nothing)
     rows = [with_coefficients(s.record, case.scales) for s in solutions]
-    work = ("residual", "newton_iterations", "krylov_iterations", "convolutions")
-    names = (*variables.MEASURED, *variables.BUDGET, *variables.FRICTION, *work)
+    there = [
+        name for name in names(lambda variable: variable.over in ("step", "grid")) if all(name in row for row in rows)
+    ]
     histories = list(zip_longest(*(s.history for s in solutions), fillvalue=np.nan))
     arrays: Arrays = {
         **{name: (("Y", "X"), maps[name]) for name in fields},
-        **{name: (("grid",), np.array([row[name] for row in rows], dtype=float)) for name in names},
+        **{name: (("grid",), np.array([row[name] for row in rows], dtype=float)) for name in there},
         "history": (("grid", "iteration"), np.reshape(histories, (len(histories), len(solutions))).T),
         "Y": (("Y",), grid.y),
         "X": (("X",), grid.x),
@@ -101,7 +117,7 @@ def assemble_steady(case: Case, grid: Grid, solutions: Sequence[SteadyGrid]) -> 
 def _dataset(case: Case, arrays: Arrays) -> xr.Dataset:
     """The Dataset of a run from its arrays, with the attributes of its variables and its own."""
     described = {name: (*indexed(name, *each), variable_attributes(name, case.scales)) for name, each in arrays.items()}
-    axes = {name: described.pop(name) for name in variables.AXES if name in described}
+    axes = {name: described.pop(name) for name in names(lambda v: v.over == "axis") if name in described}
     return xr.Dataset({**described, **variables_of(case)}, axes, provenance(case))
 
 

@@ -35,8 +35,8 @@ from ertel.equations.contact import traceable
 from ertel.equations.state import StepSolution
 from ertel.inputs.case_files import CaseLike, ConfigError, as_case, parse_case, written
 from ertel.numerics.programs import double_precision, require_double
-from ertel.results.result import Result
 from ertel.runs.drive import METHODS, Recorder, result_of, run_of
+from ertel.runs.result import Result
 from ertel.runs.stepping import Step, TransientRun
 from ertel.runs.workers import Failure, check_fork, one_blas_thread
 from ertel.solvers.transient import StepProblem, Transient2D, solve_step

@@ -26,16 +26,16 @@ from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.inputs.case_files import CaseLike
 from ertel.inputs.fits import with_settings
-from ertel.results.fit_result import FitPoint, FitResult, Values, amount, fit_dataset
 from ertel.results.measurements import Measurement
-from ertel.results.result import Result
-from ertel.results.study_result import grouped
+from ertel.results.study_table import grouped
 from ertel.runs import studies
 from ertel.runs.compile import check_jax
 from ertel.runs.directory import CASE, read_progress, write_progress
 from ertel.runs.drive import warn
 from ertel.runs.engine import Engine
 from ertel.runs.fit_problem import FitProblem, Given, fit_problem, under_the_law
+from ertel.runs.fit_result import FitPoint, FitResult, Values, amount, fit_dataset
+from ertel.runs.result import Result
 from ertel.runs.store import RunStore
 from ertel.runs.workers import Condition, Failure, Workers, never
 

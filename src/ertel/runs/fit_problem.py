@@ -23,8 +23,8 @@ from ertel.inputs.fits import (
     with_settings,
 )
 from ertel.results.alignment import QUANTITIES
-from ertel.results.fit_result import Values
 from ertel.results.measurements import NUMBER, READ, Measurement
+from ertel.runs.fit_result import Values
 
 COLUMNS = {  # of the data: what they are
     "measurement": "number of the measurement, from 1",
