@@ -15,7 +15,7 @@ from ertel.inputs.case_files import parse_case
 from ertel.optics import Interferometer, Rig
 from ertel.plots import NoFigure
 from ertel.results.alignment import light_along
-from ertel.results.result import Result
+from ertel.runs.result import Result
 
 
 @pytest.fixture(scope="module")

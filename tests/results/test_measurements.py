@@ -14,8 +14,8 @@ from ertel.optics import Interferometer, Monochromatic, Rig, reflection
 from ertel.physics import hertz
 from ertel.results.alignment import light_along
 from ertel.results.profiles import moment_of, profile, write_profile
-from ertel.results.result import Result
 from ertel.results.summary import impact_summary
+from ertel.runs.result import Result
 
 
 def as_result(case_data) -> Result:

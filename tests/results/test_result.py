@@ -19,9 +19,9 @@ from ertel.physics.amplitude_reduction import lambda_ratio
 from ertel.results.dataset import provenance
 from ertel.results.numbers import key_numbers, scalars
 from ertel.results.parameters import parameters_of, scale_values
-from ertel.results.result import Result, verdict
 from ertel.results.summary import impact_summary, rolling_summary, steady_summary
 from ertel.results.variables import FIGURES_IN_TIME, FIGURES_STEADY, to_si
+from ertel.runs.result import Result, verdict
 
 WORK = {"steps": 78, "newton_iterations": 80, "krylov_iterations": 200, "wall_s": 1.0}
 MAXIMUM = {"T": 2.45, "Delta": 1.0, "F": 1.0, "P_c": 1.2, "P_max": 1.3, "H_c": 0.07, "H_min": 0.02}

@@ -15,10 +15,10 @@ from ertel.case.status import Status
 from ertel.physics.lubricant import Oil
 from ertel.physics.registry import DENSITY_LAWS
 from ertel.physics.scales import Parameters
-from ertel.results.result import Result
 from ertel.runs.batch import lanes_for, run_together, simulate_batch
 from ertel.runs.compile import compilations
 from ertel.runs.drive import simulate
+from ertel.runs.result import Result
 from ertel.runs.stepping import Step
 from ertel.runs.workers import Failure
 

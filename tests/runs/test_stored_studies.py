@@ -16,12 +16,12 @@ import ertel
 from ertel.case.case import Case
 from ertel.inputs.studies import convergence_series, coordinates, load_study, parse_study
 from ertel.results.numbers import aligned, scalars
-from ertel.results.study_result import StudyResult
 from ertel.runs import directory, files, studies
 from ertel.runs.batch import STEPS, program_of
 from ertel.runs.store import RunStore
 from ertel.runs.studies import gather as gathered
 from ertel.runs.studies import has_compiled, left_of, run_directory, run_study, write_study
+from ertel.runs.study_result import StudyResult
 from ertel.runs.workers import LocalWorker, StopSignal
 
 

@@ -185,9 +185,9 @@ def solve_together(problems: Sequence[StepProblem], lanes: int) -> list[StepSolu
     require_double()
     filled = [*problems, *[problems[-1]] * (lanes - len(problems))]
     fields, numbers = _solve_lanes(tree.map(_joined, _axes(problems[0]), *filled, is_leaf=lambda axis: axis is None))
-    numbers = np.asarray(numbers)
+    parts = fields, {name: np.asarray(each) for name, each in numbers.items()}
     lanes_used = range(len(problems))
-    return [StepSolution({name: each[lane] for name, each in fields.items()}, numbers[lane]) for lane in lanes_used]
+    return [StepSolution(*({name: each[lane] for name, each in part.items()} for part in parts)) for lane in lanes_used]
 
 
 def _axes(problem: StepProblem) -> Any:
@@ -207,7 +207,7 @@ _stack = jax.jit(jnp.stack)
 
 
 @jax.jit
-def _solve_lanes(problems: StepProblem) -> tuple[dict[str, list[Array]], Array]:
+def _solve_lanes(problems: StepProblem) -> tuple[dict[str, list[Array]], Mapping[str, Array]]:
     """The fields of each lane separately; the numbers with the lanes along their first axis."""
     solution = jax.vmap(solve_step, in_axes=(_axes(problems),))(problems)
     return {name: list(lanes) for name, lanes in solution.fields.items()}, solution.numbers
