@@ -28,7 +28,7 @@ def falling(case: Case, **terms: np.ndarray) -> xr.Dataset:
     known = {"F": np.full_like(T, 0.3), "V": V, "Delta": T, "dissipation": lost, "H_c": 1 + 0 * T, "H_min": 1 + 0 * T}
     known |= {"mass": 5 - T, "outflow": 1.5 + 0 * T, "inflow": 0.2 + 0 * T, "cavity_source": 0.3 + 0 * T, **terms}
     records = [
-        {"T": t, **dict.fromkeys(variables.SCALARS, 0.0), **{name: float(values[i]) for name, values in known.items()}}
+        {"T": t, **dict.fromkeys(variables.STEPS, 0.0), **{name: float(values[i]) for name, values in known.items()}}
         for i, t in enumerate(T)
     ]
     return assemble(case, records, [], {"Y": np.linspace(-2, 2, 33), "X": np.linspace(-2, 2, 33)})

@@ -54,7 +54,8 @@ def test_the_summary_of_a_steady_contact(kinds):
     assert set(KEYS) <= set(summary)
     assert summary["load"] == pytest.approx(2 * np.pi / 3, rel=1e-7)
     last = whole.dataset.isel(grid=-1)
-    assert all(summary[name] == float(last[name]) for name in variables.MEASURED)
+    there = [name for name in variables.names(lambda variable: variable.at_moment) if name in summary]
+    assert len(there) > 8 and all(summary[name] == float(last[name]) for name in there)
     assert summary["newton_iterations"] == whole.dataset["newton_iterations"].sum()
     coarse, fine = whole.dataset["H_c"].values
     assert summary["H_c_error"] == pytest.approx(abs(fine - coarse) / 3)

@@ -81,10 +81,12 @@ def _add_legend(picture: Figure, entries: Sequence[Any], width: float, sheet: Sh
         picture.set_figheight(picture.get_figheight() + 0.1 + 1.7 * letters / 72.0 * -(-len(entries) // columns))
 
 
-def panels_of(dataset: xr.Dataset, panel: Callable[[Variable], str]) -> dict[str, list[str]]:
-    """The numbers that the runs have, by their panel, which a function tells; the warm ones where there are any."""
+def panels_of(
+    dataset: xr.Dataset, panel: Callable[[Variable], str], without_heat: bool = False
+) -> dict[str, list[str]]:
+    """The numbers that the runs have, by their panel, which a function tells.  without_heat: as of `stored_in`."""
     panels: dict[str, list[str]] = {}
-    for name, about in stored_in(dataset, panel).items():
+    for name, about in stored_in(dataset, panel, without_heat).items():
         if largest_of(dataset[name]) > 0:
             panels.setdefault(panel(about), []).append(name)
     return panels
@@ -173,12 +175,12 @@ def _value_text(value: xr.DataArray) -> str:
 
 # -- traction curves --------------------------------------------------------------------------------------------------
 
-COLOURS = (BLUE, ORANGE, GREY, PURPLE)  # of the numbers of a panel
+COLOURS = (BLUE, ORANGE, PURPLE)  # of the numbers of a panel; those without heat are grey beside those with it
 
 
 def _traction_figure(dataset: xr.Dataset, sheet: Sheet) -> Figure:
     """Traction coefficient, film thickness, power loss and shear stress along a traction curve."""
-    drawn = panels_of(dataset, lambda variable: variable.curve_panel)
+    drawn = panels_of(dataset, lambda variable: variable.curve_panel, without_heat=True)
     if not drawn:
         raise NoFigure("dataset: has no points yet, there is nothing to draw")
     panels: list[Panel[xr.Dataset]] = [partial(_draw_curve, title=title, names=names) for title, names in drawn.items()]
@@ -191,9 +193,11 @@ def _draw_curve(axes: Axes, dataset: xr.Dataset, title: str, names: Sequence[str
     x, label = _x(axes, dataset[dataset.attrs["varies"]])
     variables = [_in_celsius(dataset[name]) for name in names]
     largest = max(largest_of(values) for values in variables)
-    for colour, values in zip(COLOURS, variables, strict=False):
+    colours = iter(COLOURS)
+    for name, values in zip(names, variables, strict=True):
         z = _scale(values, largest, dataset.attrs["kind"])
-        axes.plot(x, values * z.factor, "o-", color=colour, markersize=3.5, label=z.long_name)
+        look = {"color": GREY, "linestyle": "--"} if f"{name}_warm" in names else {"color": next(colours)}
+        axes.plot(x, values * z.factor, marker="o", markersize=3.5, label=z.long_name, **look)
     if title != "Temperature":
         axes.axhline(0.0, color="black", linewidth=0.5)
     axes.set(xlabel=label, ylabel=f"{title.lower()} {z.in_brackets}".rstrip(), title=title)
