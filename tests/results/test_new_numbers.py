@@ -57,9 +57,8 @@ def test_all_views_of_a_run_and_of_a_study_have_it(tmp_path: Path, capsys: pytes
     assert "H_mean" in capsys.readouterr().out
     for shown in (key_numbers(summary), run_info(tmp_path / "run", stamp_of(tmp_path / "run")).latest):  # in the app
         assert "H_mean" in [number.name for number in shown]
-    estimates = with_error(
-        CASE, summary, dict.fromkeys(comparisons(CASE), {**summary, "H_c": 1, "H_min": 1, "H_mean": 1})
-    )
+    other = {**summary, "H_c": 1, "H_min": 1, "H_mean": 1}
+    estimates = with_error(CASE, summary, {part: dict(other) for part in comparisons(CASE)})
     assert estimates["error_estimate"]["H_mean"]["value"] == H
 
     runs = [StudyRun(scalars(summary), [], "converged", name) for name in "ab"]

@@ -70,7 +70,7 @@ from jax import Array
 from ertel.case.status import Status
 from ertel.equations.contact import Contact, Details
 from ertel.equations.outside import Surroundings
-from ertel.equations.state import State, StepSolution, Work, unpacked
+from ertel.equations.state import State, StepNumbers, StepSolution, Work, unpacked
 from ertel.numerics.integrals import Plane, Space
 from ertel.numerics.programs import ANY_SIZE, Program, exportable
 from ertel.numerics.stencils import FloatLike, Pair, inside
@@ -254,9 +254,7 @@ def with_outside(
 def new_level(T: float, solution: StepSolution) -> State:
     """The state after a step; its record has the numbers of the film by name."""
     record = unpacked(solution.numbers)
-    approach, velocity, outside, load, error = (
-        record.pop(name) for name in ("approach", "velocity", "outside", "load", "error")
-    )
-    status = Status.CONVERGED if record.pop("converged") else Status.NEWTON_STALLED  # stalled too if NaN
-    work = Work(int(record.pop("newton")), int(record.pop("krylov")))
-    return State(T, approach, velocity, solution.fields, status, work, outside, load, error, record)
+    n = StepNumbers(*(record.pop(name) for name in StepNumbers._fields))
+    status = Status.CONVERGED if n.converged else Status.NEWTON_STALLED  # stalled too if NaN
+    work = Work(int(n.newton), int(n.krylov))
+    return State(T, n.approach, n.velocity, solution.fields, status, work, n.outside, n.load, n.error, record)

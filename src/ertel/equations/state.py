@@ -118,18 +118,10 @@ def key_values(plane: Plane, P: Array, H: Array) -> dict[str, Array]:
     around = sum(_beside(*line) for line in zip((P[:, high[1]], P[high[0]]), high, plane.even, strict=True)) / 4
     fall = jnp.where(P_max > 0, 1 - around / P_max, 0.0)
     (X_min, Y_min), (X_P_max, Y_P_max) = ((plane.x[j], plane.y[i, 0]) for i, j in (thin, high))
-    return {
-        "H_c": H.ravel()[plane.centre],
-        "H_min": H_min,
-        "X_min": X_min,
-        "Y_min": Y_min,
-        "P_c": P.ravel()[plane.centre],
-        "P_max": P_max,
-        "X_P_max": X_P_max,
-        "Y_P_max": Y_P_max,
-        "P_fall": fall,
-        "load": total(P, plane.even) * plane.spacing**2,
-    }
+    films = {"H_c": H.ravel()[plane.centre], "H_min": H_min, "X_min": X_min, "Y_min": Y_min}
+    peak = {"P_max": P_max, "X_P_max": X_P_max, "Y_P_max": Y_P_max, "P_fall": fall}
+    load = total(P, plane.even) * plane.spacing**2
+    return {**films, "P_c": P.ravel()[plane.centre], **peak, "load": load}
 
 
 def _lowest(field: Array) -> tuple[Array, Array]:
@@ -162,13 +154,22 @@ _numbers = Program(jax.jit(lambda plane, P, H: packed(key_values(plane, P, H))),
 # -- the interface of a solution method -------------------------------------------------------------------------------
 
 
+class StepNumbers(NamedTuple):
+    """The numbers of a step that a `State` has beside its record."""
+
+    approach: Any
+    velocity: Any
+    load: Any
+    outside: Any
+    error: Any
+    converged: Any
+    newton: Any
+    krylov: Any
+
+
 @exportable
 class StepSolution(NamedTuple):
-    """The new fields, and all numbers of the step, `packed`.
-
-    These are approach, velocity, load, outside, error, converged, newton, krylov, as a `State` has them, and those of
-    the film, by the names of `results.variables`.
-    """
+    """The new fields, and all numbers of the step, `packed`: `StepNumbers` and those of the film by their names."""
 
     fields: Mapping[str, Array]
     numbers: Mapping[str, Array]

@@ -196,8 +196,8 @@ def _draw_curve(axes: Axes, dataset: xr.Dataset, title: str, names: Sequence[str
     colours = iter(COLOURS)
     for name, values in zip(names, variables, strict=True):
         z = _scale(values, largest, dataset.attrs["kind"])
-        look = {"color": GREY, "linestyle": "--"} if f"{name}_warm" in names else {"color": next(colours)}
-        axes.plot(x, values * z.factor, marker="o", markersize=3.5, label=z.long_name, **look)
+        colour, line = (GREY, "o--") if f"{name}_warm" in names else (next(colours), "o-")
+        axes.plot(x, values * z.factor, line, color=colour, markersize=3.5, label=z.long_name)
     if title != "Temperature":
         axes.axhline(0.0, color="black", linewidth=0.5)
     axes.set(xlabel=label, ylabel=f"{title.lower()} {z.in_brackets}".rstrip(), title=title)

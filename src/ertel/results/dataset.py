@@ -22,17 +22,9 @@ from ertel.case.case import Case
 from ertel.case.height_map import HeightMap
 from ertel.numerics.grid import Grid
 from ertel.physics.scales import Scales
+from ertel.results import variables
 from ertel.results.parameters import parameters_of, scale_values
-from ertel.results.variables import (
-    EVENTS,
-    VARIABLES,
-    Variable,
-    is_steady,
-    named_with_unit,
-    names,
-    variable_attributes,
-    with_coefficients,
-)
+from ertel.results.variables import Variable, is_steady, named_with_unit, names, variable_attributes, with_coefficients
 from ertel.version import installed_version
 
 Arrays = dict[str, tuple[tuple[str, ...], Any]]  # dimensions and values by the name of the variable
@@ -66,7 +58,7 @@ def maps(frames: Sequence[Frame]) -> dict[str, np.ndarray]:
     """Frames as arrays by variable name, stacked along the first axis."""
     return {
         "frame": np.array([frame.T for frame in frames], dtype=float),
-        "event": np.array([EVENTS.index(frame.event) for frame in frames], dtype=np.int8),
+        "event": np.array([variables.EVENTS.index(frame.event) for frame in frames], dtype=np.int8),
         **{name: np.array([frame.fields[name] for frame in frames], dtype=float) for name in names(_is_map)},
     }
 
@@ -83,7 +75,9 @@ def assemble(
     shape = len(frames), *(len(axis) for axis in space.values())  # which no maps at all have, too
     arrays: Arrays = {name: (("time",), values) for name, values in columns(records, case.scales).items()}
     for name, values in maps(frames).items():
-        arrays[name] = (("frame", *space), values.reshape(shape)) if _is_map(VARIABLES[name]) else (("frame",), values)
+        arrays[name] = (
+            (("frame", *space), values.reshape(shape)) if _is_map(variables.VARIABLES[name]) else (("frame",), values)
+        )
     arrays |= {name: ((name,), axis) for name, axis in space.items()}
     return _dataset(case, arrays)
 

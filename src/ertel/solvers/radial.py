@@ -24,7 +24,7 @@ from ertel.case.definition import radii
 from ertel.equations import account, outside
 from ertel.equations.approach import ClosureLine, NewtonsLaw, rate_of_change
 from ertel.equations.contact import traceable
-from ertel.equations.state import Method, State, Stepping, StepSolution, lowest_point, packed, padded
+from ertel.equations.state import Method, State, StepNumbers, Stepping, StepSolution, lowest_point, packed, padded
 from ertel.numerics import bdf
 from ertel.numerics.integrals import Disc
 from ertel.numerics.programs import ANY_SIZE, Program, require_double
@@ -233,18 +233,10 @@ def solve_ring_step(p: RadialProblem) -> StepSolution:
     error = ring_film_error(p.ring, p.mesh.volume, oil, jnp.tensordot(p.predict_mass, masses, axes=1), s.P)
     velocity = rate_of_change(p.rates, approach, p.approaches)
     load_rate = rate_of_change(p.rates, terms["load"], p.loads)
-    numbers = {
-        "approach": approach,
-        "velocity": velocity,
-        "load": terms["load"],
-        "outside": p.around.load,
-        "error": error,
-        "converged": s.size <= tolerance,
-        "newton": s.newton,
-        "krylov": 0,
-    }
+    load, outside = terms["load"], p.around.load
+    numbers = StepNumbers(approach, velocity, load, outside, error, s.size <= tolerance, s.newton, krylov=0)
     record = account.with_outside(terms, velocity, p.around, CIRCLE.hertz_load, load_rate)
-    return StepSolution({"P": s.P, "H": s.H, "mass": oil}, packed({**numbers, **record}))
+    return StepSolution({"P": s.P, "H": s.H, "mass": oil}, packed({**numbers._asdict(), **record}))
 
 
 _step_program = Program(solve_ring_step)

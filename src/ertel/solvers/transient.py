@@ -367,18 +367,10 @@ def _numbers(
     # half a cell around the grid counts as outside
     beyond = Surroundings(p.edge, known.load_around + load - terms["load"], known.uplift)
     load_rate = rate_of_change(known.rates, load, known.loads)
-    numbers = {
-        "approach": approach,
-        "velocity": velocity,
-        "load": load,
-        "outside": known.load_around,
-        "error": error,
-        "converged": s.converged,
-        "newton": s.newton,
-        "krylov": s.krylov,
-    }
+    outside, work = known.load_around, (s.newton, s.krylov)
+    numbers = state.StepNumbers(approach, velocity, load, outside, error, s.converged, *work)
     of_account = account.with_outside(terms, velocity, beyond, setting.hertz_load, load_rate)
-    return {**numbers, **values, "F": F, **of_account}
+    return {**numbers._asdict(), **values, "F": F, **of_account}
 
 
 def _weighted(weights: bdf.Weights, fields: Sequence[Array]) -> Array:
