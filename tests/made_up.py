@@ -100,7 +100,7 @@ def solutions(case: Case, flow: float = 1.0) -> tuple[Solved, ...]:
     histories = [(1.0, 1e-3, 1e-9), (1.0, 1e-2, 1e-5, 1e-9), (1.0, 1e-4, 2e-9)]
     for nodes, H_c, H_min, past in zip(NODES, H_C, H_MIN, histories, strict=True):
         grid = grid_of(replace(case, solver=replace(case.solver, nodes=nodes, fold=False)))
-        there = variables.names(lambda v: v.at_moment and v.over and v.scale != variables.COEFFICIENT)
+        there = variables.names_where(lambda v: v.at_moment and v.over and v.scale != variables.COEFFICIENT)
         values = dict.fromkeys((name for name in there if name not in ("F", "power_loss")), 1.0)
         values |= {"H_c": float(H_c), "H_min": float(H_min), "load": 2 * np.pi / 3}
         P, H = fields(np.asarray(grid.x), np.asarray(grid.y), H_c, flow)

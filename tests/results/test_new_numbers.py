@@ -11,7 +11,6 @@ from ertel.apps.browser.pictures import run_info, stamp_of
 from ertel.apps.looking import _print_runs
 from ertel.apps.tables import console, print_summary
 from ertel.case.status import Status
-from ertel.inputs.case_files import parse_case
 from ertel.results.dataset import to_csv
 from ertel.results.numbers import key_numbers, pairs, scalars
 from ertel.results.study_table import StudyRun, study_dataset
@@ -70,7 +69,7 @@ def test_all_views_of_a_run_and_of_a_study_have_it(tmp_path: Path, capsys: pytes
 
 
 def test_a_steady_contact_has_it_on_each_grid_and_in_its_summary() -> None:
-    case = parse_case(BALL_ROLLS)
+    case = BALL_ROLLS
     assert steady(case)["H_mean"].dims == ("grid",)
     summary = steady_summary(case, solutions(case), {}, Status.CONVERGED)
     assert summary["H_mean"] == 1.0 and "mean film thickness" in "\n".join(

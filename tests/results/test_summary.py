@@ -23,7 +23,7 @@ from ertel.physics.units import Quantity
 from ertel.results import parameters, variables
 from ertel.results.numbers import as_now, key_numbers, lines, more_lines, number, scalars
 from ertel.results.summary import _finite, comparisons, extremes, impact_summary, rolling_summary, with_error
-from ertel.results.variables import names, one_number, to_si, with_coefficients
+from ertel.results.variables import names_where, one_number, to_si, with_coefficients
 from ertel.runs.drive import simulate
 from ertel.solvers import radial
 
@@ -32,7 +32,7 @@ ROLLING = {  # of reference/rolling.json, M = 20, L = 10
     **{"load": "3.888524 N", "mean_speed": "0.502636 m/s"},
 }
 ROLLING_OIL = {"viscosity": "barus", "density": "incompressible", "eta0": "40 mPa*s", "alpha": "22 / GPa"}
-AT_MAXIMUM = [name for name in names(lambda variable: variable.at_moment) if not name.startswith("mu_")]
+AT_MAXIMUM = [name for name in names_where(lambda variable: variable.at_moment) if not name.startswith("mu_")]
 WORK = {"steps": 1, "newton_iterations": 1, "krylov_iterations": 1, "wall_s": 1.0}
 
 
@@ -279,7 +279,7 @@ def test_the_estimate_is_honest(half_width: float, tolerance: float) -> None:
 @pytest.mark.parametrize(("half_width", "tolerance"), [(3.0, 5e-5), (8.0, 3e-4), (2.0, 5e-5)])
 def test_the_estimates_of_a_whole_impact_are_honest(half_width: float, tolerance: float) -> None:
     """True error over estimated error of restitution, contact time and largest load: all bars hold the truth."""
-    _, off = ratios(half_width, tolerance, "rebound", *names(lambda variable: variable.of_impact))
+    _, off = ratios(half_width, tolerance, "rebound", *names_where(lambda variable: variable.of_impact))
     assert all(0.3 < each < 1 for each in off), off
 
 

@@ -23,7 +23,7 @@ from ertel.numerics.grid import NO_SYMMETRY
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature, RingWaviness
 from ertel.results.fronts import at_max_approach
-from ertel.results.variables import names
+from ertel.results.variables import names_where
 from ertel.runs.compile import compilations
 from ertel.runs.drive import result_of, simulate
 from ertel.runs.result import Result
@@ -412,7 +412,7 @@ def test_a_film_without_pressure_outside_the_middle_of_its_grid_is_solved_there(
     whole, middle = (result_of(run).summary for run in runs)
     assert abs(middle["steps"] - whole["steps"]) <= 1
     assert middle["convolutions"] < 0.7 * whole["convolutions"]
-    there = names(lambda variable: variable.at_moment)
+    there = names_where(lambda variable: variable.at_moment)
     assert [middle.get(name) for name in there] == [whole.get(name) for name in there]
     assert middle["restitution"] == pytest.approx(whole["restitution"], rel=1e-4)  # the tolerance is 1e-3
 

@@ -24,7 +24,14 @@ from ertel.numerics.grid import Grid
 from ertel.physics.scales import Scales
 from ertel.results import variables
 from ertel.results.parameters import parameters_of, scale_values
-from ertel.results.variables import Variable, is_steady, named_with_unit, names, variable_attributes, with_coefficients
+from ertel.results.variables import (
+    Variable,
+    is_steady,
+    named_with_unit,
+    names_where,
+    variable_attributes,
+    with_coefficients,
+)
 from ertel.version import installed_version
 
 Arrays = dict[str, tuple[tuple[str, ...], Any]]  # dimensions and values by the name of the variable
@@ -45,7 +52,7 @@ def columns(records: Sequence[Mapping[str, float]], scales: Scales | None) -> di
 
     What a method does not have is nan.
     """
-    keys = {"time": "T", **{name: name for name in names(lambda variable: variable.over == "step")}}
+    keys = {"time": "T", **{name: name for name in names_where(lambda variable: variable.over == "step")}}
     arrays = {name: np.array([each.get(key, np.nan) for each in records], dtype=float) for name, key in keys.items()}
     return with_coefficients(arrays, scales)
 
@@ -59,7 +66,7 @@ def maps(frames: Sequence[Frame]) -> dict[str, np.ndarray]:
     return {
         "frame": np.array([frame.T for frame in frames], dtype=float),
         "event": np.array([variables.EVENTS.index(frame.event) for frame in frames], dtype=np.int8),
-        **{name: np.array([frame.fields[name] for frame in frames], dtype=float) for name in names(_is_map)},
+        **{name: np.array([frame.fields[name] for frame in frames], dtype=float) for name in names_where(_is_map)},
     }
 
 
@@ -88,12 +95,14 @@ def assemble_steady(case: Case, grid: Grid, solutions: Sequence[SteadyGrid]) -> 
     grid: that of the fields, of the last solution, or of the case as long as there is none.  solutions: coarsest first;
     the coordinate `grid` has their numbers of nodes a side.
     """
-    fields = names(lambda variable: variable.over in ("map", "heated map" if case.thermal else "map"))
+    fields = names_where(lambda variable: variable.over in ("map", "heated map" if case.thermal else "map"))
     nothing = np.full((len(grid.y), len(grid.x)), np.nan)
     maps = solutions[-1].maps if solutions else dict.fromkeys(fields, nothing)
     rows = [with_coefficients(s.record, case.scales) for s in solutions]
     there = [
-        name for name in names(lambda variable: variable.over in ("step", "grid")) if all(name in row for row in rows)
+        name
+        for name in names_where(lambda variable: variable.over in ("step", "grid"))
+        if all(name in row for row in rows)
     ]
     histories = list(zip_longest(*(s.history for s in solutions), fillvalue=np.nan))
     arrays: Arrays = {
@@ -111,7 +120,7 @@ def assemble_steady(case: Case, grid: Grid, solutions: Sequence[SteadyGrid]) -> 
 def _dataset(case: Case, arrays: Arrays) -> xr.Dataset:
     """The Dataset of a run from its arrays, with the attributes of its variables and its own."""
     described = {name: (*indexed(name, *each), variable_attributes(name, case.scales)) for name, each in arrays.items()}
-    axes = {name: described.pop(name) for name in names(lambda v: v.over == "axis") if name in described}
+    axes = {name: described.pop(name) for name in names_where(lambda v: v.over == "axis") if name in described}
     return xr.Dataset({**described, **variables_of(case)}, axes, provenance(case))
 
 

@@ -23,7 +23,7 @@ from ertel.results.variables import (
     VARIABLES,
     Variable,
     in_celsius,
-    names,
+    names_where,
     stored_in,
     unit_of,
     with_prefix,
@@ -134,7 +134,7 @@ def number(kind: str, scales: Scales | None, name: str, value: float, *errors: f
 
 def values_of(summary: Outcome) -> dict[str, float]:
     """The values of a run at its moment by name; empty where there are none."""
-    chosen = names(lambda variable: variable.at_moment) if summary["H_c"] is not None else ()
+    chosen = names_where(lambda variable: variable.at_moment) if summary["H_c"] is not None else ()
     return {name: summary[name] for name in chosen if name in summary}
 
 
@@ -198,7 +198,7 @@ def as_now(summary: Outcome) -> dict[str, Any]:
         now.setdefault("T", None)
         if estimate := now.get("error_estimate"):
             now["error_estimate"] = {{"Delta_max": "Delta"}.get(name, name): each for name, each in estimate.items()}
-    coefficients = names(lambda variable: variable.scale == COEFFICIENT)
+    coefficients = names_where(lambda variable: variable.scale == COEFFICIENT)
     now |= {name: si[name] for name in coefficients if name in now and name in si}
     if scales := scales_in(summary):
         now["si"] = si

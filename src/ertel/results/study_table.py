@@ -94,7 +94,7 @@ def flat(dataset: xr.Dataset) -> xr.Dataset:
     return one[[*first, *(name for name in dataset.data_vars if name in one)]]
 
 
-def columns(dataset: xr.Dataset) -> list[list[str]]:
+def table_columns(dataset: xr.Dataset) -> list[list[str]]:
     """The columns of a table to read, each with its heading first: what varies, the numbers that are shown, status."""
     runs = flat(dataset).isel(each=slice(MOST_ROWS))
     numbers = [name for name in stored_in(runs, lambda variable: variable.shown) if largest_of(runs[name]) > 0]

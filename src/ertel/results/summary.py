@@ -21,7 +21,7 @@ from ertel.numerics.grid import allowed_nodes
 from ertel.results import balances, diagnostics
 from ertel.results.dataset import SteadyGrid
 from ertel.results.parameters import parameters_of, scale_values
-from ertel.results.variables import COEFFICIENT, FILMS, VARIABLES, names, values_in_si, with_coefficients
+from ertel.results.variables import COEFFICIENT, FILMS, VARIABLES, names_where, values_in_si, with_coefficients
 
 # share of a maximum by which the pressure may fall to the next nodes; below, P_max changes by some per cent
 NARROW = 0.1
@@ -104,8 +104,7 @@ def steady_summary(
         "nodes": grid.nodes_x,
         **({} if grid.nodes_y == grid.nodes_x else {"nodes_y": grid.nodes_y}),
         "residual": finest.residual,
-        "newton_iterations": sum(s.record["newton_iterations"] for s in solutions),
-        "krylov_iterations": sum(s.record["krylov_iterations"] for s in solutions),
+        **{name: sum(s.record[name] for s in solutions) for name in ("newton_iterations", "krylov_iterations")},
         "convolutions": round(sum(s.record["convolutions"] * s.grid.size / grid.size for s in solutions), 1),
         **work,
     }
@@ -142,7 +141,7 @@ def heat_numbers(case: Case, solution: SteadyGrid) -> dict[str, float | None]:
     films = {f"{name}_warm": heat.inlet.factor * solution.record[name] for name in FILMS}
     warm = {
         "mu_sliding_warm": float(heat.sliding[0]) * case.scales.a_over_R,
-        **{f"{name}_max": float(np.max(maps[name])) for name in names(lambda v: v.over == "heated map")},
+        **{f"{name}_max": float(np.max(maps[name])) for name in names_where(lambda v: v.over == "heated map")},
         "T_film_mean": float(np.average(maps["T_film"], weights=maps["P"])),
     }
     found = warm if heat.converged else dict.fromkeys(warm)
@@ -151,7 +150,7 @@ def heat_numbers(case: Case, solution: SteadyGrid) -> dict[str, float | None]:
 
 def _of_moment(there: Container[Any]) -> list[str]:
     """The names of the values of a summary that are there."""
-    return [name for name in names(lambda variable: variable.at_moment) if name in there]
+    return [name for name in names_where(lambda variable: variable.at_moment) if name in there]
 
 
 def _contact(data: xr.Dataset, status: Status) -> dict[str, float | None]:
@@ -162,7 +161,7 @@ def _contact(data: xr.Dataset, status: Status) -> dict[str, float | None]:
     """
     T, V, F = (data[name].values for name in ("time", "V", "F"))
     if status.failed or not (len(T) and V[-1] < 0 and F[-1] < UNLOADED):
-        return dict.fromkeys(names(lambda variable: variable.of_impact))
+        return dict.fromkeys(names_where(lambda variable: variable.of_impact))
     above = np.flatnonzero(F > LIGHT * F.max())
     ends = [max(above[0] - 1, 0), above[0]], [above[-1] + 1, above[-1]]  # the lighter side first
     start, end = (float(np.interp(LIGHT * F.max(), F[pair], T[pair])) for pair in ends)
@@ -305,7 +304,7 @@ def with_error(case: Case, fine: Mapping[str, Any], others: Mapping[str, Mapping
     if any(summary["H_c"] is None for summary in (fine, *others.values())):
         return {**fine, "error_estimate": None}
     estimates = {}
-    for name in names(lambda variable: variable.has_error):
+    for name in names_where(lambda variable: variable.has_error):
         known: list[Any] = [summary.get(name) for summary in (fine, *others.values())]
         if all(known) and len(set(known)) > 1:  # else it is given, or zero
             estimates[name] = error_estimate(name, known[0], dict(zip(others, known[1:], strict=True)))

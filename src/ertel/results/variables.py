@@ -213,7 +213,7 @@ FIGURES_IN_TIME = (
 FIGURES_STEADY = ("overview", "film", "pressure", "oil", "maps", "midlines", "convergence", "friction")
 
 
-def names(chosen: Callable[[Variable], Any]) -> list[str]:
+def names_where(chosen: Callable[[Variable], Any]) -> list[str]:
     """The names of the variables that a function chooses, in the order of the table."""
     return [name for name, variable in VARIABLES.items() if chosen(variable)]
 
@@ -225,7 +225,7 @@ def stored_in(
 
     Those with heat stand in the place of those without it, or, if asked for, beside them.
     """
-    found = {name: each for name in names(chosen) for each in (name, name_in_si(name)) if each in there}
+    found = {name: each for name in names_where(chosen) for each in (name, name_in_si(name)) if each in there}
     return {each: VARIABLES[name] for name, each in found.items() if without_heat or f"{name}_warm" not in found}
 
 
@@ -290,15 +290,6 @@ def variable_attributes(name: str, scales: Scales | None) -> dict[str, Any]:
     return attributes
 
 
-def value_in_si(value: Any, attributes: Mapping[str, Any]) -> tuple[str, Any, dict[str, Any]]:
-    """The SI name, value and attributes of a variable of a physical case, from its own, which have an si_factor."""
-    attributes = dict(attributes)
-    factor, attributes["units"] = attributes.pop("si_factor"), attributes.pop("si_units")
-    attributes["symbol"] = attributes.pop("si_name")
-    attributes.pop("in_units_of", None)
-    return attributes["symbol"], value * factor, attributes
-
-
 def to_si(dataset: "xr.Dataset") -> "xr.Dataset":
     """The run of a physical case in SI units; its variables have their SI names (h_c for H_c, t for time, ...).
 
@@ -319,13 +310,14 @@ def to_si(dataset: "xr.Dataset") -> "xr.Dataset":
     """
     if not any("si_factor" in variable.attrs for variable in dataset.variables.values()):
         raise ValueError("dataset: the case is dimensionless and has no SI scales; give radius, speed, ... in SI")
-    converted, names = dataset.copy(), {}
+    converted, new_names = dataset.copy(), {}
     for name, variable in dataset.variables.items():
         if "si_factor" in variable.attrs:
-            new, values, attributes = value_in_si(variable.values, variable.attrs)
-            converted[name] = (variable.dims, values, attributes)
-            names[name] = new if name != "frame" else name
-    return converted.rename(names)
+            about = {key: value for key, value in variable.attrs.items() if key != "in_units_of"}
+            factor, about["units"], about["symbol"] = (about.pop(f"si_{each}") for each in ("factor", "units", "name"))
+            converted[name] = (variable.dims, variable.values * factor, about)
+            new_names[name] = about["symbol"] if name != "frame" else name
+    return converted.rename(new_names)
 
 
 def prefixed(unit: str, largest: float) -> tuple[float, str]:

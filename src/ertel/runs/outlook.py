@@ -25,7 +25,7 @@ from ertel.physics.units import plain
 from ertel.results import diagnostics
 from ertel.results.numbers import numbers
 from ertel.results.parameters import formula_films, parameter_summary, regime, rheology_of
-from ertel.results.variables import names, with_prefix
+from ertel.results.variables import names_where, with_prefix
 from ertel.runs.compile import jax_devices, may_use_accelerator
 
 MOST_SHOWN = 257  # points a side at which the heights of a roughness are looked at
@@ -153,7 +153,7 @@ def memory_needed(case: Case) -> float:
         return BASE + 8.0 * MATRICES * nodes**2
     arrays = ARRAYS if case.starts_apart else ARRAYS_WITH_STEADY
     moments = 1 if case.is_steady else case.schedule.duration / case.schedule.interval + 2
-    fields = names(lambda variable: variable.over == "map")  # the summary reads all of them
+    fields = names_where(lambda variable: variable.over == "map")  # the summary reads all of them
     return BASE + 8.0 * (arrays * grid_of(case).size + len(fields) * moments * nodes**2)
 
 

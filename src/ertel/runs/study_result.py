@@ -19,7 +19,7 @@ from ertel.case.case import Case
 from ertel.results.convergence import ORDER, SEEN, Limit, limits_of
 from ertel.results.dataset import with_units
 from ertel.results.numbers import Number, aligned, html_columns, html_image, number
-from ertel.results.study_table import DONE, MOST_ROWS, TO_DO, columns, flat
+from ertel.results.study_table import DONE, MOST_ROWS, TO_DO, flat, table_columns
 from ertel.results.variables import THICKNESS, VARIABLES, prefixed
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
@@ -97,7 +97,7 @@ class StudyResult:
 
     def table(self) -> list[list[str]]:
         """The columns of a table to read, each with its heading first."""
-        return columns(self.dataset)
+        return table_columns(self.dataset)
 
     @property
     def remarks(self) -> list[str]:

@@ -32,7 +32,7 @@ from ertel.results import diagnostics
 from ertel.results.dataset import provenance
 from ertel.results.study_table import DONE, StudyRun, grouped, study_dataset
 from ertel.results.summary import heat_numbers
-from ertel.results.variables import names, with_coefficients
+from ertel.results.variables import names_where, with_coefficients
 from ertel.runs import studies
 from ertel.runs.compile import check_jax
 from ertel.runs.drive import GridStep, warn
@@ -236,7 +236,7 @@ def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyR
     values = with_coefficients(solution.record, case.scales)
     sliding, rolling = values["mu_sliding"], values["mu_rolling"]
     values = {
-        **{name: values[name] for name in names(lambda variable: variable.at_moment) if name in values},
+        **{name: values[name] for name in names_where(lambda variable: variable.at_moment) if name in values},
         "mu_1": rolling + sliding,
         "mu_2": rolling - sliding,
         "tau_max": float(np.hypot(*np.asarray(solution.account.friction.stress)).max()),

@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from ertel.inputs.fits import interferometer
 from ertel.results.numbers import Number, number, scales_in
-from ertel.results.variables import figures_of, is_steady, names, unit_of, with_prefix
+from ertel.results.variables import figures_of, is_steady, names_where, unit_of, with_prefix
 from ertel.runs.directory import DATA
 
 if TYPE_CHECKING:  # imported in the process that draws
@@ -170,7 +170,7 @@ def run_info(run: Path, stamp: int) -> RunInfo:
     scales = scales_in({**about, "si": about}) if "R_m" in about else None
     drawn = {*figures_of(data), *([INTERFEROGRAM] if scales else [])}
     figures = tuple(name for name in FIGURES if name in drawn and (name != "front" or about["kind"] == "impact"))
-    there = [name for name in names(lambda variable: variable.shown) if name in data and data[name].size]
+    there = [name for name in names_where(lambda variable: variable.shown) if name in data and data[name].size]
     last = {name: float(data[name].values[-1]) for name in there}
     latest = tuple(number(about["kind"], scales, name, value) for name, value in last.items() if value)
     if steady:
