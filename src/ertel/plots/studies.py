@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import cycle, product
+from operator import attrgetter
 from typing import Any, Literal, Unpack
 
 import numpy as np
@@ -34,6 +35,7 @@ from ertel.results.convergence import SEEN, limits_of
 from ertel.results.dataset import largest_of
 from ertel.results.variables import CELSIUS, THICKNESS, Variable, in_celsius, stored_in, with_prefix
 
+PANEL = attrgetter("panel")
 FACES = (None, "white", None, "white")  # of the markers: filled for the first number of a panel, hollow for the second
 LineStyle = Literal["-", "--", "-.", ":"]
 LOOKS: Sequence[tuple[str, LineStyle]] = (  # marker and line
@@ -60,8 +62,8 @@ def figure(dataset: xr.Dataset, **options: Unpack[SheetOptions]) -> Figure:
     others = {"chi_square": fit_figure, "varies": _traction_figure, "assumed_order": _convergence_figure}
     for attribute in others.keys() & dataset.attrs.keys():
         return others[attribute](dataset, sheet)
-    drawn = panels_of(dataset, lambda variable: variable.panel)
-    panels: list[Panel[xr.Dataset]] = [partial(_draw, names=names) for names in drawn.values()]
+    drawn = panels_of(dataset, PANEL).values()
+    panels: list[Panel[xr.Dataset]] = [partial(_draw, names=names) for names in drawn]
     if not panels:
         raise NoFigure("dataset: no run has any numbers yet, there is nothing to draw")
     picture = compose(dataset, [panels], [str(dataset.attrs["title"]).replace("_", " ")], sheet)
@@ -81,12 +83,10 @@ def _add_legend(picture: Figure, entries: Sequence[Any], width: float, sheet: Sh
         picture.set_figheight(picture.get_figheight() + 0.1 + 1.7 * letters / 72.0 * -(-len(entries) // columns))
 
 
-def panels_of(
-    dataset: xr.Dataset, panel: Callable[[Variable], str], without_heat: bool = False
-) -> dict[str, list[str]]:
-    """The numbers that the runs have, by their panel, which a function tells.  without_heat: as of `stored_in`."""
+def panels_of(dataset: xr.Dataset, panel: Callable[[Variable], str], cold: bool = False) -> dict[str, list[str]]:
+    """The numbers that the runs have, by their panel, which a function tells.  cold: as of `stored_in`."""
     panels: dict[str, list[str]] = {}
-    for name, about in stored_in(dataset, panel, without_heat).items():
+    for name, about in stored_in(dataset, panel, cold).items():
         if largest_of(dataset[name]) > 0:
             panels.setdefault(panel(about), []).append(name)
     return panels
@@ -128,7 +128,7 @@ def _lines(dataset: xr.Dataset, along: xr.DataArray) -> Iterator[tuple[Place, An
     shades = ORDERED_COLOURS(np.linspace(0.0, 1.0, len(of_colour))) if len(of_colour) > 1 else [BLUE]
     for one, shade in zip(of_colour, shades, strict=True):
         for other, look in zip(of_look, cycle(LOOKS), strict=False):
-            if panels_of(dataset.isel({**one, **other}), lambda variable: variable.panel):
+            if panels_of(dataset.isel({**one, **other}), PANEL):
                 yield {**one, **other}, shade, look
 
 
@@ -141,7 +141,7 @@ def _legend(dataset: xr.Dataset) -> list[Line2D]:
         of_look[_values_text(dataset, place, looks)] = Line2D(
             [], [], color=GREY, marker=marker, linestyle=line, markersize=3.5
         )
-    films = panels_of(dataset, lambda variable: variable.panel).get(THICKNESS, [])
+    films = panels_of(dataset, PANEL).get(THICKNESS, [])
     of_film = {
         mathtext(name): Line2D([], [], color="black", marker="o", markersize=3.5, markerfacecolor=face)
         for name, face in zip(films, FACES, strict=False)
@@ -180,7 +180,7 @@ COLOURS = (BLUE, ORANGE, PURPLE)  # of the numbers of a panel; those without hea
 
 def _traction_figure(dataset: xr.Dataset, sheet: Sheet) -> Figure:
     """Traction coefficient, film thickness, power loss and shear stress along a traction curve."""
-    drawn = panels_of(dataset, lambda variable: variable.curve_panel, without_heat=True)
+    drawn = panels_of(dataset, attrgetter("curve_panel"), cold=True)
     if not drawn:
         raise NoFigure("dataset: has no points yet, there is nothing to draw")
     panels: list[Panel[xr.Dataset]] = [partial(_draw_curve, title=title, names=names) for title, names in drawn.items()]

@@ -222,11 +222,8 @@ class View:
         """The coefficients of friction of a steady contact that are not zero, and its power loss."""
         coefficients = names_where(lambda variable: variable.scale == COEFFICIENT and variable.over == "step")
         last = {name: float(self.dataset[name][-1]) for name in (*coefficients, "power_loss")}
-        return [
-            f"{self.dataset[name].attrs['long_name']} {self.with_unit(name, value)}"
-            for name, value in last.items()
-            if name == "power_loss" or abs(value) > NO_FRICTION
-        ]
+        shown = {name: each for name, each in last.items() if name == "power_loss" or abs(each) > NO_FRICTION}
+        return [f"{self.dataset[name].attrs['long_name']} {self.with_unit(name, each)}" for name, each in shown.items()]
 
     def _film_with_error(self, name: str) -> str:
         """A film, extrapolated, as h_c = 146 ± 10 nm: as many digits as the error deserves."""

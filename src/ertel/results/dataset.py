@@ -99,11 +99,7 @@ def assemble_steady(case: Case, grid: Grid, solutions: Sequence[SteadyGrid]) -> 
     nothing = np.full((len(grid.y), len(grid.x)), np.nan)
     maps = solutions[-1].maps if solutions else dict.fromkeys(fields, nothing)
     rows = [with_coefficients(s.record, case.scales) for s in solutions]
-    there = [
-        name
-        for name in names_where(lambda variable: variable.over in ("step", "grid"))
-        if all(name in row for row in rows)
-    ]
+    there = [n for n in names_where(lambda v: v.over in ("step", "grid")) if all(n in row for row in rows)]
     histories = list(zip_longest(*(s.history for s in solutions), fillvalue=np.nan))
     arrays: Arrays = {
         **{name: (("Y", "X"), maps[name]) for name in fields},

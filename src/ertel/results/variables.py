@@ -218,15 +218,13 @@ def names_where(chosen: Callable[[Variable], Any]) -> list[str]:
     return [name for name, variable in VARIABLES.items() if chosen(variable)]
 
 
-def stored_in(
-    there: Container[Any], chosen: Callable[[Variable], Any], without_heat: bool = False
-) -> dict[str, Variable]:
+def stored_in(there: Container[Any], chosen: Callable[[Variable], Any], cold: bool = False) -> dict[str, Variable]:
     """The same by the names that a Dataset or a mapping has, which may be those in SI.
 
-    Those with heat stand in the place of those without it, or, if asked for, beside them.
+    Those with heat stand in the place of those without it, or beside them where the `cold` ones are wanted, too.
     """
     found = {name: each for name in names_where(chosen) for each in (name, name_in_si(name)) if each in there}
-    return {each: VARIABLES[name] for name, each in found.items() if without_heat or f"{name}_warm" not in found}
+    return {each: VARIABLES[name] for name, each in found.items() if cold or f"{name}_warm" not in found}
 
 
 def unit_of(kind: str, unit: str) -> str:

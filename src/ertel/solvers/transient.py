@@ -367,8 +367,8 @@ def _numbers(
     # half a cell around the grid counts as outside
     beyond = Surroundings(p.edge, known.load_around + load - terms["load"], known.uplift)
     load_rate = rate_of_change(known.rates, load, known.loads)
-    outside, work = known.load_around, (s.newton, s.krylov)
-    numbers = state.StepNumbers(approach, velocity, load, outside, error, s.converged, *work)
+    around, work = known.load_around, (s.newton, s.krylov)
+    numbers = state.StepNumbers(approach, velocity, load, around, error, s.converged, *work)
     of_account = account.with_outside(terms, velocity, beyond, setting.hertz_load, load_rate)
     return {**numbers._asdict(), **values, "F": F, **of_account}
 
