@@ -108,9 +108,11 @@ def numbers(summary: Outcome) -> dict[str, Number]:
     """
     given = {**summary, "wall_time": summary.get("wall_s")}
     given |= {f"{name}_extreme": one["value"] for name, one in summary.get("extremes", {}).items()}
-    if wrong := [name for name, value in values_of(summary).items() if value is None and VARIABLES[name].shown]:
+    known = values_of(summary)
+    if wrong := [name for name, value in known.items() if value is None and VARIABLES[name].shown]:
         raise ValueError(f"{wrong[0]} is not a number")
-    values = {name: given[name] for name in VARIABLES if given.get(name) is not None}
+    there = names_where(lambda variable: known or not variable.at_moment)
+    values = {name: given[name] for name in there if given.get(name) is not None}
     scales, errors = scales_in(summary), errors_of(summary)
     for name in [name for name in errors if f"{name}_warm" in values]:  # by the factor that makes the film thinner
         warm = values[f"{name}_warm"]
