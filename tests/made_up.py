@@ -11,7 +11,7 @@ import xarray as xr
 
 from ertel.case.case import Case
 from ertel.case.definition import grid_of
-from ertel.case.sections import SOLVERS
+from ertel.case.methods import METHODS
 from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
 from ertel.inputs.python import Oil, rolling
@@ -116,7 +116,7 @@ def steady(case: Case, flow: float = 1.0) -> xr.Dataset:
 
 def as_in_time(case: Case) -> Case:
     """The same contact, as a run in time."""
-    return replace(case, solver=replace(SOLVERS["transient"], nodes=81))
+    return replace(case, solver=replace(METHODS["transient"].defaults, nodes=81))
 
 
 def in_time(case: Case, flow: float = 1.0) -> xr.Dataset:

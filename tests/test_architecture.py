@@ -10,6 +10,8 @@ from functools import cache
 from pathlib import Path
 
 import ertel
+from ertel.case.methods import METHODS
+from ertel.solvers import SOLVERS
 
 PACKAGE = Path(next(iter(ertel.__path__)))
 
@@ -151,6 +153,27 @@ def test_no_circle():
         for name in ready:
             del left[name]
     assert not left, f"these import each other: {sorted(left)}"
+
+
+def test_nobody_asks_which_method_it_is():
+    """The record of a method says what it is like, and `solvers` which class carries it out: nobody else compares."""
+
+    def compared(module: str) -> list[int]:
+        found: list[ast.AST | None] = []
+        for node in ast.walk(parsed(module)):
+            match node:
+                case ast.Compare(left=left, comparators=others):
+                    found += [part for side in (left, *others) for part in ast.walk(side)]
+                case ast.Dict(keys=keys):
+                    found += keys
+                case ast.MatchValue(value=value):
+                    found.append(value)
+        return [node.lineno for node in found if isinstance(node, ast.Constant) and node.value in METHODS]
+
+    assert compared("solvers.__init__")  # the test sees them
+    others = [module for module in INSIDE if module != "case.methods" and room(module) != "solvers"]
+    assert broken(compared, others) == {}
+    assert METHODS.keys() == SOLVERS.keys()
 
 
 def test_files_are_neither_long_nor_crumbs():

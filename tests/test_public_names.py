@@ -10,7 +10,7 @@ from cases import python
 import ertel
 
 SHOWN = """
-    impact rolling Oil quantity load_case Case Solver Time Output ConfigError simulate run open simulate_batch
+    impact rolling Oil quantity load_case Case Solver Time Output ConfigError simulate run open
     sweep converge fit traction cache respond respond_linearly respond_in_rolling Result Measurement to_si plots fronts
     waves formulas hertz materials oils optics Feature Spot Waviness RingWaviness Measured SelfAffine
 """

@@ -28,7 +28,6 @@ from ertel.results import fronts as fronts
 from ertel.results import waves as waves
 from ertel.results.measurements import Measurement as Measurement
 from ertel.results.variables import to_si as to_si
-from ertel.runs.batch import simulate_batch as simulate_batch
 from ertel.runs.compile import cache as cache
 from ertel.runs.contact_law import contact_law as contact_law
 from ertel.runs.drive import simulate as simulate

@@ -3,7 +3,6 @@
 import io
 import itertools
 from functools import cache
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -15,9 +14,9 @@ from ertel.case.status import Status
 from ertel.equations.approach import ClosureLine, NewtonsLaw
 from ertel.physics.motion import constant
 from ertel.results.summary import with_error
-from ertel.runs.drive import LogLines, bars, drive, result_of, run_of, simulate, watch
+from ertel.runs.drive import LogLines, drive, result_of, run_of, simulate
 from ertel.runs.result import Result
-from ertel.runs.stepping import Progress, StepLimits, TransientRun
+from ertel.runs.stepping import StepLimits, TransientRun
 from ertel.solvers.radial import RadialImpact
 from ertel.solvers.transient import Transient2D
 
@@ -94,14 +93,6 @@ def test_a_rig_may_press_with_a_given_load() -> None:
         assert method.measure(level)["F"] == pytest.approx(0.3, rel=1e-5)
 
 
-def test_the_summary_has_the_promised_keys() -> None:
-    summary = through_the_maximum().summary
-    promised = "kind lambda_bar alpha_bar M L restitution steps newton_iterations krylov_iterations"
-    promised += " T H_c H_min P_c P_max X_min Y_min Delta F power_loss"
-    assert set(f"{promised} convolutions compilations wall_s status".split()) <= set(summary)
-    assert summary["restitution"] is None
-
-
 def test_progress_goes_from_nothing_to_all() -> None:
     for until in ("max-approach", "rebound", 2.0):
         run = run_of(impact(200, 10, 65, solver={"method": "radial"}, time={"until": until}))
@@ -153,22 +144,6 @@ def log_of(minutes: float) -> tuple[LogLines, io.StringIO, list[float]]:
     return LogLines(Console(file=file, width=40), lambda: clock[0]), file, clock
 
 
-def test_a_log_gets_a_line_a_minute() -> None:
-    """A step every 15 s for ten minutes after one that compiled for five; the pace is that of the steps."""
-    shown, file, clock = log_of(7.0)
-    case = SimpleNamespace(name="ball", kind="impact")
-    run: Any = SimpleNamespace(case=case, progress=lambda step: Progress(0.0, step.n, step.n / 80, f"{step.n} steps"))
-    with shown:
-        observer, clock[0] = watch(shown, run), clock[0] + 300.0
-        for n in range(1, 41):
-            observer(SimpleNamespace(record={"T": 1.0}, n=n))
-            clock[0] += 15.0
-    lines = file.getvalue().splitlines()
-    assert lines[0] == "ball  1%  1 steps  5 min so far"
-    assert lines[1] == "ball  6%  5 steps  6 min so far, about 19 min left"
-    assert lines[-1] == "ball  46%  37 steps  14 min so far, about 11 min left" and len(lines) == 10
-
-
 def test_a_log_tells_of_a_study_as_a_whole() -> None:
     shown, file, clock = log_of(0.0)
     whole = shown.add_task("runs", total=4, message="")
@@ -184,9 +159,3 @@ def test_a_log_tells_of_a_study_as_a_whole() -> None:
         "runs  50%  run 1 converged  2 min so far, about 2 min left",
         "runs  75%  run 2 converged  4 min so far, about 70 s left",
     ]
-
-
-def test_what_is_not_wanted_is_not_shown_in_a_file(capsys: pytest.CaptureFixture[str]) -> None:
-    assert isinstance(bars(True), LogLines) and bars(False).disable
-    simulate(impact(200, 10, 33, solver={"method": "radial"}, time={"until": 0.02}), progress=True)
-    assert capsys.readouterr().err == ""  # it took less than a minute

@@ -10,11 +10,8 @@ from cases import STEEL_BODIES
 
 from ertel.case.case import Case
 from ertel.case.sections import Drive
-from ertel.case.status import Status
 from ertel.inputs.case_files import ConfigError, parse_case
 from ertel.physics.motion import constant
-from ertel.plots.drawing import NoFigure
-from ertel.runs.drive import drive
 from ertel.runs.traction import traction
 from ertel.solvers import steady
 from ertel.solvers.heat import heated
@@ -93,12 +90,6 @@ def test_a_point_over_the_speed_or_the_load_is_its_own_case(axis: str) -> None:
     assert float(data["h_c"]) == pytest.approx(film.measure()["H_c"] * at.scales.film, rel=1e-9)
 
 
-def test_both_surface_speeds_serve_as_well(newtonian: Any) -> None:
-    two = traction(physical(speed_1="1.05 m/s", speed_2="0.95 m/s"), slide_to_roll=[0.0, 0.1])
-    wanted = newtonian.dataset.sel(slide_to_roll=[0.0, 0.1], method="nearest")
-    np.testing.assert_allclose(two.dataset["mu_sliding"], wanted["mu_sliding"], rtol=1e-9, atol=1e-12)
-
-
 def test_a_dimensionless_case(newtonian: Any) -> None:
     si = physical()
     assert si.scales is not None
@@ -111,40 +102,6 @@ def test_a_dimensionless_case(newtonian: Any) -> None:
     np.testing.assert_allclose(mu[1], newtonian.dataset["mu_sliding"].sel(slide_to_roll=0.1), rtol=1e-9)
     sliding = traction(replace(case, drive=Drive(slide_to_roll=0.3)), slide_to_roll=[0.1])
     assert float(sliding.dataset["mu_sliding"][0]) == pytest.approx(float(curve.dataset["mu_sliding"][1]), rel=1e-9)
-
-
-def test_a_curve_shows_itself(newtonian: Any, tmp_path: Any) -> None:
-    text = repr(newtonian)
-    for part in (
-        "TractionCurve",
-        "slide-to-roll ratio",
-        "h_c (nm)",
-        "mu",
-        "solved once",
-        "larger than that of any",
-    ):
-        assert part in text
-    page = newtonian._repr_html_()
-    assert page.count("<tr>") == 5
-    assert "data:image/png;base64," in page
-    newtonian.to_csv(tmp_path / "curve.csv")
-    head, *rows = (tmp_path / "curve.csv").read_text().splitlines()
-    assert {"slide_to_roll", "mu_sliding", "h_c_m", "power_loss_W", "tau_max_Pa", "status"} <= set(head.split(","))
-    assert len(rows) == 4
-    assert [axes.get_xlabel() for axes in newtonian.plot().axes] == 4 * ["slide-to-roll ratio $S$"]
-
-
-def test_a_film_that_does_not_converge_is_said(monkeypatch: Any) -> None:
-    def stalled(*arguments: Any) -> Any:
-        return replace(drive(*arguments), status=Status.NEWTON_STALLED)
-
-    monkeypatch.setattr("ertel.runs.store.drive", stalled)
-    curve = traction(physical(), slide_to_roll=[0.0, 0.1])
-    assert curve.failed == [0.0, 0.1]
-    assert "mu_sliding" not in curve.dataset
-    assert "stalled" in repr(curve)
-    with pytest.raises(NoFigure, match="nothing to draw"):
-        curve.plot()
 
 
 HOT = {"temperature": "313.15 K", "conductivity": "0.14 W/(m*K)", "beta": "0.035 / K"} | STEEL_BODIES

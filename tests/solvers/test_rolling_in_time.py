@@ -13,7 +13,8 @@ from cases import OIL, free_ball, rolled, steps_of
 from cases import march as levels_of
 
 from ertel.case.case import Case
-from ertel.case.sections import SOLVERS, Drive, Time
+from ertel.case.methods import METHODS
+from ertel.case.sections import Drive, Time
 from ertel.equations import contact
 from ertel.equations.flow import Rate
 from ertel.equations.state import State
@@ -31,7 +32,7 @@ TIGHT = 1e-8
 def rolling(
     drive: Drive | None = None, *features: Feature, nodes: int = 33, time: Time | None = None, **solver
 ) -> Case:
-    grid = replace(SOLVERS["transient"], **{"nodes": nodes, "tolerance": TIGHT, **solver})
+    grid = replace(METHODS["transient"].defaults, **{"nodes": nodes, "tolerance": TIGHT, **solver})
     return rolled(P20, OIL, grid, drive, *features, time=time)
 
 
@@ -85,7 +86,7 @@ def impact_on_a_track(speed: float) -> State:
 
 
 def impact_over(speed: float) -> Case:
-    solver = replace(SOLVERS["2d"], nodes=33, tolerance=TIGHT, fold=False)
+    solver = replace(METHODS["2d"].defaults, nodes=33, tolerance=TIGHT, fold=False)
     case = free_ball(P20, OIL, solver, Time(start_approach=-0.5))
     return replace(case, drive=Drive(entrainment=Polyline(((0.0, speed),))))
 
@@ -214,7 +215,8 @@ def shaken(halvings: int, periods: int = 2) -> dict[str, float]:
     """The end of a run under a load that oscillates quickly, with both tolerances halved so many times."""
     share = 0.5**halvings
     time = Time(until=0.1 * periods, tolerance=share * Time().tolerance)
-    case = rolling(Drive(load=Oscillation(1.0, 0.3, 0.1)), time=time, tolerance=share * SOLVERS["transient"].tolerance)
+    tolerance = share * METHODS["transient"].defaults.tolerance
+    case = rolling(Drive(load=Oscillation(1.0, 0.3, 0.1)), time=time, tolerance=tolerance)
     steps = steps_of(case, Transient2D(case))
     assert steps[-1].status.ok
     return {**steps[-1].record, "steps": len(steps)}

@@ -13,7 +13,8 @@ from cases import BARUS_LIMIT, OIL, free_ball, impact, march, orders, rolled, st
 
 from ertel.case.case import Case
 from ertel.case.definition import coarsenings
-from ertel.case.sections import SOLVERS, Drive, Solver, Time
+from ertel.case.methods import METHODS
+from ertel.case.sections import Drive, Solver, Time
 from ertel.equations import contact
 from ertel.equations.flow import Rate
 from ertel.equations.state import StepSolution
@@ -357,7 +358,7 @@ def test_a_step_reads_the_device_once_and_asks_the_roughness_for_its_height_as_o
     case = rolled(
         Parameters.from_moes(20, 5),
         OIL,
-        replace(SOLVERS["transient"], nodes=33),
+        replace(METHODS["transient"].defaults, nodes=33),
         Drive(slide_to_roll=slide_to_roll),
         Feature(Ridges()),
     )

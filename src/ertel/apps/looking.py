@@ -158,7 +158,8 @@ def _compare_measured(
     if as_json:
         columns = {name: getattr(found, name).tolist() for name in ("x", "measured", "computed", "difference")}
         quantity = found.measurement.quantity
-        print_json({"quantity": quantity, "at": found.where, "rms": found.rms, "shift": dict(found.shift), **columns})
+        told = {"rms": found.rms, "shift": dict(found.shift), "warnings": found.warnings}
+        print_json({"quantity": quantity, "at": found.where, **told, **columns})
     else:
         print(found)
     if plot:
@@ -195,14 +196,21 @@ def show(
     sigma: Annotated[
         str | None, option('Rms roughness of both surfaces, "20 nm, 60 nm", for the lambda ratio.', "LENGTHS")
     ] = None,
+    about: Annotated[
+        bool, typer.Option("--about", help="Print the versions and the machine, and how it ended.")
+    ] = False,
 ) -> None:
     """Print the summary of a run, also of an unfinished one."""
-    from ertel.apps import running
+    from ertel.apps import running, tables
+    from ertel.apps.about import of_run
     from ertel.runs.store import RunStore
 
     if sigma is not None and len(sigma.split(",")) > 2:
         leave(BAD_INPUT, f"--sigma {sigma}: must be one length or two, of the two surfaces")
     run = RunStore.open(directory)
+    if about:
+        tables.print_names(of_run(run))
+        return
     summary = run.summary() or run.summary_so_far()
     running.report(run, summary, Report(as_json), sigma.split(",") if sigma is not None else ())
 

@@ -15,7 +15,7 @@ from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.results.summary import comparisons, with_error
 from ertel.runs import outlook, store
-from ertel.runs.batch import warm_up
+from ertel.runs.ahead import warm_up
 from ertel.runs.compile import cache_directory, prepare_jax
 from ertel.runs.directory import CASE, Taken
 from ertel.runs.drive import Recorder, Run, bars, drive, run_of, watch

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 
 from ertel.apps.terminal import capital, printable
+from ertel.case.methods import METHODS
 from ertel.case.records import ConfigError, show
 from ertel.inputs import materials, oils
 from ertel.physics.materials import Material, NamedOil, Sourced, celsius
@@ -65,9 +66,7 @@ def print_parameters(content: Mapping[str, Any]) -> None:
 def needs(content: Mapping[str, Any]) -> dict[str, str]:
     """Oil, grid, memory and time of an outlook in words."""
     grid, memory, time = content["grid"], content["memory"], content["time"]
-    size = f"{grid['nodes']} nodes along the radius"
-    if content["method"] != "radial":
-        size = f"{grid['nodes']} x {grid['nodes_across']} nodes"
+    size = METHODS[content["method"]].space.in_words(grid["nodes"], grid["nodes_across"])
     in_si = f" = {with_prefix(grid['spacing_m'], 'm')}" if "spacing_m" in grid else ""
     there = f" of {memory['available'] / 1e9:.3g} GB" if memory["available"] else ""
     steps = f", {time['steps']} time steps" if time["steps"] else ""
@@ -169,8 +168,8 @@ def value_rows(heading: str, values: Sequence[Number]) -> list[list[str]]:
 
 def _with_si(number: Number, value: float, in_si: Sequence[str]) -> list[str]:
     """A value in the unit of a number, and in SI if that is shown."""
-    factor, unit = 1.0 if number.factor is None else number.factor, number.about.si_units or number.unit
-    return [f"{value:.5g}", *(with_prefix(value * factor, unit) for _ in in_si)]
+    unit = number.about.si_units or number.unit
+    return [f"{value:.5g}", *(with_prefix(number.to_si(value), unit) for _ in in_si)]
 
 
 # -- film formulas ----------------------------------------------------------------------------------------------------
@@ -219,22 +218,21 @@ def _deviation(film: float | None, computed: Number) -> str:
     return f"{film / computed.value - 1:+.1%}" if film is not None and computed.value and computed.known else ""
 
 
-def print_sources(films: "Sequence[FormulaFilm]") -> None:
-    """Sources and ranges of the formulas."""
-    sources: dict[str, list[str]] = {}
-    for f in films:
-        sources.setdefault(f.source, []).append(f"{f.name}: {f.valid}")
-    for source, formulas in sources.items():
-        console().print(f"\n{source}", *(f"  {line}" for line in formulas), sep="\n")
+def print_formulas(case: "Case") -> None:
+    """The parameters and scales of a case, and the films by the formulas at T = 0."""
+    print_parameters(parameter_summary(case))
+    if films := formula_films(case, case.motion.load(0.0), case.motion.entrainment(0.0)):
+        console().print()
+        print_films(case, films)
 
 
-def films_as_data(case: "Case", films: "Sequence[FormulaFilm]") -> dict[str, Any]:
-    """The parameters of a case and its film thicknesses by the formulas, as data for JSON."""
-    rows = [film._asdict() for film in films]
+def films_as_data(case: "Case") -> list[dict[str, Any]]:
+    """The films by the formulas at T = 0, with sources and ranges, as data for JSON."""
+    rows = [film._asdict() for film in formula_films(case, case.motion.load(0.0), case.motion.entrainment(0.0))]
     if case.scales:
         for row in rows:
             row["si"] = values_in_si({"H_c": row["central"], "H_min": row["minimum"]}, case.scales)
-    return {**parameter_summary(case), "films": rows}
+    return rows
 
 
 # -- oils and materials -----------------------------------------------------------------------------------------------

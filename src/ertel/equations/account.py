@@ -10,6 +10,7 @@ oil m that is there, rho H less the void of a cavity:
     d/dT [integral of m] + outflow - inflow = cavity source
 
 * outflow, inflow: the integrals of rho q.n + U m n_x along the edge, where it points outwards and where inwards.
+* A source of oil in the surfaces (`PressureFlow.source`) counts as inflow, a leak as outflow.
 * cavity source: the oil that a cavity would make as it grows.  A check: it is zero, because the cavity keeps its void.
 
 Energy: the Reynolds equation times the enthalpy h(P) = integral of dP/rho, integrated over the grid.  The film
@@ -29,7 +30,8 @@ symmetric, so
   the hydrodynamic rolling resistance) and by roughness that moves relative to the flow.  Where the gap closes the film
   takes power from the surfaces, where it opens it gives most of it back.
 * outside power: what goes to the oil outside the grid, V times its load less the uplift times the rate of the load on
-  the grid, and with the flow through the edge, integral of h rho q.n + U (rho h - P) H n_x.
+  the grid, and with the flow through the edge, integral of h rho q.n + U (rho h - P) H n_x; and
+  with oil that leaks into the surfaces, h of its mass.
 
 With the kinetic energy of the ball, inertia V dV/dT = (w - F) V, the work of the applied load w and of the surfaces is
 stored, dissipated, or lost to the outside.  Energies are in units F* a^2/R, powers in F* a^2/(R t0).  Mass is in
@@ -140,7 +142,7 @@ def coefficients(friction: Friction) -> dict[str, float]:
 
 
 def whole_maps(whole: Callable[..., Any], level: Mapping[str, Any], friction: Friction) -> dict[str, np.ndarray]:
-    """Pressure, film, oil, stress and power loss on the whole plane, by name.  whole: as `Method.whole`.
+    """Pressure, film, oil, stress and power loss on the whole plane, by name.  whole: as `Stepper.whole`.
 
     level: the fields P, H and mass.  A void has ambient pressure, so the oil beside it has its ambient density.
     """
@@ -162,7 +164,7 @@ class Film(NamedTuple):
 
     P, H, eps: pressure, film thickness, mobility.  oil, passing: what is there and what passes with the flow, as mass.
     heat: - rho q.grad h at the nodes.  deformation: of the solids.  growth: the rate of the oil + div(Poiseuille
-    flux), which vanishes.  U: entrainment.  gap_change: DG/DT.
+    flux) - source, which vanishes.  U: entrainment.  gap_change: DG/DT.  source: as from `PressureFlow`.
     """
 
     P: Array
@@ -175,6 +177,7 @@ class Film(NamedTuple):
     growth: Array
     U: FloatLike
     gap_change: FloatLike
+    source: FloatLike = 0.0
 
 
 class Moment(NamedTuple):
@@ -200,8 +203,9 @@ def account(
     oil: what is there, as mass.  passing: what passes with the flow.  change: the rate of the oil, following the flow.
     """
     details = c.flow.details(c, P, H, m.sliding, space)
-    growth = change - inside(details.gain, c.even)
-    film = Film(P, H, oil, passing, details.mobility, details.heat, H + m.approach - c.gap, growth, m.U, m.gap_change)
+    source = inside(jnp.broadcast_to(c.flow.source(c, P, H), P.shape), c.even)
+    growth, deformed = change - inside(details.gain, c.even) - source, H + m.approach - c.gap
+    film = Film(P, H, oil, passing, details.mobility, details.heat, deformed, growth, m.U, m.gap_change, source)
     forces = friction_of_details(space, details, P, H, m.sliding, m.load, m.hertz_load)
     return account_terms(space, c.lubricant, film, forces, m.hertz_load), forces
 
@@ -213,22 +217,22 @@ def account_terms(
 
     hertz_load: F* in a^2 p_h.
     """
-    P, H, eps, U = film.P, film.H, film.eps, film.U
+    P, H, eps, U, source = film.P, film.H, film.eps, film.U, jnp.zeros_like(film.P) + film.source
     mass, enthalpy, compressed = film.oil, oil.enthalpy(P), oil.compression(P) * H
     squeezed_out = space.flow_out(eps, P)
     out = squeezed_out + U * space.along_x(film.passing)
     energy_out = squeezed_out * space.edge(enthalpy) + U * space.along_x(compressed)
     return {
         "mass": space.total(mass),
-        "inflow": space.around(jnp.maximum(-out, 0.0)),
-        "outflow": space.around(jnp.maximum(out, 0.0)),
+        "inflow": space.around(jnp.maximum(-out, 0.0)) + space.total(jnp.maximum(source, 0.0)),
+        "outflow": space.around(jnp.maximum(out, 0.0)) + space.total(jnp.maximum(-source, 0.0)),
         "cavity_source": space.total(jnp.where(P > 0.0, 0.0, film.growth)),
         "elastic_energy": space.total(P * film.deformation) / 2 / hertz_load,
         "oil_energy": space.total(compressed) / hertz_load,
         "dissipation": space.total(film.heat) / hertz_load,
         "power_from_surfaces": space.total(P * jnp.maximum(-film.gap_change, 0.0)) / hertz_load,
         "power_to_surfaces": space.total(P * jnp.maximum(film.gap_change, 0.0)) / hertz_load,
-        "outside_power": space.around(energy_out) / hertz_load,
+        "outside_power": (space.around(energy_out) - space.total(source * enthalpy)) / hertz_load,
         "load": space.total(P),
         **numbers_of(friction),
     }

@@ -71,6 +71,14 @@ class PressureFlow:
         """- div(Poiseuille flux): what the flow brings to each node; without meaning on the edge.  Shape (n, n)."""
         return diffusion(Pair(mobility(contact, P, H)), P, contact.even) / contact.spacing**2
 
+    def source(self, contact: "Contact", P: Array, H: Array) -> FloatLike:
+        """The oil that comes to each node through the surfaces, as mass per area and time: none, unless overridden."""
+        return 0.0
+
+    def supply(self, contact: "Contact", P: Array, H: Array) -> Array:
+        """All oil that comes to each node: by the pressure gradient and through the surfaces.  Shape (n, n)."""
+        return self.gain(contact, P, H) + self.source(contact, P, H)
+
     def mobilities(self, contact: "Contact", P: Array, H: Array) -> Mobilities:
         """The mobilities at the nodes; the gradient itself is held when they are differentiated."""
         eps = Pair(mobility(contact, P, H))
@@ -174,7 +182,7 @@ def steady_oil(contact: Contact, P: Array, H: Array, rate: Rate) -> OilContent:
 def _of_a_full_gap(contact: Contact, P: Array, H: Array, rate: Rate) -> Array:
     """The residual of a gap that is full of oil; on the edge only the rate of change following the flow."""
     change = rate.of(mass(contact, P, H), contact.spacing, rate.kinked(P))
-    return change - inside(contact.flow.gain(contact, P, H), contact.even)
+    return change - inside(contact.flow.supply(contact, P, H), contact.even)
 
 
 def _void(contact: Contact, P: Array, H: Array, speed: FloatLike, layer: FloatLike | None, r: Array) -> Array:

@@ -1,8 +1,8 @@
-"""The state at one time, the key values of its film, and the interface of a solution method."""
+"""The state at one time, the key values of its film, and the two interfaces of methods: in time, and steady."""
 
-from collections.abc import Callable, Generator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, Protocol, TypeVar
+from typing import Any, NamedTuple, Protocol
 
 import jax
 import jax.numpy as jnp
@@ -18,7 +18,6 @@ from ertel.numerics.programs import ANY_SIZE, Program, exportable
 from ertel.numerics.stencils import FloatLike, total
 
 Field = Any  # an array of NumPy or of JAX
-Outcome = TypeVar("Outcome")
 TIE = 1e-6  # relative difference of two extremes that mirror each other
 
 
@@ -36,7 +35,7 @@ class State:
 
     The fields are P, H and others that a method needs to go on.  load, outside: the double integral of P on the grid
     and outside it.  status, work, error, record: of the step that made this state: its outcome, its work, how far the
-    film is from its prediction (relative), and its numbers by name (those of `Method.measure` and of
+    film is from its prediction (relative), and its numbers by name (those of `Stepper.measure` and of
     `account`).
     """
 
@@ -151,7 +150,7 @@ def unpacked(numbers: Mapping[str, Array]) -> dict[str, float]:
 _numbers = Program(jax.jit(lambda plane, P, H: packed(key_values(plane, P, H))), ANY_SIZE)
 
 
-# -- the interface of a solution method -------------------------------------------------------------------------------
+# -- the interfaces of methods ----------------------------------------------------------------------------------------
 
 
 class StepNumbers(NamedTuple):
@@ -175,21 +174,8 @@ class StepSolution(NamedTuple):
     numbers: Mapping[str, Array]
 
 
-Stepping = Generator[Any, Any, State]  # yields the problems of a step, is sent their solutions, returns the new state
-
-
-def solved(course: Generator[Any, Any, Outcome], solve: Callable[[Any], Any]) -> Outcome:
-    """The return value of a generator of problems, with each problem solved when it is yielded."""
-    try:
-        problem = next(course)
-        while True:
-            problem = course.send(solve(problem))
-    except StopIteration as end:
-        return end.value
-
-
-class Method(Protocol):
-    """A way to step a contact forward in time.
+class Stepper(Protocol):
+    """A method that steps a contact forward in time, made of a case.
 
     coordinates: axes of the fields in order, by name, in units a*.
     """
@@ -199,15 +185,8 @@ class Method(Protocol):
     def start(self) -> State:
         """The state at T = 0."""
 
-    def attempt(self, levels: Sequence[State], step: float) -> Stepping:
-        """One step on from one to three levels, newest first; the new state has its error and its record."""
-
-    def solve(self, problem: Any) -> StepSolution:
-        """The solution of a problem that `attempt` yields."""
-
     def advance(self, levels: Sequence[State], step: float) -> State:
-        """One step on from one to three levels, newest first, its problems solved by this method."""
-        return solved(self.attempt(levels, step), self.solve)
+        """One step on from one to three levels, newest first; the new state has its error and its record."""
 
     def measure(self, level: State) -> dict[str, float]:
         """F (in units of the Hertz load F*) and the key values of `measure`.
@@ -223,3 +202,23 @@ class Method(Protocol):
 
         odd: whether the field changes its sign at the axis Y = 0.
         """
+
+
+class SteadySolver(Protocol):
+    """A method that finds a steady contact on one grid after the other, made of a case.
+
+    grids: coarsest first, each with its `coordinates` and its number of `nodes`; the last one is that of the case.  A
+    solution on a grid has P, H and its history of residuals, its plain numbers and its status as
+    `solvers.steady.GridSolution`, all of which are stored, and its `record` and `maps`, which are shown.
+    """
+
+    grids: Sequence[Any]
+
+    def compile_ahead(self) -> None:
+        """Compile what the grids need, or load it, in the background."""
+
+    def solve(self, done: Sequence[Any]) -> Any:
+        """The solution on the next grid, after those that are done."""
+
+    def restored(self, number: int, stored: Mapping[str, Any]) -> Any:
+        """The solution on a grid, by its number, from what was stored of it."""

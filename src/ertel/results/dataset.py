@@ -20,7 +20,6 @@ import xarray as xr
 
 from ertel.case.case import Case
 from ertel.case.height_map import HeightMap
-from ertel.numerics.grid import Grid
 from ertel.physics.scales import Scales
 from ertel.results import variables
 from ertel.results.parameters import parameters_of, scale_values
@@ -89,24 +88,24 @@ def assemble(
     return _dataset(case, arrays)
 
 
-def assemble_steady(case: Case, grid: Grid, solutions: Sequence[SteadyGrid]) -> xr.Dataset:
+def assemble_steady(case: Case, grid: Any, solutions: Sequence[SteadyGrid]) -> xr.Dataset:
     """The steady contact as a Dataset: fields on the finest grid, scalars and residuals over `grid`.
 
-    grid: that of the fields, of the last solution, or of the case as long as there is none.  solutions: coarsest first;
-    the coordinate `grid` has their numbers of nodes a side.
+    grid: that of the fields, of the last solution, or of the case as long as there is none, with its `coordinates`.
+    solutions: coarsest first; the coordinate `grid` has their numbers of nodes a side.
     """
     fields = names_where(lambda variable: variable.over in ("map", "heated map" if case.thermal else "map"))
-    nothing = np.full((len(grid.y), len(grid.x)), np.nan)
+    space: Mapping[str, Any] = grid.coordinates
+    nothing = np.full([len(axis) for axis in space.values()], np.nan)
     maps = solutions[-1].maps if solutions else dict.fromkeys(fields, nothing)
     rows = [with_coefficients(s.record, case.scales) for s in solutions]
     there = [n for n in names_where(lambda v: v.over in ("step", "grid")) if all(n in row for row in rows)]
     histories = list(zip_longest(*(s.history for s in solutions), fillvalue=np.nan))
     arrays: Arrays = {
-        **{name: (("Y", "X"), maps[name]) for name in fields},
+        **{name: (tuple(space), maps[name]) for name in fields},
+        **{name: ((name,), axis) for name, axis in space.items()},
         **{name: (("grid",), np.array([row[name] for row in rows], dtype=float)) for name in there},
         "history": (("grid", "iteration"), np.reshape(histories, (len(histories), len(solutions))).T),
-        "Y": (("Y",), grid.y),
-        "X": (("X",), grid.x),
         "grid": (("grid",), np.array([s.grid.nodes for s in solutions], dtype=np.int64)),
         "iteration": (("iteration",), np.arange(len(histories))),
     }
@@ -146,6 +145,7 @@ def provenance(case: Case) -> dict[str, object]:
         "method": case.solver.method,
         **parameters_of(case),
         **scale_values(case),
+        **({variables.START_APPROACH: case.schedule.start_approach} if case.starts_apart else {}),
     }
 
 
@@ -239,10 +239,10 @@ def to_vtk(dataset: xr.Dataset, directory: Path) -> list[Path]:
         raise ValueError('maps for ParaView need pyevtk: pip install "ertel[paraview]"') from error
     if dataset.sizes.get("frame", 1) == 0:
         raise ValueError("the run has no maps yet; export it later")
-    if "r" in dataset.dims:
-        raise ValueError("maps for ParaView: a run by the radial method has profiles only; use netcdf or csv")
     Y, X = ("Y", "X") if "Y" in dataset.dims else ("y", "x")
     names = [str(name) for name, values in dataset.data_vars.items() if values.dims[-2:] == (Y, X)]
+    if not names:
+        raise ValueError(f"maps for ParaView: a {dataset.attrs['method']} run has profiles only; use netcdf or csv")
     x, y = (dataset[axis].values.tolist() for axis in (X, Y))  # of NumPy they would be written as np.float64(...)
     origin, spacing = (x[0], y[0], 0.0), (x[1] - x[0], y[1] - y[0], 1.0)
     moments = dataset.sizes.get("frame", 1)

@@ -12,6 +12,7 @@ from io import BytesIO
 from math import floor, isfinite, log10
 from typing import Any, NamedTuple
 
+from ertel.case.methods import METHODS
 from ertel.case.status import Status
 from ertel.physics.scales import Scales
 from ertel.physics.temperature_laws import ZERO_CELSIUS
@@ -20,6 +21,7 @@ from ertel.results.variables import (
     FILMS,
     KELVIN,
     THICKNESS,
+    TOUCH,
     VARIABLES,
     Variable,
     in_celsius,
@@ -41,7 +43,7 @@ class Number(NamedTuple):
 
     value, error, on_grid: in `unit`, "1" for a plain number.  The value is the extrapolated one where the error of the
     discretisation was estimated, the error is its bar, and on_grid the value on the grid, as in the maps.  factor: what
-    1 is in SI, None where that is not known or the same.
+    1 is in SI, None where that is not known or the same.  zero: T at t = 0.
     """
 
     name: str
@@ -49,8 +51,13 @@ class Number(NamedTuple):
     value: float
     unit: str = "1"
     factor: float | None = None
+    zero: float = 0.0
     error: float | None = None
     on_grid: float | None = None
+
+    def to_si(self, value: float) -> float:
+        """A value of this number in SI; as it is where that is not known."""
+        return value if self.factor is None else (value - self.zero) * self.factor
 
     @property
     def known(self) -> bool:
@@ -62,9 +69,10 @@ class Number(NamedTuple):
         """The same in SI under its name there; itself where SI is not known, or the same."""
         if self.factor is None:
             return self
-        error, on_grid = (None if each is None else each * self.factor for each in (self.error, self.on_grid))
-        value, about = float(self.value * self.factor), self.about
-        return Number(about.si_name, about, value, about.si_units, None, error, on_grid)
+        error = None if self.error is None else self.error * self.factor
+        on_grid = None if self.on_grid is None else self.to_si(self.on_grid)
+        value, about = float(self.to_si(self.value)), self.about
+        return Number(about.si_name, about, value, about.si_units, error=error, on_grid=on_grid)
 
     @property
     def text(self) -> str:
@@ -121,7 +129,7 @@ def numbers(summary: Outcome) -> dict[str, Number]:
     for name, value in values.items():
         error, best, on_grid = (*errors[name], value) if name in errors else (None, value, None)
         found[name] = number(summary["kind"], scales, name, best, error, on_grid)
-    return found
+    return {**found, **({"T": found["T"]._replace(zero=summary.get(TOUCH) or 0.0)} if "T" in found else {})}
 
 
 def number(kind: str, scales: Scales | None, name: str, value: float, *errors: float | None) -> Number:
@@ -131,7 +139,7 @@ def number(kind: str, scales: Scales | None, name: str, value: float, *errors: f
     if scales and about.scale:
         factor = about.factor(scales)
         unit = "1" if about.scale == COEFFICIENT else unit
-    return Number(name, about, value, unit, factor, *errors)
+    return Number(name, about, value, unit, factor, 0.0, *errors)
 
 
 def values_of(summary: Outcome) -> dict[str, float]:
@@ -170,7 +178,8 @@ def moment(summary: Outcome) -> str:
         return "no result"
     if "T" in summary:
         return f"at T = {summary['T']:.4g}"
-    return f"on {summary['nodes']} x {summary.get('nodes_y', summary['nodes'])} nodes"
+    space = METHODS[summary["method"]].space
+    return f"on {space.in_words(summary['nodes'], summary.get('nodes_y', summary['nodes']))}"
 
 
 def key_numbers(summary: Outcome) -> list[Number]:
@@ -334,6 +343,7 @@ def _extreme_lines(summary: Outcome) -> Iterator[str]:
     for name, one in summary.get("extremes", {}).items():
         extreme = table[f"{name}_extreme"]
         T, X, Y = (number(summary["kind"], scales, key, one[key]) for key in ("T", "X", "Y"))
+        T = T._replace(zero=summary.get(TOUCH) or 0.0)
         if scales:
             where = f"t = {T.text_in_si} (T = {T.value:.4g}), x = {X.text_in_si}, y = {Y.text_in_si}"
         else:

@@ -7,21 +7,28 @@ many steps, and 9/16.
 
 from collections.abc import Container, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from math import hypot, inf, isfinite
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from ertel.case import definition
 from ertel.case.case import Case
-from ertel.case.sections import Solver
 from ertel.case.status import Status
-from ertel.numerics.grid import allowed_nodes
 from ertel.results import balances, diagnostics
 from ertel.results.dataset import SteadyGrid
 from ertel.results.parameters import parameters_of, scale_values
-from ertel.results.variables import COEFFICIENT, FILMS, VARIABLES, names_where, values_in_si, with_coefficients
+from ertel.results.variables import (
+    COEFFICIENT,
+    FILMS,
+    TOUCH,
+    VARIABLES,
+    first_touch,
+    names_where,
+    values_in_si,
+    with_coefficients,
+)
 
 # share of a maximum by which the pressure may fall to the next nodes; below, P_max changes by some per cent
 NARROW = 0.1
@@ -40,6 +47,7 @@ def impact_summary(
     The values are those of `VARIABLES` with `at_moment`, T and F among them; all are None before maximum approach and
     where the run failed.  They have the power loss and, where the surfaces move along X, the coefficients of friction
     of `equations.account`.
+    `T_touch` is T at t = 0, the first touch of the undeformed bodies; times in SI count from there.
     `extremes` has the thinnest film and the highest pressure of the whole run, see `extremes`.
     `budgets` has those of mass, momentum and energy, see `balances.in_time`.
     All is dimensionless, F in units of the dry maximum load; physical cases add the same in SI under `si`.  The
@@ -57,7 +65,9 @@ def impact_summary(
     over_time = _over_time(case, data, status)
     warnings = diagnostics.impact_warnings(case, data)
     warnings += [] if status.failed else _account_warnings(case, data, over_time)
-    return _summary(case, {**values, **_contact(data, status), **over_time, **work}, status, warnings)
+    touch = first_touch(data["time"].values, data["Delta"].values, case.schedule.start_approach)
+    content = {TOUCH: touch, **values, **_contact(data, status), **over_time, **work}
+    return _summary(case, content, status, warnings)
 
 
 def rolling_summary(case: Case, data: xr.Dataset, work: Mapping[str, float], status: Status) -> dict[str, Any]:
@@ -100,9 +110,10 @@ def steady_summary(
     """
     finest = solutions[-1]
     grid, record = finest.grid, with_coefficients(finest.record, case.scales)
+    across = case.method.space.across(case.solver)
     counts = {
-        "nodes": grid.nodes_x,
-        **({} if grid.nodes_y == grid.nodes_x else {"nodes_y": grid.nodes_y}),
+        "nodes": grid.nodes,
+        **({} if across in (1, grid.nodes) else {"nodes_y": across}),
         "residual": finest.residual,
         **{name: sum(s.record[name] for s in solutions) for name in ("newton_iterations", "krylov_iterations")},
         "convolutions": round(sum(s.record["convolutions"] * s.grid.size / grid.size for s in solutions), 1),
@@ -213,12 +224,13 @@ def with_si(case: Case, content: Mapping[str, Any]) -> dict[str, Any]:
     """
     if case.scales is None:
         return dict(content)
-    si: dict[str, Any] = {**scale_values(case), **values_in_si(content, case.scales)}
+    converted = partial(values_in_si, scales=case.scales, zero=content.get(TOUCH) or 0.0)
+    si: dict[str, Any] = {**scale_values(case), **converted(content)}
     si |= {"approach_m": si.pop("delta_m"), "delta_m": scale_values(case)["delta_m"]}
     si["budgets"] = balances.terms_in_si(case, content["budgets"])
     if "extremes" in content:
         extreme = content["extremes"].items()
-        si["extremes"] = {name: values_in_si({**one, name: one["value"]}, case.scales) for name, one in extreme}
+        si["extremes"] = {name: converted({**one, name: one["value"]}) for name, one in extreme}
     return {**content, "si": si}
 
 
@@ -254,23 +266,10 @@ ORDERS = {"restitution": 1.0}  # in the spacing, where they are not 2; seen are 
 def comparisons(case: Case) -> Mapping[str, Case]:
     """The cases by the part of the error that they tell: "grid", "time" (not if steady), "domain"."""
     half = case.on_half_grid()
-    cases = {"grid": half, "domain": replace(half, solver=wider(half.solver))}
+    cases = {"grid": half, "domain": replace(half, solver=half.method.space.wider(half.solver, WIDER_DOMAIN))}
     if case.time is not None:
         cases["time"] = replace(half, time=case.time.with_steps(SMALLER_STEPS))
     return cases
-
-
-def wider(solver: Solver) -> Solver:
-    """The domain 1.5 times as wide, at the same spacing: as near as grids allow."""
-    if solver.method == "radial":
-        width = WIDER_DOMAIN * solver.half_width
-        cells = (solver.nodes - 1) * definition.extent(width) / definition.extent(solver.half_width)
-        return replace(solver, half_width=width, nodes=round(cells) + 1)
-    spacing = 2 * solver.half_width / (solver.nodes - 1)
-    nodes = allowed_nodes(WIDER_DOMAIN * (solver.nodes - 1) + 1)
-    inlet = solver.inlet and solver.inlet + spacing * ((nodes - solver.nodes) * solver.inlet // (2 * solver.half_width))
-    across = solver.half_width_y and WIDER_DOMAIN * solver.half_width_y
-    return replace(solver, nodes=nodes, half_width=spacing * (nodes - 1) / 2, half_width_y=across, inlet=inlet)
 
 
 def error_estimate(name: str, fine: float, others: Mapping[str, float]) -> dict[str, Any]:

@@ -2,6 +2,10 @@
 
 Everything is dimensionless; where the case is physical each variable also carries `si_factor`, `si_units` and
 `si_name`, so that a stored run turns into SI without ertel: value * si_factor.  This module imports no xarray.
+
+T counts from the start of a run.  In SI t counts from the first touch of the undeformed bodies, Delta = 0, so that it
+does not depend on the gap with which an impact starts: t = (T - si_zero) * si_factor, see `with_clock`.  Rolling in
+time has no touch, and its t = 0 is its start.
 """
 
 from collections.abc import Callable, Container, Iterator, Mapping
@@ -19,6 +23,8 @@ COEFFICIENT = "coefficient"  # in place of a scale: computed in units a/R, and a
 KELVIN = "K"  # the unit of temperatures, the only one that is the same in SI
 CELSIUS = "degC"  # in which they are shown
 PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+TOUCH = "T_touch"  # in a summary and among the attributes of a run: T at t = 0
+START_APPROACH = "start_approach"  # of an impact, among its attributes
 EVENTS = ("", "max-approach", "end")  # why a frame was kept; the first: because it was time
 
 
@@ -288,6 +294,47 @@ def variable_attributes(name: str, scales: Scales | None) -> dict[str, Any]:
     return attributes
 
 
+def value_in_si(value: Any, attributes: Mapping[str, Any]) -> tuple[str, Any, dict[str, Any]]:
+    """The SI name, value and attributes of a variable of a physical case, from its own, which have an si_factor."""
+    value, attributes = shifted(value, attributes), dict(attributes)
+    attributes["units"], attributes["symbol"] = attributes.pop("si_units"), attributes.pop("si_name")
+    for name in ("si_factor", "si_zero", "in_units_of"):
+        attributes.pop(name, None)
+    return attributes["symbol"], value, attributes
+
+
+def shifted(value: Any, attributes: Mapping[str, Any]) -> Any:
+    """A value in SI from its own unit, a time from the first touch; as it is where the attributes know no SI."""
+    return (value - attributes.get("si_zero", 0.0)) * attributes.get("si_factor", 1.0)
+
+
+def first_touch(T: Any, Delta: Any, start_approach: float) -> float:
+    """T at which the undeformed bodies of an impact touch, Delta = 0.
+
+    Interpolated linearly between the steps.  Until the ball is there, and where the oil stops it before, it is the T at
+    which a ball that keeps its speed would be there.
+    """
+    for n in range(1, len(T)):
+        if Delta[n - 1] < 0.0 <= Delta[n]:
+            return float(T[n] - Delta[n] * (T[n] - T[n - 1]) / (Delta[n] - Delta[n - 1]))
+    return -start_approach
+
+
+def with_clock(dataset: "xr.Dataset") -> "xr.Dataset":
+    """A run whose times have the attribute `si_zero`, T at t = 0, where it is an impact in SI."""
+    axes = [name for name in ("time", "frame") if "si_factor" in (dataset[name].attrs if name in dataset else ())]
+    if dataset.attrs.get("kind") != "impact" or not axes or "si_zero" in dataset[axes[0]].attrs:
+        return dataset
+    zero = dataset.attrs.get(TOUCH)
+    if zero is None:
+        T, Delta = (dataset[name].values if "Delta" in dataset else () for name in ("time", "Delta"))
+        zero = first_touch(T, Delta, dataset.attrs.get(START_APPROACH, -1.0))
+    clocked = dataset.copy()
+    for name in axes:
+        clocked.variables[name].attrs = {**dataset[name].attrs, "si_zero": zero}
+    return clocked
+
+
 def to_si(dataset: "xr.Dataset") -> "xr.Dataset":
     """The run of a physical case in SI units; its variables have their SI names (h_c for H_c, t for time, ...).
 
@@ -308,13 +355,13 @@ def to_si(dataset: "xr.Dataset") -> "xr.Dataset":
     """
     if not any("si_factor" in variable.attrs for variable in dataset.variables.values()):
         raise ValueError("dataset: the case is dimensionless and has no SI scales; give radius, speed, ... in SI")
+    dataset = with_clock(dataset)
     converted, new_names = dataset.copy(), {}
     for name, variable in dataset.variables.items():
         if "si_factor" in variable.attrs:
-            about = {key: value for key, value in variable.attrs.items() if key != "in_units_of"}
-            factor, about["units"], about["symbol"] = (about.pop(f"si_{each}") for each in ("factor", "units", "name"))
-            converted[name] = (variable.dims, variable.values * factor, about)
-            new_names[name] = about["symbol"] if name != "frame" else name
+            new, values, attributes = value_in_si(variable.values, variable.attrs)
+            converted[name] = (variable.dims, values, attributes)
+            new_names[name] = new if name != "frame" else name
     return converted.rename(new_names)
 
 
@@ -340,8 +387,10 @@ def with_prefix(value: float, unit: str) -> str:
     return f"{value / one:.4g} {name}".rstrip()
 
 
-def values_in_si(values: Mapping[str, Any], scales: Scales) -> dict[str, float | None]:
+def values_in_si(values: Mapping[str, Any], scales: Scales, zero: float = 0.0) -> dict[str, float | None]:
     """Convert dimensionless values, by the name of their variable, to SI; what has no unit is left out.
+
+    zero: T at t = 0.
 
     The names in SI end with the unit: H_c becomes h_c_m, P_max p_max_Pa.  H_c_error and H_c_extrapolated scale as H_c.
     """
@@ -351,7 +400,8 @@ def values_in_si(values: Mapping[str, Any], scales: Scales) -> dict[str, float |
         variable = VARIABLES.get(base)
         if variable is not None and variable.scale:
             key = named_with_unit(variable.si_name + name.removeprefix(base), variable.si_units)
-            converted[key] = None if value is None else value * variable.factor(scales)
+            start = zero if name == "T" else 0.0
+            converted[key] = None if value is None else (value - start) * variable.factor(scales)
     return converted
 
 

@@ -4,7 +4,7 @@ The unknowns are P and the approach Delta; Newton's iteration solves for both.  
 guess on the next finer grid (nested iteration), and gives an error estimate of the film thickness at no extra cost.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -25,7 +25,7 @@ from ertel.equations import account, contact, discretise
 from ertel.equations.approach import balanced
 from ertel.equations.contact import Contact
 from ertel.equations.flow import OilContent, Rate, steady_rate, wedge
-from ertel.equations.state import measure
+from ertel.equations.state import SteadySolver, measure
 from ertel.numerics import multigrid, newton, stencils
 from ertel.numerics.grid import Grid, check_coarsening, expected_next
 from ertel.numerics.integrals import Plane
@@ -145,6 +145,25 @@ class GridSolution:
         odd: whether it changes its sign at the axis Y = 0.
         """
         return stencils.unfolded(np.asarray(field), self.grid.even, odd)  # type: ignore[arg-type]
+
+
+class SteadyFilm(SteadySolver):
+    """The method "steady"."""
+
+    def __init__(self, case: Case):
+        self.case, self.grids = case, grids_of(case)[::-1]
+
+    def compile_ahead(self) -> None:
+        """See `SteadySolver.compile_ahead`."""
+        compile_ahead(self.case)
+
+    def solve(self, done: Sequence[GridSolution]) -> GridSolution:
+        """The solution on the next grid."""
+        return next(nested(self.case, done))
+
+    def restored(self, number: int, stored: Mapping[str, Any]) -> GridSolution:
+        """The solution from what was stored of it."""
+        return GridSolution(self.case, self.grids[number], **stored)
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from ertel.equations.approach import ClosureLine, NewtonsLaw, rate_of_change
 from ertel.equations.contact import Contact
 from ertel.equations.flow import Flow, OilContent, Rate, rate_in_time
 from ertel.equations.outside import Surroundings
-from ertel.equations.state import Method, State, Stepping, StepSolution, Work, padded
+from ertel.equations.state import State, Stepper, StepSolution, Work, padded
 from ertel.numerics import bdf, halfspace, multigrid, newton, stencils
 from ertel.numerics.grid import Symmetry, check_coarsening
 from ertel.numerics.integrals import Plane
@@ -112,7 +112,7 @@ class StepProblem:
     algorithms: Algorithms = field(metadata={"static": True})
 
 
-class Transient2D(Method):
+class Transient2D(Stepper):
     """The methods "2d" and "transient".
 
     An impact starts with the bodies apart, rolling from its steady film.
@@ -136,7 +136,7 @@ class Transient2D(Method):
         self.layer = discretise.layer_of(case, self.grid)
         self.closure = NewtonsLaw(case.motion.inertia, case.motion.load, self.geometry.hertz_load)
         elastic = multigrid.deformation_operators(self.grid, self.geometry.compliance, PRECISION)
-        self.coordinates = {"Y": self.grid.y, "X": self.grid.x}
+        self.coordinates = self.grid.coordinates
         tolerance = case.solver.tolerance
         if not case.schedule.step:
             rest = FALLING_RESIDUAL if case.starts_apart else ROLLING_RESIDUAL
@@ -190,8 +190,18 @@ class Transient2D(Method):
         gap, layer = self.contact.gap, self.layer
         return OilContent.without_void(gap if layer is None else jnp.broadcast_to(layer, gap.shape))
 
-    def attempt(self, levels: Sequence[State], step: float) -> Stepping:
-        """One BDF step (BDF1 from one level, BDF2 from more): yields one `StepProblem`."""
+    def advance(self, levels: Sequence[State], step: float) -> State:
+        """See `Method.advance`: BDF1 from one level, BDF2 from more."""
+        T, problem = levels[0].T + step, self.problem(levels, step)
+        new = self._level(T, self.solve(problem), in_the_middle=problem.middle is not None)
+        if problem.middle is not None and not new.status.ok:  # P > 0 elsewhere too
+            tried = new.work.convolutions
+            new = self._level(T, self.solve(replace(problem, middle=None)))
+            new = replace(new, work=new.work._replace(convolutions=tried + new.work.convolutions))
+        return new
+
+    def problem(self, levels: Sequence[State], step: float) -> StepProblem:
+        """The equations of one step on from one to three levels, newest level first."""
         T = levels[0].T + step
         times = [level.T for level in levels]
         rates = bdf.derivative_weights([T, *times[:2]])
@@ -209,7 +219,7 @@ class Transient2D(Method):
         known = Known(*weights, line, approaches, loads, sliding, around.load, around.uplift)
         # the Delta of a light ball that rolls is a small difference of large numbers, so it is not eliminated
         falls = self.case.starts_apart and line.approach_weight
-        problem = StepProblem(
+        return StepProblem(
             self.setting,
             self.contact_at(T),
             tuple(level.fields for level in past),
@@ -220,12 +230,6 @@ class Transient2D(Method):
             discretise.roughness_change(self.case, self.grid, T),
             FALLING if falls else ROLLING,
         )
-        new = self._level(T, (yield problem), in_the_middle=problem.middle is not None)
-        if problem.middle is not None and not new.status.ok:  # P > 0 elsewhere too
-            tried = new.work.convolutions
-            new = self._level(T, (yield replace(problem, middle=None)))
-            new = replace(new, work=new.work._replace(convolutions=tried + new.work.convolutions))
-        return new
 
     def _level(self, T: float, solution: StepSolution, in_the_middle: bool = False) -> State:
         """The state after a step with its work: in the middle, the film on the whole grid is one convolution more."""
@@ -259,7 +263,7 @@ class Transient2D(Method):
         return self._programs[kind](problem)
 
     def measure(self, level: State) -> dict[str, float]:
-        """See `Method.measure`."""
+        """See `Stepper.measure`."""
         values = state.measure(self.grid, level.P, level.H)
         values["F"] = (values.pop("load") + level.outside) / self.geometry.hertz_load
         return self._on_rings(values)
@@ -272,7 +276,7 @@ class Transient2D(Method):
         return values
 
     def friction(self, level: State) -> Friction:
-        """See `Method.friction`."""
+        """See `Stepper.friction`."""
         c, sliding, scale = self.contact_at(level.T), self.case.motion.sliding(level.T), self.geometry.hertz_load
         load = (level.load + level.outside) / scale
         P, H = jax.device_put((level.P, level.H))
