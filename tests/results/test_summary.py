@@ -21,9 +21,10 @@ from ertel.physics import hertz
 from ertel.physics.film_formulas import FormulaFilm
 from ertel.physics.units import Quantity
 from ertel.results import parameters, variables
-from ertel.results.numbers import as_now, key_numbers, lines, more_lines, number, scalars
+from ertel.results.earlier import as_now, one_number
+from ertel.results.numbers import key_numbers, lines, more_lines, number, scalars
 from ertel.results.summary import _finite, comparisons, extremes, impact_summary, rolling_summary, with_error
-from ertel.results.variables import names_where, one_number, to_si, with_coefficients
+from ertel.results.variables import names_where, to_si, with_coefficients
 from ertel.runs.drive import simulate
 from ertel.solvers import radial
 

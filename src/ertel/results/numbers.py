@@ -196,42 +196,6 @@ def plus_minus(value: float, error: float) -> str:
     return f"{value:.{digits}f} ± {error:.{digits}f}"
 
 
-def as_now(summary: Outcome) -> dict[str, Any]:
-    """The summary of a stored run in the form of today.
-
-    Earlier versions had the values of an impact under `max_approach`, the values with heat in SI under `thermal`, and
-    the coefficients of friction in units a/R, or in SI under `si`.
-    """
-    now, si = dict(summary), dict(summary.get("si", {}))
-    if "max_approach" in now:
-        now |= now.pop("max_approach") or {}
-        si |= si.pop("max_approach", None) or {}
-        now.setdefault("T", None)
-        if estimate := now.get("error_estimate"):
-            now["error_estimate"] = {{"Delta_max": "Delta"}.get(name, name): each for name, each in estimate.items()}
-    coefficients = names_where(lambda variable: variable.scale == COEFFICIENT)
-    now |= {name: si[name] for name in coefficients if name in now and name in si}
-    if scales := scales_in(summary):
-        now["si"] = si
-        if "h_c_m" in (heat := now.get("thermal", {})):
-            si |= {"h_c_warm_m": heat["h_c_m"], "h_min_warm_m": heat["h_min_m"]}
-            now |= _with_heat(heat, scales)
-    return now
-
-
-def _with_heat(heat: Mapping[str, Any], scales: Scales) -> dict[str, Any]:
-    """The numbers with heat as they stand in a summary today, from the part `thermal` of earlier versions."""
-    warm = {key.removesuffix("_K"): value for key, value in heat.items() if key.endswith("_K")}
-    warm |= {"mu_sliding_warm": heat["mu_sliding"]}
-    return {
-        "H_c_warm": heat["h_c_m"] / scales.film,
-        "H_min_warm": heat["h_min_m"] / scales.film,
-        **{name: heat[name] for name in ("L_t", "phi_T")},
-        **(warm if heat["converged"] else dict.fromkeys(warm)),
-        "thermal": {name: heat[name] for name in ("inlet_factor", "iterations", "converged")},
-    }
-
-
 # -- tables of many runs ----------------------------------------------------------------------------------------------
 
 

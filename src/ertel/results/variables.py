@@ -265,17 +265,6 @@ def with_coefficients(values: Mapping[str, Any], scales: Scales | None) -> dict[
     return {**values, **{name: value if value is None else value * unit for name, value in coefficients.items()}}
 
 
-def one_number(dataset: "xr.Dataset") -> "xr.Dataset":
-    """The Dataset of a stored run, its coefficients of friction as plain numbers: earlier versions stored units a/R."""
-    converted = {}
-    for name, variable in dataset.variables.items():
-        factor = variable.attrs.get("si_factor", 1.0)
-        if VARIABLES.get(str(name), EVENT).scale == COEFFICIENT and factor != 1.0:
-            attributes = {key: value for key, value in variable.attrs.items() if key != "in_units_of"}
-            converted[name] = (variable.dims, variable.values * factor, {**attributes, "si_factor": 1.0})
-    return dataset.assign(converted) if converted else dataset
-
-
 def variable_attributes(name: str, scales: Scales | None) -> dict[str, Any]:
     """CF attributes of a variable: units, long_name, symbol, what 1 stands for, and its SI factor if there is one."""
     variable = VARIABLES[name]

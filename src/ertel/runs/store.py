@@ -24,9 +24,9 @@ from ertel.case.status import Status
 from ertel.inputs.case_files import CaseLike, as_case, path_of
 from ertel.numerics.programs import double_precision
 from ertel.results.dataset import Frame
+from ertel.results.earlier import one_number
 from ertel.results.numbers import differences
 from ertel.results.summary import attributes
-from ertel.results.variables import one_number
 from ertel.runs import arrays, files
 from ertel.runs.arrays import AppendedData, ReplacedData
 from ertel.runs.compile import check_jax, compilations
