@@ -1,4 +1,8 @@
-"""Stored runs of earlier versions, their summaries and their Datasets, in the form of today."""
+"""Stored runs of earlier versions, their summaries and their Datasets, in the form of today.
+
+Summaries had the values of an impact under `max_approach`, the numbers with heat in SI under `thermal`, and the
+coefficients of friction in units a/R, or in SI under `si`.  Datasets had the coefficients in units a/R.
+"""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
@@ -12,10 +16,9 @@ if TYPE_CHECKING:
 
 
 def as_now(summary: Outcome) -> dict[str, Any]:
-    """The summary of a stored run in the form of today.
+    """The summary of a stored run in the form of today; one of today as it is.
 
-    Earlier versions had the values of an impact under `max_approach`, the values with heat in SI under `thermal`, and
-    the coefficients of friction in units a/R, or in SI under `si`.
+    Temperatures and traction of a heat balance that has not converged are None.
     """
     now, si = dict(summary), dict(summary.get("si", {}))
     if "max_approach" in now:
