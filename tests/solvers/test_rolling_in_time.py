@@ -17,6 +17,7 @@ from ertel.case.methods import METHODS
 from ertel.case.sections import Drive, Time
 from ertel.equations import contact
 from ertel.equations.flow import Rate
+from ertel.equations.outside import predicted
 from ertel.equations.state import State
 from ertel.physics.geometry import HERTZ_LOAD
 from ertel.physics.motion import Oscillation, Polyline, constant
@@ -145,6 +146,21 @@ def test_the_load_is_balanced_at_every_step() -> None:
     for level in march(rolling(Drive(load=load)), 0.05, 10):
         F = (total_pressure(level) * (6 / 32) ** 2 + level.outside) / HERTZ_LOAD
         assert F == pytest.approx(load(level.T), abs=1e-8)
+
+
+def test_the_oil_outside_is_squeezed_by_the_speed_of_the_same_step() -> None:
+    """While the bodies come nearer and while they part."""
+    method = Transient2D(rolling(Drive(load=Oscillation(1.0, 0.3, 2.0))))
+    levels = levels_of(method, 0.05, 14)
+    for i in (0, 9):
+        new, T = levels[i], levels[i].T
+        motion = predicted(levels[i + 1 :], T, HERTZ_LOAD, 1.0)
+        motion = motion._replace(velocity=new.velocity, load_rate=0.3 * pi * np.cos(pi * T))
+        around, still = (method.outside.at(m) for m in (motion, motion._replace(velocity=0.0, load_rate=0.0)))
+        assert abs(around.load / still.load - 1) > 0.03
+        assert new.outside == pytest.approx(around.load, rel=3e-3)
+        edge = method.outside.is_edge
+        assert np.asarray(new.P)[edge] == pytest.approx(around.edge[edge], abs=3e-3 * around.edge.max())
 
 
 @pytest.mark.usefixtures("nothing_outside")

@@ -21,7 +21,7 @@ import jax.numpy as jnp
 from jax import Array
 from jax.tree_util import register_dataclass
 
-from ertel.equations.flow import OilContent, Rate, downstream, flow_aligned, kinked_at, upstream_of, void_downstream
+from ertel.equations.flow import OilContent, Rate, downstream, flow_aligned, upstream_of, void_downstream
 from ertel.numerics import halfspace
 from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
 from ertel.numerics.integrals import Plane
@@ -157,7 +157,7 @@ def residual(contact: Contact, P: Array, H: Array, rate: Rate) -> Array:
     """
     r = _of_a_full_gap(contact, P, H, rate)
     if rate.layer is not None and rate.wedge is not None:
-        void = _void(contact, P, H, rate.wedge, rate.layer, r)
+        void = _void(contact, P, H, rate, r)
         r = r + rate.wedge / contact.spacing * upstream_of(void)
     return inside(r, contact.even)
 
@@ -168,15 +168,15 @@ def steady_oil(contact: Contact, P: Array, H: Array, rate: Rate) -> OilContent:
     In a cavity the oil is what passes, or where that would fill the gap, what the void leaves of it.
     """
     assert rate.wedge is not None
-    turned, speed = partial(flow_aligned, rate), jnp.abs(rate.wedge)
+    turned, entrainment, speed = partial(flow_aligned, rate), rate.wedge, jnp.abs(rate.wedge)
     P, H = turned(P), turned(H)
-    full, kinked = mass(contact, P, H), rate.kinked(P)
-    r = _of_a_full_gap(contact, P, H, rate._replace(wedge=speed))
-    void = _void(contact, P, H, speed, rate.layer, r)
+    rate = rate._replace(wedge=speed, held=turned(rate.held))
+    full, kinked, r = mass(contact, P, H), rate.kinked(P), _of_a_full_gap(contact, P, H, rate)
+    void = _void(contact, P, H, rate, r)
     passing = jnp.where(P > 0.0, full, downstream(full, kinked) - void)
     oil = jnp.where(passing < full, passing, full - void)  # void = 0 where P > 0
     oil, full, void, passing = map(turned, (oil, full, void, passing))
-    return OilContent(oil, full, void, passing, rate.wedge, None if kinked is None else turned(kinked))
+    return OilContent(oil, full, void, passing, entrainment, turned(kinked))
 
 
 def _of_a_full_gap(contact: Contact, P: Array, H: Array, rate: Rate) -> Array:
@@ -185,12 +185,14 @@ def _of_a_full_gap(contact: Contact, P: Array, H: Array, rate: Rate) -> Array:
     return change - inside(contact.flow.supply(contact, P, H), contact.even)
 
 
-def _void(contact: Contact, P: Array, H: Array, speed: FloatLike, layer: FloatLike | None, r: Array) -> Array:
-    """The void of a steady film.  layer: the oil that enters, None where the inlet is full.  X points downstream."""
-    inlet = P[:, :2]
-    full = downstream(mass(contact, inlet, H[:, :2]), kinked_at(inlet))
-    first = 0.0 if layer is None else (full[:, :1] - layer)[:, 0]
-    return void_downstream(P, r, first, speed, contact.spacing)
+def _void(contact: Contact, P: Array, H: Array, rate: Rate, r: Array) -> Array:
+    """The void of a steady film, of which X points downstream."""
+    assert rate.wedge is not None
+    first: FloatLike = 0.0
+    if (kinked := rate.kinked(P)) is not None:
+        full = downstream(mass(contact, P[:, :2], H[:, :2]), kinked[:, :2])
+        first = (full[:, :1] - jnp.asarray(rate.layer))[:, 0]
+    return void_downstream(P, r, first, rate.wedge, contact.spacing)
 
 
 # -- oil laws as JAX pytrees; the laws themselves do not depend on JAX ------------------------------------------------

@@ -94,14 +94,16 @@ class SteadyRun:
         arrays["status"] = np.asarray(result.status.value)
         for i, s in enumerate(solutions):
             arrays |= {f"{name}_{i}": np.asarray(getattr(s, name)) for name in FIELDS}
+            arrays |= {} if s.kinked is None else {f"kinked_{i}": np.asarray(s.kinked)}
         return arrays
 
     def from_arrays(self, arrays: Arrays) -> GridStep:
         solutions = []
         for i, status in enumerate(arrays["grid_status"].tolist()):
             stored = {name: arrays[name][i].item() for name in COUNTED}
-            P, H = (jax.device_put(arrays[f"{name}_{i}"]) for name in ("P", "H"))
-            stored |= {"P": P, "H": H, "history": tuple(arrays[f"history_{i}"].tolist()), "status": Status(status)}
+            stored |= {name: jax.device_put(arrays[f"{name}_{i}"]) for name in ("P", "H")}
+            stored |= {"history": tuple(arrays[f"history_{i}"].tolist()), "status": Status(status)}
+            stored |= {"kinked": arrays[f"kinked_{i}"]} if f"kinked_{i}" in arrays else {}
             solutions.append(self.solver.restored(i, stored))
         return GridStep(tuple(solutions), Status(str(arrays["status"])))
 

@@ -66,7 +66,7 @@ class GridSolution:
 
     The account of the film and its temperatures are computed once, when they are first asked for.
     history: maximum residual before the first and after each Newton iteration.  convolutions: work on this grid.
-    outside: the load that the oil outside the grid carries (double integral of P).
+    outside: the load that the oil outside the grid carries (double integral of P).  kinked: where a starved film is.
     """
 
     case: Case
@@ -81,6 +81,7 @@ class GridSolution:
     convolutions: float
     history: tuple[float, ...] = ()
     outside: float = 0.0
+    kinked: Any = None
 
     def measure(self) -> dict[str, float]:
         """Films, pressures and load, see `state.measure`, and Delta."""
@@ -113,6 +114,7 @@ class GridSolution:
         gap_change = discretise.gap_change(self.case, self.grid, 0.0)
         moment = account.Moment(self.approach, U, m.sliding(0.0), gap_change, load, scale)
         c, rate = discretise.contact_of(self.case, self.grid), steady_rate(U, discretise.layer_of(self.case, self.grid))
+        rate = rate._replace(held=self.kinked)
         terms, friction, content = _account_program(Plane.of(self.grid), c, self.P, self.H, rate, moment)
         around = discretise.outside_of(self.case, self.grid).at(motion_of(self.case, self.approach))
         around = around._replace(load=self.outside)
@@ -292,7 +294,8 @@ def solve_on_grid(case: Case, grid: Grid, c: Contact, P: Array | Floats, approac
     n, k = int(s.newton), int(s.krylov)
     work = nonlinear.convolutions(grid, n, k)
     history = tuple((np.asarray(s.history)[: n + 1] * problem.tolerance).tolist())
-    return GridSolution(case, grid, s.P, s.H, float(Delta), history[-1], status, n, k, work, history, around.load)
+    numbers = float(Delta), history[-1], status, n, k, work, history, around.load
+    return GridSolution(case, grid, s.P, s.H, *numbers, s.shared)
 
 
 def problem_of(case: Case, grid: Grid, c: Contact, outside: float) -> nonlinear.Problem:

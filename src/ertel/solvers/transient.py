@@ -21,13 +21,13 @@ from ertel.equations.account import Friction, Moment
 from ertel.equations.approach import ClosureLine, NewtonsLaw, rate_of_change
 from ertel.equations.contact import Contact
 from ertel.equations.flow import Flow, OilContent, Rate, rate_in_time
-from ertel.equations.outside import Surroundings
+from ertel.equations.outside import UNCHANGED, Surroundings
 from ertel.equations.state import State, Stepper, StepSolution, Work, padded
 from ertel.numerics import bdf, halfspace, multigrid, newton, stencils
 from ertel.numerics.grid import Symmetry, check_coarsening
 from ertel.numerics.integrals import Plane
 from ertel.numerics.programs import Compiled, Program
-from ertel.numerics.stencils import total, unfolded
+from ertel.numerics.stencils import FloatLike, total, unfolded
 from ertel.solvers import nonlinear, steady
 from ertel.solvers.nonlinear import PRECISION, Algorithms, Problem
 
@@ -70,7 +70,7 @@ class Known(NamedTuple):
 
     predict, rates: weights of the prediction and of the time derivative (for the new level, and the last two), both of
     shape (3,).  approaches, loads: of the last three levels.  sliding: u1 - u2 in a/t0.  load_around, uplift: of the
-    oil outside.
+    oil outside, at the predicted Delta and per change of Delta.
     """
 
     predict: bdf.Weights
@@ -79,8 +79,10 @@ class Known(NamedTuple):
     approaches: Any
     loads: Any
     sliding: float
-    load_around: float
-    uplift: float
+    load_around: Any
+    uplift: Any
+    load_change: float
+    uplift_change: float
 
     def packed(self) -> bdf.Weights:
         """One array: each one that goes to the device costs the same time, however small."""
@@ -97,8 +99,8 @@ class StepProblem:
     """One BDF step, ready to be solved.
 
     past: fields of the last three levels, newest first.  known: from `Known.packed`.  middle: where P > 0, None if
-    elsewhere too.  edge: P on the edge.  flow: how the oil moves, None where it stays.  roughness_change: the rate of
-    change of the roughness following the flow, shape (n, n) or a number.
+    elsewhere too.  edge, edge_change: P on the edge, and its change with Delta.  flow: how the oil moves, None where it
+    stays.  roughness_change: the rate of change of the roughness following the flow, shape (n, n) or a number.
     """
 
     setting: Setting
@@ -107,6 +109,7 @@ class StepProblem:
     known: bdf.Weights
     middle: nonlinear.Middle | None
     edge: Array | NDArray[np.float64]
+    edge_change: FloatLike | NDArray[np.float64]
     flow: Flow | None
     roughness_change: Array | float
     algorithms: Algorithms = field(metadata={"static": True})
@@ -187,8 +190,10 @@ class Transient2D(Stepper):
         """The oil of the film from which the run starts: of steady rolling, of the gap of an impact, or its layer."""
         if not self.case.starts_apart:
             return self._rolling.finest.content
-        gap, layer = self.contact.gap, self.layer
-        return OilContent.without_void(gap if layer is None else jnp.broadcast_to(layer, gap.shape))
+        gap = self.contact.gap
+        if self.layer is None:
+            return OilContent.without_void(gap)
+        return OilContent.without_void(jnp.broadcast_to(self.layer, gap.shape), jnp.zeros(gap.shape, bool))
 
     def advance(self, levels: Sequence[State], step: float) -> State:
         """See `Method.advance`: BDF1 from one level, BDF2 from more."""
@@ -210,13 +215,16 @@ class Transient2D(Stepper):
         line = self.closure.line(T, rates, approaches, velocities)
         predict = bdf.interpolation_weights(T, times)
         motion = outside.predicted(levels, T, self.geometry.hertz_load, self.case.motion.entrainment(T))
+        change, sliding = UNCHANGED, self.case.motion.sliding(T)
         if not self.case.starts_apart:
-            # with little or no inertia V follows from the film of the same step: extrapolating it is unstable, and an
-            # estimate moves the rupture outside, where oil would appear in the cavity
-            motion = motion._replace(velocity=0.0)
-        around, sliding = self.outside.at(motion), self.case.motion.sliding(T)
+            # with little or no inertia V follows from the film of the same step, and extrapolating it is unstable
+            V = rate_of_change(rates, bdf.three(predict) @ approaches, approaches)
+            loads_given = [self.case.motion.load(time) for time in (T, *times)]
+            motion = motion._replace(velocity=V, load_rate=rate_of_change(rates, loads_given[0], loads_given[1:]))
+            change = Surroundings(*(rates[0] * part for part in self.outside.change(motion)))
+        around = self.outside.at(motion)
         weights = bdf.three(predict), bdf.three(rates)
-        known = Known(*weights, line, approaches, loads, sliding, around.load, around.uplift)
+        known = Known(*weights, line, approaches, loads, sliding, around.load, around.uplift, *change[1:])
         # the Delta of a light ball that rolls is a small difference of large numbers, so it is not eliminated
         falls = self.case.starts_apart and line.approach_weight
         return StepProblem(
@@ -226,6 +234,7 @@ class Transient2D(Stepper):
             known.packed(),
             self._middle_under(levels[0], around.edge),
             around.edge,
+            change.edge,
             self.flow(T, [*times, times[-1]][:2]),
             discretise.roughness_change(self.case, self.grid, T),
             FALLING if falls else ROLLING,
@@ -341,8 +350,14 @@ def solve_step(p: StepProblem) -> StepSolution:
         allowed,
         LOAD_TOLERANCE * s.tolerance,
         p.algorithms,
+        Surroundings(p.edge_change, known.load_change, known.uplift_change),
     )
-    solution, approach = (p.middle.solve if p.middle else nonlinear.solve)(problem, P, known.predict @ known.approaches)
+    predicted = known.predict @ known.approaches
+    solution, approach = (p.middle.solve if p.middle else nonlinear.solve)(problem, P, predicted)
+    more = approach - predicted
+    known = known._replace(
+        load_around=known.load_around + more * known.load_change, uplift=known.uplift + more * known.uplift_change
+    )
     P, H = solution.P, solution.H
     fields = {"P": P, "H": H, "mass": oil_there(p.contact, P, H, solution.left, rate)}
     return StepSolution(fields, state.packed(_numbers(p, known, rate, solution, fields, approach)))
