@@ -1,4 +1,4 @@
-"""Pictures of studies and of traction curves: Dataset of `results.study_result` -> matplotlib Figure."""
+"""Pictures of studies and of traction curves: Dataset of `results.study_table` -> matplotlib Figure."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
