@@ -29,7 +29,6 @@ ROOMS: dict[str, set[str]] = {
     "runs": {"physics", "optics", "numerics", "case", "equations", "inputs", "results", "solvers", "plots"},
     "apps": {"physics", "optics", "numerics", "case", "equations", "inputs", "results", "solvers", "plots", "runs"},
 }
-DRAWN_LAZILY = {"results.result", "results.study_result", "results.fit_result"}  # their `plot` imports a picture
 SHORTEST_FILE = 60
 SHORT = {"case.status", "inputs.materials"}  # an enumeration and a public face
 LONGEST_FILE = 400
@@ -102,7 +101,7 @@ def test_the_package_was_found():
 def test_arrows_point_down():
     def upward(module: str) -> set[str]:
         others = {room(name) for name in imported(module)} - {room(module), "version"}  # everybody may ask for it
-        return others - ROOMS[room(module)] - ({"plots"} if module in DRAWN_LAZILY else set())
+        return others - ROOMS[room(module)]
 
     assert broken(upward, INSIDE) == {}
 
@@ -112,7 +111,7 @@ def test_pictures_are_imported_when_they_are_drawn():
         above = (node for node in parsed(module).body if isinstance(node, ast.Import | ast.ImportFrom))
         return [name for node in above for name in imports(node) if name.startswith("ertel.plots")]
 
-    assert broken(at_once, DRAWN_LAZILY) == {}
+    assert broken(at_once, [module for module in INSIDE if room(module) == "runs"]) == {}
 
 
 def test_the_case_takes_only_the_grid_from_numerics():

@@ -57,7 +57,7 @@ ACCESSOR = """
 import xarray, ertel
 assert not hasattr(xarray.Dataset, "ertel")
 ertel.simulate
-import ertel.results.result
+import ertel.runs.result
 assert "film" in dir(xarray.Dataset({"H": 0.1}).ertel.plot)
 """
 

@@ -71,7 +71,7 @@ SUMMARIES = {
     "deep": written(b"[" * 100_000), "nan": written(b'{"M": NaN, "checksum": "0"}'), "nothing": written(sealed({})),
     "status": written(sealed({**SUMMARY, "status": 5})), "kind": written(sealed({**SUMMARY, "kind": ["x"]})),
     "M": written(sealed({**SUMMARY, "M": "x"})), "warnings": written(sealed({**SUMMARY, "warnings": [5]})),
-    "H_c": written(sealed({**SUMMARY, "max_approach": {**SUMMARY["max_approach"], "H_c": None}})),
+    "H_c": written(sealed({**SUMMARY, "H_min": None})),
 }  # fmt: skip
 PROGRESS = {
     **ODD, "list": written(b"[1]"), "latin": written(b"\xe9"), "deep": written(b"[" * 100_000), "huge": progress(),

@@ -11,11 +11,11 @@ from cases import LEFT, SMALL_IMPACT, ertel_, names
 from matplotlib.figure import Figure
 
 import ertel
-from ertel.results.fit_result import FitResult
-from ertel.results.study_result import StudyResult
 from ertel.runs.directory import STOP, ask_to_stop, read_progress
 from ertel.runs.files import StoreError
+from ertel.runs.fit_result import FitResult
 from ertel.runs.store import RunStore
+from ertel.runs.study_result import StudyResult
 
 STUDY = """
 [contact]

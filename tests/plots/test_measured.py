@@ -10,7 +10,7 @@ from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
 from ertel.plots import NoFigure
-from ertel.results.result import Result
+from ertel.runs.result import Result
 
 
 @pytest.fixture(scope="module")

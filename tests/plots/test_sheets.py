@@ -15,8 +15,8 @@ from ertel.inputs.python import rolling
 from ertel.physics.surfaces import Feature, Spot
 from ertel.plots import interferograms
 from ertel.results.dataset import assemble_steady
-from ertel.results.result import Plot
-from ertel.results.study_result import StudyResult
+from ertel.runs.result import Plot
+from ertel.runs.study_result import StudyResult
 
 ROUGH = replace(as_in_time(BALL_ROLLS), roughness=(Feature(Spot(0.3, -0.05), 1),))
 LONG = rolling(M=200, L=10, radius_ratio=0.08, nodes=81)

@@ -16,9 +16,9 @@ from ertel.results.alignment import light_along, with_start
 from ertel.results.dataset import to_csv
 from ertel.results.numbers import scalars
 from ertel.results.profiles import moment_of, profile, write_profile
-from ertel.results.result import Result
 from ertel.results.summary import impact_summary
 from ertel.results.variables import first_touch, to_si
+from ertel.runs.result import Result
 
 
 def as_result(case_data) -> Result:
@@ -109,9 +109,9 @@ def test_t_is_zero_at_the_first_touch_however_the_run_starts(ball, tmp_path):
 
 def test_the_summary_says_when_the_bodies_touch_and_counts_from_there(ball):
     s, si = ball.summary, ball.summary["si"]
-    assert s["T_touch"] == pytest.approx(1.0) and s["max_approach"]["T"] == 2.45
+    assert s["T_touch"] == pytest.approx(1.0) and s["T"] == 2.45
     t = 1.45 * ball.case.scales.t0
-    assert si["max_approach"]["t_s"] == pytest.approx(t) and scalars(s)["t"].value == pytest.approx(t)
+    assert si["t_s"] == pytest.approx(t) and scalars(s)["t"].value == pytest.approx(t)
     highest = si["extremes"]["P_max"]["t_s"], s["extremes"]["P_max"]["T"]
     assert highest[0] == pytest.approx((highest[1] - 1.0) * ball.case.scales.t0)
     assert f"at t = {1e6 * highest[0]:.4g} µs (T = {highest[1]:.4g})" in repr(ball)

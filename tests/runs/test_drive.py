@@ -13,9 +13,9 @@ from rich.console import Console
 from ertel.case.status import Status
 from ertel.equations.approach import ClosureLine, NewtonsLaw
 from ertel.physics.motion import constant
-from ertel.results.result import Result
 from ertel.results.summary import with_error
 from ertel.runs.drive import LogLines, drive, result_of, run_of, simulate
+from ertel.runs.result import Result
 from ertel.runs.stepping import StepLimits, TransientRun
 from ertel.solvers.radial import RadialImpact
 from ertel.solvers.transient import Transient2D
@@ -36,7 +36,7 @@ def test_maps_lie_at_exact_times_and_events_are_kept() -> None:
 
 def test_values_at_maximum_approach_come_from_the_turning_point() -> None:
     result = through_the_maximum()
-    peak, data = result.summary["max_approach"], result.dataset
+    peak, data = result.summary, result.dataset
     assert peak["Delta"] >= float(data.Delta.max()) - 1e-9
     i = int(data.Delta.values.argmax())
     assert float(data.time[i - 1]) < peak["T"] < float(data.time[i + 1])
@@ -49,7 +49,7 @@ def test_a_run_that_must_give_up_keeps_what_it_has() -> None:
     result = result_of(TransientRun(case, Transient2D(case), StepLimits(first=0.03, smallest=0.02)))
     assert result.status is Status.STEP_TOO_SMALL
     assert result.status.advice
-    assert (result.summary["status"], result.summary["max_approach"]) == ("the time step became too small", None)
+    assert (result.summary["status"], result.summary["H_c"]) == ("the time step became too small", None)
     assert 0 < result.dataset.sizes["time"] == result.summary["steps"]
     assert float(result.dataset.time[-1]) < 1.2
 
@@ -118,7 +118,7 @@ def test_error_estimate_is_exact_for_the_orders_that_it_assumes() -> None:
     def at(h: float, step: float, width: float) -> dict[str, Any]:
         H_c = 0.07 + 3 * h**2 - 2 * step**2 + 0.01 / width**3
         near = {"H_c": H_c, "H_min": 0.01 - h**2, "Delta": 0.96 + h**2 + 0.05 / width**3}
-        return {"max_approach": near, "restitution": 0.9 - 0.2 * h + 30 * step**2, "F_max": 0.8 + h**2 - step**2}
+        return {**near, "restitution": 0.9 - 0.2 * h + 30 * step**2, "F_max": 0.8 + h**2 - step**2}
 
     fine = at(0.01, 0.01, 2.0)
     others = {"grid": at(0.02, 0.01, 2.0), "time": at(0.02, 0.01 * 0.5**0.5, 2.0), "domain": at(0.02, 0.01, 3.0)}
@@ -131,9 +131,9 @@ def test_error_estimate_is_exact_for_the_orders_that_it_assumes() -> None:
     assert found["F_max"]["error"] == pytest.approx(2**0.5 * 1e-4, rel=1e-9)  # and not zero, where the parts cancel
     assert found["restitution"]["extrapolated"] == pytest.approx(0.9, rel=1e-12)
     assert found["restitution"]["error"] == pytest.approx((0.002**2 + 0.003**2) ** 0.5, rel=1e-9)
-    assert [found[name]["dominant"] for name in ("H_c", "H_min", "Delta_max")] == ["domain", "grid", "domain"]
-    assert found["Delta_max"]["value"] == fine["max_approach"]["Delta"]
-    assert with_error(case, fine, {**others, "time": {"max_approach": None}})["error_estimate"] is None
+    assert [found[name]["dominant"] for name in ("H_c", "H_min", "Delta")] == ["domain", "grid", "domain"]
+    assert found["Delta"]["value"] == fine["Delta"]
+    assert with_error(case, fine, {**others, "time": {"H_c": None}})["error_estimate"] is None
 
 
 # -- progress in a file -----------------------------------------------------------------------------------------------

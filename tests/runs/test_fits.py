@@ -20,13 +20,13 @@ from ertel.inputs.case_files import ConfigError, parse_case
 from ertel.inputs.fits import with_settings
 from ertel.optics import CHROMIUM, SILICA, Constant, Interferometer, Layer, Monochromatic, Rig
 from ertel.results.alignment import light_along
-from ertel.results.fit_result import FitResult
 from ertel.results.measurements import Measurement
 from ertel.results.profiles import profile
-from ertel.results.result import Result
 from ertel.runs import studies
 from ertel.runs.fit import FitError, fit, solve_fit
 from ertel.runs.fit_problem import fit_problem, load_fit_problem
+from ertel.runs.fit_result import FitResult
+from ertel.runs.result import Result
 from ertel.runs.workers import Failure
 
 RINGS = {"method": "radial", "nodes": 17}

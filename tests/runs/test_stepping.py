@@ -16,7 +16,6 @@ from ertel.equations.state import State, Stepper, combined
 from ertel.numerics import bdf
 from ertel.physics.motion import Oscillation, Polyline, Signal
 from ertel.physics.scales import Parameters
-from ertel.results.variables import BUDGET, FRICTION
 from ertel.runs.drive import Recorder, drive
 from ertel.runs.stepping import TransientRun
 
@@ -41,7 +40,7 @@ class LikeTheLoad(Stepper):
         new = self._state(levels[0].T + step)
         weights = bdf.interpolation_weights(new.T, [level.T for level in levels])
         error = abs(new.H - combined(weights, [level.H for level in levels])).max()
-        record = self.measure(new) | dict.fromkeys((*BUDGET, *FRICTION), 0.0)
+        record = self.measure(new)
         return replace(new, error=float(error), record=record)
 
     def measure(self, level: State) -> dict[str, float]:

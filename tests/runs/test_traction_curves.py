@@ -113,20 +113,20 @@ def test_heat_lowers_the_traction(newtonian: Any) -> None:
     warm_case = parse_case({**case.to_data(), "thermal": HOT})
     curve = traction(warm_case, slide_to_roll=[0.0, 0.1])
     data, cold = curve.dataset, newtonian.dataset.sel(slide_to_roll=[0.0, 0.1])
-    np.testing.assert_allclose(data["mu_isothermal"], cold["mu_sliding"], rtol=1e-12)
-    assert data["mu_sliding"][0] == 0.0
-    assert 0.0 < float(data["mu_sliding"][1]) < float(cold["mu_sliding"][1])
+    np.testing.assert_allclose(data["mu_sliding"], cold["mu_sliding"], rtol=1e-12)
+    assert data["mu_sliding_warm"][0] == 0.0
+    assert 0.0 < float(data["mu_sliding_warm"][1]) < float(cold["mu_sliding"][1])
     assert data["newton_iterations"].values.tolist()[1] == 0
     at = replace(warm_case, contact=replace(warm_case.contact, slide_to_roll=0.1))
     assert at.scales is not None
     film = steady.steady_film(warm_case).finest
     found = heated(at, film.P, film.H, grid=film.grid)
-    assert float(data["mu_sliding"][1]) == pytest.approx(float(found.sliding[0]) * at.scales.a_over_R, rel=1e-9)
+    assert float(data["mu_sliding_warm"][1]) == pytest.approx(float(found.sliding[0]) * at.scales.a_over_R, rel=1e-9)
     assert float(data["T_film_max"][1]) == pytest.approx(float(np.max(found.T_film)), rel=1e-9)
-    np.testing.assert_allclose(data["h_c"], data["phi_T"] * cold["h_c"], rtol=1e-12)
-    spent = data["power_loss"] - data["power_loss"][0]
-    np.testing.assert_allclose(spent, data["mu_sliding"] * 20.0 * data["slide_to_roll"], rtol=1e-6, atol=1e-12)
-    for part in ("mu_iso", "T_film (degC)", "include heat"):
+    np.testing.assert_allclose(data["h_c_warm"], data["phi_T"] * cold["h_c"], rtol=1e-12)
+    spent = data["power_loss_warm"] - data["power_loss_warm"][0]
+    np.testing.assert_allclose(spent, data["mu_sliding_warm"] * 20.0 * data["slide_to_roll"], rtol=1e-6, atol=1e-12)
+    for part in ("mu_sliding_warm", "T_film_max (degC)", "have the heat"):
         assert part in repr(curve)
     panels = {axes.get_ylabel(): axes for axes in curve.plot().axes}
     assert len(panels) == 6

@@ -24,10 +24,10 @@ from ertel.numerics.stencils import unfolded, upstream_slope
 from ertel.physics.film_formulas import starved_share
 from ertel.physics.surfaces import Feature, SelfAffine, Waviness
 from ertel.results.parameters import formula_films
-from ertel.results.result import Result
 from ertel.runs.drive import simulate
 from ertel.runs.outlook import warnings_of
 from ertel.runs.response import respond_in_rolling, respond_linearly
+from ertel.runs.result import Result
 from ertel.solvers import steady
 from ertel.solvers.radial import RadialImpact
 from ertel.solvers.transient import Transient2D

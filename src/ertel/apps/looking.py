@@ -62,17 +62,17 @@ def _as_data(run: "Listed", folder: Path) -> dict[str, Any]:
 
 def _print_runs(runs: "Sequence[Listed]", folder: Path) -> None:
     from ertel.apps.tables import print_rows
-    from ertel.results.numbers import SHOWN, shown_of
-    from ertel.results.variables import name_in_si, with_prefix
+    from ertel.results.variables import VARIABLES, in_celsius, name_in_si, stored_in, with_prefix
 
-    there = {name for run in runs for name in run.numbers}
-    names = ["M", "L", *(name for name in shown_of(SHOWN, there) if there & {name, name_in_si(name)})]
+    shown = {about for run in runs for about in stored_in(run.numbers, lambda variable: variable.shown).values()}
+    names = ["M", "L", *(name for name, about in VARIABLES.items() if about in shown)]
     rows = [["run", "case", "status", "written", *names]]
     for run in runs:
         case = f"{run.case.name or run.case.kind}, {run.case.solver.method}" if run.case else ""
         status = run.status if run.done >= 1 else f"{run.status} {run.done:.0%}"
         numbers = [run.numbers.get(name_in_si(name)) or run.numbers.get(name) for name in names]
-        texts = [with_prefix(number.value, number.attributes["units"]) if number else "" for number in numbers]
+        known = [number and in_celsius(number.value, number.attributes["units"]) for number in numbers]
+        texts = [with_prefix(*each) if each else "" for each in known]
         rows.append([str(run.directory.relative_to(folder)), case, status, f"{run.written:%Y-%m-%d %H:%M}", *texts])
     print_rows(rows, left=4)
 

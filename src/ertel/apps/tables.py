@@ -13,9 +13,9 @@ from ertel.case.records import ConfigError, show
 from ertel.inputs import materials, oils
 from ertel.physics.materials import Material, NamedOil, Sourced, celsius
 from ertel.physics.units import COMPLIANCE, KINEMATIC_VISCOSITY, TEMPERATURE, Unit, marks
-from ertel.results.numbers import IN_SI, Number, aligned, duration, moment, more_lines, numbers, shown_of, values_of
+from ertel.results.numbers import Number, aligned, duration, moment, more_lines, numbers, values_of
 from ertel.results.parameters import domain, formula_films, parameter_summary, rheology_of
-from ertel.results.variables import FILMS, WHOLE, values_in_si, with_prefix
+from ertel.results.variables import FILMS, values_in_si, with_prefix
 
 if TYPE_CHECKING:
     from ertel.case.case import Case
@@ -124,11 +124,12 @@ def _print_values(out: PlainConsole, case: "Case", summary: Mapping[str, Any]) -
 
     With a section [thermal] film and traction are the warm ones; those without heat follow in a line.
     """
-    computed = {name: number for name, number in numbers(summary).items() if name in values_of(summary)}
+    table = numbers(summary)
+    computed = {name: table[name] for name in values_of(summary)}
     if computed:
-        heading = "at the last time" if "T" in summary else moment(summary)
-        table = numbers(summary)
-        print_rows(value_rows(heading, [table[name] for name in shown_of(computed, table)]), left=2)
+        heading = "at the last time" if "T" in summary and summary["kind"] == "rolling" else moment(summary)
+        values = {name: table.get(f"{name}_warm", number) for name, number in computed.items()}
+        print_rows(value_rows(heading, list(values.values())), left=2)
     else:
         out.print(f"{moment(summary).capitalize()}.")
     estimate = summary.get("error_estimate") or {}
@@ -137,7 +138,7 @@ def _print_values(out: PlainConsole, case: "Case", summary: Mapping[str, Any]) -
         out.print(f"The largest error is that of the {part} in {names}.")
     if estimate:
         out.print("Each error is the change that is expected if grid, time steps and domain are refined without end.")
-    whole = [number for name, number in numbers(summary).items() if name in WHOLE]
+    whole = [number for number in table.values() if number.about.of_impact]
     if whole:
         out.print()
         print_rows(value_rows("of the whole impact", whole), left=2)
@@ -166,9 +167,9 @@ def value_rows(heading: str, values: Sequence[Number]) -> list[list[str]]:
 
 
 def _with_si(number: Number, value: float, in_si: Sequence[str]) -> list[str]:
-    """A value in the unit of a number, and in SI if that is shown; a warm film is known in SI alone."""
+    """A value in the unit of a number, and in SI if that is shown."""
     unit = number.about.si_units or number.unit
-    return ["" if number.unit in IN_SI else f"{value:.5g}", *(with_prefix(number.in_si(value), unit) for _ in in_si)]
+    return [f"{value:.5g}", *(with_prefix(number.to_si(value), unit) for _ in in_si)]
 
 
 # -- film formulas ----------------------------------------------------------------------------------------------------

@@ -159,7 +159,7 @@ def measured(dataset: xr.Dataset, comparison: Comparison, **sheet: Unpack[SheetO
 def fit_figure(dataset: xr.Dataset, sheet: Sheet) -> Figure:
     """The data with their fitted curves, and below the residuals in standard deviations.
 
-    dataset: see `results.fit_result.fit_dataset`.  Each profile and each history has a column; all numbers share one.
+    dataset: see `runs.fit_result.fit_dataset`.  Each profile and each history has a column; all numbers share one.
     """
     indices, is_number = dataset["measurement"].values, np.isnan(dataset["x"].values)
     parts = [dataset.isel(datum=indices == index) for index in np.unique(indices[~is_number])[:MOST_CURVES]]

@@ -22,7 +22,7 @@ from ertel.results.alignment import NOT_FULL, Comparison
 from ertel.results.dataset import maps_of
 from ertel.results.numbers import plus_minus
 from ertel.results.profiles import At, is_without_moments, mirrored, moment_of
-from ertel.results.variables import FILMS, FRICTION, with_clock, with_prefix
+from ertel.results.variables import COEFFICIENT, FILMS, names_where, with_clock, with_prefix
 
 MARGIN, WIDEST = 1.3, 2.0  # of what is shown round the contact, at most so many half widths from its centre
 LOADED = 0.02  # of the maximum pressure or load: with less the film carries nothing
@@ -223,12 +223,10 @@ class View:
     @property
     def friction(self) -> list[str]:
         """The coefficients of friction of a steady contact that are not zero, and its power loss."""
-        last = {name: float(self.dataset[name][-1]) for name in FRICTION}
-        return [
-            f"{self.dataset[name].attrs['long_name']} {self.with_unit(name, value)}"
-            for name, value in last.items()
-            if name == "power_loss" or abs(value) > NO_FRICTION
-        ]
+        coefficients = names_where(lambda variable: variable.scale == COEFFICIENT and variable.over == "step")
+        last = {name: float(self.dataset[name][-1]) for name in (*coefficients, "power_loss")}
+        shown = {name: each for name, each in last.items() if name == "power_loss" or abs(each) > NO_FRICTION}
+        return [f"{self.dataset[name].attrs['long_name']} {self.with_unit(name, each)}" for name, each in shown.items()]
 
     def _film_with_error(self, name: str) -> str:
         """A film, extrapolated, as h_c = 146 ± 10 nm: as many digits as the error deserves."""

@@ -18,7 +18,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ertel.results.numbers import IN_SI
-from ertel.results.variables import OUTCOME, VARIABLES, Variable, shifted, with_clock, with_prefix
+from ertel.results.variables import VARIABLES, Variable, names_where, shifted, with_clock, with_prefix
 
 Values = NDArray[np.float64]
 FACTORS, LEVELS = ("index", "gain"), ("offset", "background")  # one of each, by the quantity
@@ -123,7 +123,7 @@ def with_start(measured: Sequence[Any], result: Any) -> list[Any]:
 INTENSITY = "intensity"
 QUANTITIES: Mapping[str, Variable] = {  # by the names of the SI Dataset and of the summary
     **{variable.si_name or name: variable for name, variable in VARIABLES.items()},
-    **{name: VARIABLES[name] for name in OUTCOME},
+    **{name: VARIABLES[name] for name in names_where(lambda variable: not variable.over)},
     INTENSITY: Variable("intensity", "I"),
 }
 

@@ -23,7 +23,14 @@ from ertel.case.height_map import HeightMap
 from ertel.physics.scales import Scales
 from ertel.results import variables
 from ertel.results.parameters import parameters_of, scale_values
-from ertel.results.variables import FIELDS, is_steady, named_with_unit, variable_attributes, with_coefficients
+from ertel.results.variables import (
+    Variable,
+    is_steady,
+    named_with_unit,
+    names_where,
+    variable_attributes,
+    with_coefficients,
+)
 from ertel.version import installed_version
 
 Arrays = dict[str, tuple[tuple[str, ...], Any]]  # dimensions and values by the name of the variable
@@ -40,10 +47,17 @@ class Frame(NamedTuple):
 
 
 def columns(records: Sequence[Mapping[str, float]], scales: Scales | None) -> dict[str, np.ndarray]:
-    """Step records as arrays by variable name, T as `time`; coefficients as `with_coefficients` says."""
-    keys = {"time": "T", **{name: name for name in variables.SCALARS}}
-    arrays = {name: np.array([record[key] for record in records], dtype=float) for name, key in keys.items()}
+    """Step records as arrays by variable name, T as `time`; coefficients as `with_coefficients` says.
+
+    What a method does not have is nan.
+    """
+    keys = {"time": "T", **{name: name for name in names_where(lambda variable: variable.over == "step")}}
+    arrays = {name: np.array([each.get(key, np.nan) for each in records], dtype=float) for name, key in keys.items()}
     return with_coefficients(arrays, scales)
+
+
+def _is_map(variable: Variable) -> bool:
+    return variable.over == "map"
 
 
 def maps(frames: Sequence[Frame]) -> dict[str, np.ndarray]:
@@ -51,7 +65,7 @@ def maps(frames: Sequence[Frame]) -> dict[str, np.ndarray]:
     return {
         "frame": np.array([frame.T for frame in frames], dtype=float),
         "event": np.array([variables.EVENTS.index(frame.event) for frame in frames], dtype=np.int8),
-        **{name: np.array([frame.fields[name] for frame in frames], dtype=float) for name in FIELDS},
+        **{name: np.array([frame.fields[name] for frame in frames], dtype=float) for name in names_where(_is_map)},
     }
 
 
@@ -67,7 +81,9 @@ def assemble(
     shape = len(frames), *(len(axis) for axis in space.values())  # which no maps at all have, too
     arrays: Arrays = {name: (("time",), values) for name, values in columns(records, case.scales).items()}
     for name, values in maps(frames).items():
-        arrays[name] = (("frame", *space), values.reshape(shape)) if name in FIELDS else (("frame",), values)
+        arrays[name] = (
+            (("frame", *space), values.reshape(shape)) if _is_map(variables.VARIABLES[name]) else (("frame",), values)
+        )
     arrays |= {name: ((name,), axis) for name, axis in space.items()}
     return _dataset(case, arrays)
 
@@ -78,18 +94,17 @@ def assemble_steady(case: Case, grid: Any, solutions: Sequence[SteadyGrid]) -> x
     grid: that of the fields, of the last solution, or of the case as long as there is none, with its `coordinates`.
     solutions: coarsest first; the coordinate `grid` has their numbers of nodes a side.
     """
-    fields = FIELDS if case.thermal is None else {**FIELDS, **variables.TEMPERATURES}
+    fields = names_where(lambda variable: variable.over in ("map", "heated map" if case.thermal else "map"))
     space: Mapping[str, Any] = grid.coordinates
     nothing = np.full([len(axis) for axis in space.values()], np.nan)
     maps = solutions[-1].maps if solutions else dict.fromkeys(fields, nothing)
     rows = [with_coefficients(s.record, case.scales) for s in solutions]
-    work = ("residual", "newton_iterations", "krylov_iterations", "convolutions")
-    names = (*variables.MEASURED, *variables.BUDGET, *variables.FRICTION, *work)
+    there = [n for n in names_where(lambda v: v.over in ("step", "grid")) if all(n in row for row in rows)]
     histories = list(zip_longest(*(s.history for s in solutions), fillvalue=np.nan))
     arrays: Arrays = {
         **{name: (tuple(space), maps[name]) for name in fields},
         **{name: ((name,), axis) for name, axis in space.items()},
-        **{name: (("grid",), np.array([row[name] for row in rows], dtype=float)) for name in names},
+        **{name: (("grid",), np.array([row[name] for row in rows], dtype=float)) for name in there},
         "history": (("grid", "iteration"), np.reshape(histories, (len(histories), len(solutions))).T),
         "grid": (("grid",), np.array([s.grid.nodes for s in solutions], dtype=np.int64)),
         "iteration": (("iteration",), np.arange(len(histories))),
@@ -100,7 +115,7 @@ def assemble_steady(case: Case, grid: Any, solutions: Sequence[SteadyGrid]) -> x
 def _dataset(case: Case, arrays: Arrays) -> xr.Dataset:
     """The Dataset of a run from its arrays, with the attributes of its variables and its own."""
     described = {name: (*indexed(name, *each), variable_attributes(name, case.scales)) for name, each in arrays.items()}
-    axes = {name: described.pop(name) for name in variables.AXES if name in described}
+    axes = {name: described.pop(name) for name in names_where(lambda v: v.over == "axis") if name in described}
     return xr.Dataset({**described, **variables_of(case)}, axes, provenance(case))
 
 

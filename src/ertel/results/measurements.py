@@ -347,7 +347,7 @@ class Measurement:
         number = table[self.quantity]
         if number.factor is None and number.unit not in ("1", *IN_SI):
             raise ValueError(f"{self.quantity}: the case is dimensionless, and the measurement is in SI")
-        return number.in_si(number.value)
+        return number.in_si.value
 
     def _line(self, result: Any) -> xr.DataArray:
         """The quantity along the line of a profile, or through time, in SI."""

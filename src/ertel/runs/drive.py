@@ -30,11 +30,11 @@ from ertel.inputs.case_files import CaseLike, as_case
 from ertel.numerics.programs import double_precision
 from ertel.results.dataset import Frame, assemble_steady
 from ertel.results.numbers import duration
-from ertel.results.result import Result
 from ertel.results.summary import attributes, steady_summary
 from ertel.runs import workers
 from ertel.runs.compile import check_jax, compilations
 from ertel.runs.outlook import warnings_of, with_case_warnings
+from ertel.runs.result import Result
 from ertel.runs.stepping import Arrays, Progress, Step, TransientRun
 from ertel.solvers import SOLVERS
 

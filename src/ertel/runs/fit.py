@@ -27,10 +27,8 @@ from ertel.case.status import Status
 from ertel.inputs.case_files import CaseLike
 from ertel.inputs.fits import with_settings
 from ertel.results.alignment import Comparison
-from ertel.results.fit_result import FitPoint, FitResult, Values, amount, fit_dataset, with_laws
 from ertel.results.measurements import Measurement
-from ertel.results.result import Result
-from ertel.results.study_result import grouped
+from ertel.results.study_table import grouped
 from ertel.results.summary import ORDERS
 from ertel.runs import studies
 from ertel.runs.compile import check_jax
@@ -38,6 +36,8 @@ from ertel.runs.directory import CASE, read_progress, write_progress
 from ertel.runs.drive import warn
 from ertel.runs.engine import Engine
 from ertel.runs.fit_problem import FitProblem, Given, fit_problem, under_the_law
+from ertel.runs.fit_result import FitPoint, FitResult, Values, amount, fit_dataset, with_laws
+from ertel.runs.result import Result
 from ertel.runs.store import RunStore
 from ertel.runs.workers import Condition, Failure, Workers, never
 

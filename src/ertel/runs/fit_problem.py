@@ -24,8 +24,8 @@ from ertel.inputs.fits import (
     with_settings,
 )
 from ertel.results.alignment import QUANTITIES, START, with_start
-from ertel.results.fit_result import Values
 from ertel.results.measurements import NUMBER, READ, Measurement
+from ertel.runs.fit_result import Values
 
 COLUMNS = {  # of the data: what they are
     "measurement": "number of the measurement, from 1",

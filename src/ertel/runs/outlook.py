@@ -25,7 +25,7 @@ from ertel.physics.units import plain
 from ertel.results import diagnostics
 from ertel.results.numbers import numbers
 from ertel.results.parameters import formula_films, parameter_summary, regime, rheology_of
-from ertel.results.variables import FIELDS, with_prefix
+from ertel.results.variables import names_where, with_prefix
 from ertel.runs.compile import jax_devices, may_use_accelerator
 
 MOST_SHOWN = 257  # points a side at which the heights of a roughness are looked at
@@ -138,7 +138,8 @@ def memory_needed(case: Case) -> float:
     """The memory in bytes that a run of the case needs, approximately."""
     nodes, cost = case.solver.nodes, case.method.cost
     moments = 1 if case.is_steady else case.schedule.duration / case.schedule.interval + 2
-    maps = len(FIELDS) * moments * nodes ** len(case.method.axes)  # the summary reads all of them
+    fields = names_where(lambda variable: variable.over == "map")  # the summary reads all of them
+    maps = len(fields) * moments * nodes ** len(case.method.axes)
     return BASE + 8.0 * (cost.arrays * (nodes**2 if cost.is_dense else grid_of(case).size) + maps)
 
 

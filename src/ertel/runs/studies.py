@@ -35,7 +35,7 @@ from ertel.inputs.studies import Study, convergence_series, coordinates, load_st
 from ertel.numerics.programs import double_precision
 from ertel.results.convergence import with_limits
 from ertel.results.numbers import scalars
-from ertel.results.study_result import MISSING, ConvergenceResult, StudyResult, StudyRun, grouped, study_dataset
+from ertel.results.study_table import MISSING, StudyRun, grouped, study_dataset
 from ertel.runs.ahead import STEPS, program_of
 from ertel.runs.compile import check_jax
 from ertel.runs.directory import CASE, PROGRESS, STOP, Taken, heeding_stop, is_asked_to_stop, read_progress, status_of
@@ -43,6 +43,7 @@ from ertel.runs.drive import bars
 from ertel.runs.engine import Engine
 from ertel.runs.files import NotDrawn, StoreError, delete, locked
 from ertel.runs.store import RunStore, compute
+from ertel.runs.study_result import ConvergenceResult, StudyResult
 from ertel.runs.workers import Condition, Failure, StopSignal, Task, Workers, never
 
 RUNS = "runs"

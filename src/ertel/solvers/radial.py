@@ -24,7 +24,7 @@ from ertel.case.spaces import radii
 from ertel.equations import account, outside
 from ertel.equations.approach import ClosureLine, NewtonsLaw, rate_of_change
 from ertel.equations.contact import traceable
-from ertel.equations.state import State, Stepper, StepSolution, lowest_point, padded
+from ertel.equations.state import State, StepNumbers, Stepper, StepSolution, lowest_point, packed, padded
 from ertel.numerics import bdf
 from ertel.numerics.integrals import Disc
 from ertel.numerics.programs import ANY_SIZE, Program, require_double
@@ -233,9 +233,9 @@ def solve_ring_step(p: RadialProblem) -> StepSolution:
     error = ring_film_error(p.ring, p.mesh.volume, oil, jnp.tensordot(p.predict_mass, masses, axes=1), s.P)
     velocity = rate_of_change(p.rates, approach, p.approaches)
     load_rate = rate_of_change(p.rates, terms["load"], p.loads)
-    record = account.in_units(terms, velocity, p.around, CIRCLE.hertz_load, load_rate)
-    values = approach, velocity, terms["load"], p.around.load, error, s.size <= tolerance, s.newton, 0
-    return StepSolution({"P": s.P, "H": s.H, "mass": oil}, account.step_numbers(values, record))
+    numbers = StepNumbers(approach, velocity, terms["load"], p.around.load, error, s.size <= tolerance, s.newton, 0)
+    record = account.with_outside(terms, velocity, p.around, CIRCLE.hertz_load, load_rate)
+    return StepSolution({"P": s.P, "H": s.H, "mass": oil}, packed({**numbers._asdict(), **record}))
 
 
 _step_program = Program(solve_ring_step)
@@ -342,7 +342,7 @@ def ring_account(eq: Equations, P: Array, H: Array, oil: Array, approach: float)
     deformation = H + approach - CIRCLE.gap(eq.mesh.r, 0.0)
     growth = ring_residual(eq, P, H) - eq.rate * (eq.mesh.oil.density(P) * H - oil).at[-1].set(0.0)
     film = account.Film(P, H, oil, oil, eps, friction.loss, deformation, growth, 0.0, 0.0)
-    return account.account_terms(eq.mesh.disc, eq.mesh.oil, film, friction)
+    return account.account_terms(eq.mesh.disc, eq.mesh.oil, film, friction, CIRCLE.hertz_load)
 
 
 def ring_friction(mesh: Mesh, P: Array, H: Array) -> account.Friction:

@@ -118,7 +118,7 @@ class GridSolution:
         terms, friction, content = _account_program(Plane.of(self.grid), c, self.P, self.H, rate, moment)
         around = discretise.outside_of(self.case, self.grid).at(motion_of(self.case, self.approach))
         around = around._replace(load=self.outside)
-        terms = account.in_units(jax.tree.map(float, jax.device_get(terms)), 0.0, around, scale)
+        terms = account.with_outside(jax.tree.map(float, jax.device_get(terms)), 0.0, around, scale)
         return SteadyAccount(terms, friction, content)
 
     @cached_property

@@ -43,7 +43,6 @@ FALLING = Algorithms(nonlinear.eliminate_approach, nonlinear.point_preconditione
 SHARPER = replace(OPTIONS, krylov_limit=10, first_reduction=0.01)
 ROLLING = Algorithms(nonlinear.approach_as_unknown, nonlinear.point_preconditioner, SHARPER)
 
-MEASURED = (*state.KEY_VALUES[:-1], "F")  # of a step, besides the numbers of the account
 SMALL = 512  # nodes a side of a grid on which one program more takes longer than it saves
 
 
@@ -243,7 +242,7 @@ class Transient2D(Stepper):
 
     def _level(self, T: float, solution: StepSolution, in_the_middle: bool = False) -> State:
         """The state after a step with its work: in the middle, the film on the whole grid is one convolution more."""
-        new = account.new_level(T, solution, MEASURED)
+        new = account.new_level(T, solution)
         newton, krylov, _ = new.work
         grid = self.grid.middle() if in_the_middle else self.grid
         convolutions = in_the_middle + nonlinear.convolutions(grid, newton, krylov) * grid.size / self.grid.size
@@ -361,7 +360,7 @@ def solve_step(p: StepProblem) -> StepSolution:
     )
     P, H = solution.P, solution.H
     fields = {"P": P, "H": H, "mass": oil_there(p.contact, P, H, solution.left, rate)}
-    return StepSolution(fields, _numbers(p, known, rate, solution, fields, approach))
+    return StepSolution(fields, state.packed(_numbers(p, known, rate, solution, fields, approach)))
 
 
 _step_program = Program(solve_step)
@@ -369,11 +368,12 @@ _step_program = Program(solve_step)
 
 def _numbers(
     p: StepProblem, known: Known, rate: Rate, s: newton.Solution, fields: Mapping[str, Array], approach: Array
-) -> Array:
-    """The numbers of the step, see `account.step_numbers`, with those of `MEASURED`."""
+) -> dict[str, Any]:
+    """The numbers of the step, see `StepSolution`."""
     c, mass, setting = replace(p.contact, flow=s.shared), fields["mass"], p.setting
     U = 0.0 if p.flow is None else p.flow.entrainment
-    *measured, load = state.key_values(setting.space, s.P, s.H)
+    values = state.key_values(setting.space, s.P, s.H)
+    load = values.pop("load")
     F = (load + known.load_around) / setting.hertz_load
     gap_change = U * setting.gap_slope - p.roughness_change
     passing = mass if p.flow is None else p.flow.passing(mass)
@@ -386,9 +386,10 @@ def _numbers(
     # half a cell around the grid counts as outside
     beyond = Surroundings(p.edge, known.load_around + load - terms["load"], known.uplift)
     load_rate = rate_of_change(known.rates, load, known.loads)
-    record = account.in_units(terms, velocity, beyond, setting.hertz_load, load_rate)
-    values = approach, velocity, load, known.load_around, error, s.converged, s.newton, s.krylov, *measured, F
-    return account.step_numbers(values, record)
+    around, work = known.load_around, (s.newton, s.krylov)
+    numbers = state.StepNumbers(approach, velocity, load, around, error, s.converged, *work)
+    of_account = account.with_outside(terms, velocity, beyond, setting.hertz_load, load_rate)
+    return {**numbers._asdict(), **values, "F": F, **of_account}
 
 
 def _weighted(weights: bdf.Weights, fields: Sequence[Array]) -> Array:

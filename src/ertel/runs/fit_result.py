@@ -19,8 +19,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
-from ertel.results.study_result import StudyResult
 from ertel.results.variables import in_celsius, with_prefix
+from ertel.runs.study_result import StudyResult
 from ertel.version import installed_version
 
 Values = NDArray[np.float64]
