@@ -159,7 +159,7 @@ SCHEDULER_HELP = (
 
 @dataclass(frozen=True)
 class EngineOptions:
-    """The processes that do the runs of a study, see `runs.workers.Engine`."""
+    """The processes that do the runs of a study, see `runs.engine.Engine`."""
 
     jobs: Annotated[int | None, option(JOBS_HELP, min=1)] = None
     scheduler: Annotated[str | None, option(SCHEDULER_HELP, "ADDRESS")] = None

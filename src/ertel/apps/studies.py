@@ -19,9 +19,9 @@ from ertel.runs import studies as stored
 from ertel.runs import traction as curves
 from ertel.runs.compile import prepare_jax
 from ertel.runs.directory import heeding_stop
+from ertel.runs.engine import Engine as Engine
 from ertel.runs.fit_problem import FitProblem
 from ertel.runs.study_result import StudyResult
-from ertel.runs.workers import Engine as Engine
 
 GOES_ON = "the same command continues"
 LISTED = 5  # failed runs that the last line names

@@ -40,10 +40,11 @@ from ertel.runs.ahead import STEPS, program_of
 from ertel.runs.compile import check_jax
 from ertel.runs.directory import CASE, PROGRESS, STOP, Taken, heeding_stop, is_asked_to_stop, read_progress, status_of
 from ertel.runs.drive import bars
+from ertel.runs.engine import Engine
 from ertel.runs.files import NotDrawn, StoreError, delete, locked
 from ertel.runs.store import RunStore, compute
 from ertel.runs.study_result import ConvergenceResult, StudyResult
-from ertel.runs.workers import Condition, Engine, Failure, StopSignal, Task, Workers, never
+from ertel.runs.workers import Condition, Failure, StopSignal, Task, Workers, never
 
 RUNS = "runs"
 NAME, ENDINGS = "sweep", ("zarr", "csv", "png")  # of the files with the numbers

@@ -3,20 +3,16 @@
     for name, outcome in LocalWorker().outcomes([Task("a", function, (1, 2))]):
         ...
 
-A task is a function with its arguments.  One that raises has a `Failure` as its outcome: the others go on.  An `Engine`
-says who does them: this process, others of this machine, or the workers of a scheduler.
+A task is a function with its arguments.  One that raises has a `Failure` as its outcome: the others go on.
 """
 
 import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from numbers import Integral
 from pathlib import Path
 from threading import Lock
 from typing import Any, Protocol
-
-from ertel.case.records import ConfigError, show
 
 Condition = Callable[[], bool]
 
@@ -156,45 +152,3 @@ def check_fork() -> None:
     if _computing != os.getpid():
         instead = 'start processes with multiprocessing.get_context("spawn"), or run the cases with ertel.sweep'
         raise Forked(f"this process was forked from one in which JAX runs, and would hang; {instead}")
-
-
-@dataclass(frozen=True)
-class Engine:
-    """The processes that do the runs.
-
-    Parameters
-    ----------
-    jobs : int, optional
-        Processes of this machine, by default one for each core; 1 is this process.
-    scheduler : str, optional
-        The address of a running scheduler: its workers do the runs.
-
-    Raises
-    ------
-    ConfigError
-        jobs is not a positive whole number.
-    """
-
-    jobs: int | None = None
-    scheduler: str | None = None
-
-    def __post_init__(self) -> None:
-        if self.jobs is not None and not (isinstance(self.jobs, Integral) and self.jobs >= 1):
-            raise ConfigError(f"jobs = {show(self.jobs)}: must be one or more, a whole number")
-
-    @property
-    def processes(self) -> int:
-        """The number of processes of this machine."""
-        return self.jobs or cores()
-
-    @contextmanager
-    def workers(self, runs: int) -> Iterator[Workers]:
-        """The workers for so many runs, and no more processes than these.  Raises NoScheduler."""
-        jobs = min(self.processes, runs)
-        if runs == 0 or (jobs == 1 and not self.scheduler):
-            yield LocalWorker()
-            return
-        from ertel.runs import cluster  # imports dask
-
-        with cluster.existing(self.scheduler) if self.scheduler else cluster.local(jobs) as workers:
-            yield workers
