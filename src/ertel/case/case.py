@@ -13,7 +13,7 @@ from html import escape
 from typing import Any
 
 from ertel.case import records, rules
-from ertel.case.completion import completed, solver_of
+from ertel.case.completion import solver_of, with_defaults
 from ertel.case.conditions import Conditions
 from ertel.case.definition import SECTIONS, Definition
 from ertel.case.height_map import NO_MAPS, HeightMap
@@ -83,8 +83,9 @@ class Case(Definition):
     ) -> None:
         given = Definition(contact, oil or Oil(), solver or Solver(), drive, roughness, time, output, name, thermal)
         given = with_own_numbers(given)
+        rules.check_values(given)
         rules.refuse(given, rules.GIVEN)
-        whole = completed(given)
+        whole = with_defaults(given)
         rules.refuse(whole, rules.COMPLETE)
         super().__init__(**{item.name: getattr(whole, item.name) for item in fields(whole)})
         self.lubricant  # noqa: B018  # raises if its data give no law

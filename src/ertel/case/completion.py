@@ -15,7 +15,7 @@ from ertel.case.sections import START_APPROACH, Output, Solver, Time
 from ertel.physics.units import plain
 
 
-def completed(case: Definition) -> Definition:
+def with_defaults(case: Definition) -> Definition:
     """The same with its defaults: the data of a dimensionless oil, the half width along y, time and output."""
     oil = case.oil if case.contact.is_physical else case.oil.completed()
     solver = case.solver

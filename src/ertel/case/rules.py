@@ -9,7 +9,7 @@ import numpy as np
 
 from ertel.case.conditions import MOES_L, MOES_M, REDUCED
 from ertel.case.definition import SECTIONS, Definition
-from ertel.case.methods import METHODS, Method, as_written, of_kind
+from ertel.case.methods import Method, as_written, of_kind
 from ertel.case.records import ConfigError, checked, show
 from ertel.case.sections import WIDEST_HALF_WIDTH
 from ertel.physics.film_formulas import rigid_film
@@ -41,6 +41,14 @@ def refuse(case: Definition, rules: Iterable[Rule]) -> None:
     for rule in rules:
         for place, complaint in rule(case):
             raise ConfigError(f"{case.entry(place)}: {complaint}")
+
+
+def check_values(case: Definition) -> None:
+    """Raise ValueError unless every value is one that its field allows; [contact] checks itself when it is made."""
+    for name, section in SECTIONS.items():
+        record = getattr(case, section.field)
+        if record is not None and name != "contact":
+            checked(record, name)
 
 
 def _name(case: Definition) -> Complaints:
@@ -78,15 +86,6 @@ def method_suits(case: Definition) -> Complaints:
             yield f"solver.{key}", f"{case.entry('solver.method')} has none; leave it out"
 
 
-def _values(case: Definition) -> Complaints:
-    """Every value is one that its field allows; those of [contact] are checked as soon as they are put together."""
-    for name, section in SECTIONS.items():
-        record = getattr(case, section.field)
-        if record is not None and name != "contact":
-            checked(record, name)
-    yield from ()
-
-
 def _shapes(case: Definition) -> Complaints:
     for number, feature in enumerate(case.roughness, 1):
         if not (is_dataclass(feature.shape) and hasattr(feature.shape, "heights")):
@@ -119,9 +118,9 @@ def _supported(case: Definition) -> Complaints:
     for name, place, only in asked:
         if not getattr(supports, name):
             others = of_kind(case.kind, lambda method: all(getattr(method.supports, each) for each, _, _ in asked))
-            instead = f"; use {as_written(others)}" if others else ""
+            instead = f"use {as_written(others)}" if others else f"no method of {case.kind} supports it"
             this = "" if place == "solver.method" else f"{case.entry('solver.method')} "
-            yield place, f"{this}is for {only}{instead}"
+            yield place, f"{this}is for {only}; {instead}"
 
 
 def computes(method: Method, case: Definition) -> bool:
@@ -141,6 +140,8 @@ def _asked(case: Definition) -> Iterator[tuple[str, str, str]]:
         yield "track", "lubricant.layer", "a uniform layer"
     if case.roughness:
         yield "roughness", "roughness", "smooth surfaces"
+    if case.thermal is not None:
+        yield "thermal", "thermal", "contacts without [thermal]"
 
 
 def _scales(case: Definition) -> Complaints:
@@ -327,11 +328,6 @@ def _thermal(case: Definition) -> Complaints:
     thermal, scales, eta0 = case.thermal, case.scales, case.oil.eta0
     if thermal is None:
         return
-    if not case.method.supports.thermal:
-        able = [method for method in METHODS.values() if method.supports.thermal]
-        this, kinds = f"and this one has {case.entry('solver.method')}", " or ".join({method.kind for method in able})
-        instead = f"leave the section [thermal] out, or use a {kinds} contact with {as_written(able)}"
-        yield "thermal", f"is for a steady contact, {this}; {instead}"
     if scales is None or eta0 is None:
         yield "thermal", "needs a contact in SI; give radius, load, ... or leave the section [thermal] out"
         return
@@ -347,7 +343,7 @@ def _thermal(case: Definition) -> Complaints:
         yield "thermal.inlet_factor", f'{at}; must be above zero, use "wilson-sheu" or "none"'
 
 
-GIVEN = (_values, _name, _reference, method_suits, _shapes)  # rules for what is given
+GIVEN = (_name, _reference, method_suits, _shapes)  # rules for what is given
 COMPLETE = (  # rules for a case with its defaults, in the order in which they are looked at
     oil_is_complete,
     _rheology,
