@@ -123,7 +123,7 @@ def with_start(measured: Sequence[Any], result: Any) -> list[Any]:
 INTENSITY = "intensity"
 QUANTITIES: Mapping[str, Variable] = {  # by the names of the SI Dataset and of the summary
     **{variable.si_name or name: variable for name, variable in VARIABLES.items()},
-    **{name: VARIABLES[name] for name in names_where(lambda variable: not variable.over)},
+    **{name: VARIABLES[name] for name in names_where(lambda v: not (v.over or v.at_moment))},
     INTENSITY: Variable("intensity", "I"),
 }
 
