@@ -14,11 +14,13 @@ from numpy.testing import assert_allclose
 from ertel.case.definition import grid_of
 from ertel.case.sections import SOLVERS, Drive, Time
 from ertel.equations import discretise
-from ertel.equations.account import friction
+from ertel.equations.account import ENERGIES, MASSES, friction
 from ertel.numerics.integrals import Plane
 from ertel.physics.motion import Oscillation, constant
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature, Waviness
+from ertel.results import balances
+from ertel.results.diagnostics import LARGE_IMBALANCE
 from ertel.results.result import Result
 from ertel.runs.drive import simulate
 
@@ -86,6 +88,20 @@ def test_rolling_over_waves_closes(load: float) -> None:
     found = imbalances(rolling(load=load))
     assert found["mass"] < 0.01 and found["momentum"] < 1e-6 and found["energy"] < 0.015
     assert np.ptp(rolling(load=load).dataset["elastic_energy"].values) > 1e-3  # the waves change what is stored
+
+
+NINE = (*MASSES[:3], *ENERGIES)  # the source of a cavity, a check, is zero
+
+
+@pytest.mark.parametrize("term", NINE)
+def test_a_budget_that_forgets_a_term_warns(term: str) -> None:
+    """While the load grows; the whole budget is far from a warning."""
+    whole, name = rolling(load=0.3), "mass" if term in MASSES else "energy"
+    data = whole.dataset.sel(time=slice(None, 0.5))
+    forgotten = data.assign({term: 0.0 * data[term]})
+    closed, opened = (balances.in_time(whole.case, each)[name]["imbalance"] for each in (data, forgotten))
+    assert closed is not None and opened is not None
+    assert opened > LARGE_IMBALANCE > 2.5 * closed
 
 
 def test_the_wave_that_slides_does_work() -> None:
