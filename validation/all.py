@@ -47,11 +47,12 @@ def _pages(folder: str, program: str, **minutes: float) -> list[Page]:
 
 PAGES = [
     *_pages("validation/rolling", "validate.py", reference=10, limits=3, cavity=2),
+    Page("validation/rolling/bars.md", "validation/rolling/bars.py", "", 12),
     Page("validation/rolling/waves.md", "validation/rolling/validate.py", "waves --nodes 257", 3),
     *_pages("validation/impact", "validate.py", work=12, orders=2, reference=15, errors=20),
     *_pages("validation/starvation", "validate.py", impact=5, order=3, track=4, work=3, settled=5, again=4),
     Page("validation/starvation/restitution.md", "validation/starvation/restitution.py", "", 2),
-    *_pages("validation/contacts", "validate.py", formula=8, angle=1),
+    *_pages("validation/contacts", "validate.py", formula=8, angle=1, mass=8),
     Page("validation/contacts/resistance.md", "validation/contacts/validate.py", "resistance --nodes 65", 4),
     Page("validation/contacts/line.md", "validation/contacts/line.py", "", 3),
     Page("validation/optics/README.md", "validation/optics/films.py", "", 4),

@@ -12,6 +12,7 @@ from jax import Array
 from ertel.equations import contact
 from ertel.equations.contact import Contact
 from ertel.equations.flow import Rate, flow_aligned
+from ertel.equations.linearised import linear_film
 from ertel.numerics import stencils
 from ertel.numerics.grid import Grid
 from ertel.numerics.stencils import Pair
@@ -103,6 +104,24 @@ def test_mirroring_the_contact_mirrors_the_residual(seed: int, U: float) -> None
     across = residual_in_any_flow(c, P[::-1], H[::-1], Rate(2.0, -H[::-1], U))
     np.testing.assert_allclose(along, r[:, ::-1], atol=1e-10)
     np.testing.assert_allclose(across, r[::-1], atol=1e-10)
+
+
+@jax.jit
+def changes_of_the_residual(c: Contact, films: tuple[Array, Array], by: tuple[Array, Array]) -> tuple[Array, Array]:
+    """By `LinearFilm`, and by the derivative of the residual itself."""
+    rate = Rate(3.0, -0.5, 0.7)
+    linear = linear_film(c, *films).residual(*by, lambda mass: rate._replace(past=0.0).of(mass, c.spacing))
+    return linear, jax.jvp(lambda P, H: contact.residual(c, P, H, rate), films, by)[1]
+
+
+def test_the_linear_film_is_the_derivative_of_the_residual() -> None:
+    """Exactly for a Newtonian oil, to round-off, for any film and any change of it."""
+    rng = np.random.default_rng(7)
+    P, dP, dH = (jnp.asarray(values) for values in rng.random((3, 17, 17)))
+    c = contact.bare_contact(CIRCLE, Grid.square(17, 2.0), 0.1, REAL)
+    linear, exact = changes_of_the_residual(c, (P, 0.1 + P), (dP, dH))
+    np.testing.assert_allclose(linear, exact, rtol=0, atol=1e-13 * float(np.abs(exact).max()))
+    assert float(np.abs(exact).max()) > 1.0
 
 
 @pytest.mark.parametrize(("D", "angle"), [(0.2, 0.0), (3.0, 0.0), (0.3, 35.0)])

@@ -15,11 +15,13 @@ from ertel.case.definition import grid_of
 from ertel.case.methods import METHODS
 from ertel.case.sections import Drive, Time
 from ertel.equations import discretise
-from ertel.equations.account import friction
+from ertel.equations.account import ENERGIES, MASSES, friction
 from ertel.numerics.integrals import Plane
 from ertel.physics.motion import Oscillation, constant
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature, Waviness
+from ertel.results import balances
+from ertel.results.diagnostics import LARGE_IMBALANCE
 from ertel.runs.drive import simulate
 from ertel.runs.result import Result
 
@@ -87,6 +89,20 @@ def test_rolling_over_waves_closes(load: float) -> None:
     found = imbalances(rolling(load=load))
     assert found["mass"] < 0.01 and found["momentum"] < 1e-6 and found["energy"] < 0.015
     assert np.ptp(rolling(load=load).dataset["elastic_energy"].values) > 1e-3  # the waves change what is stored
+
+
+NINE = (*MASSES[:3], *ENERGIES)  # the source of a cavity, a check, is zero
+
+
+@pytest.mark.parametrize("term", NINE)
+def test_a_budget_that_forgets_a_term_warns(term: str) -> None:
+    """While the load grows; the whole budget is far from a warning."""
+    whole, name = rolling(load=0.3), "mass" if term in MASSES else "energy"
+    data = whole.dataset.sel(time=slice(None, 0.5))
+    forgotten = data.assign({term: 0.0 * data[term]})
+    closed, opened = (balances.in_time(whole.case, each)[name]["imbalance"] for each in (data, forgotten))
+    assert closed is not None and opened is not None
+    assert opened > LARGE_IMBALANCE > 2.5 * closed
 
 
 def test_the_wave_that_slides_does_work() -> None:

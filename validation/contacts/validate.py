@@ -1,21 +1,21 @@
-"""Validate elliptical contacts: film formulas, rolling resistance, flow at an angle; writes a table of each.
+"""Validate elliptical contacts: formulas, rolling resistance, flow at an angle, mass; writes a table of each.
 
-    python validation/contacts/validate.py [formula] [resistance] [angle] [--nodes N]
+    python validation/contacts/validate.py [formula] [resistance] [angle] [mass] [--nodes N]
 
 Each table takes some minutes on two cores, most of them for compiling: every ellipse has a grid of its own.
 """
 
 import sys
 from collections.abc import Iterator
-from itertools import product
+from itertools import pairwise, product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ertel import Case, parse_case
+from ertel import Case, Oil, load_case, parse_case, rolling
 from ertel.physics.film_formulas import expected_film
-from ertel.results import diagnostics
+from ertel.results import balances, diagnostics
 from ertel.results.parameters import formula_films
 from ertel.solvers import steady
 from ertel.solvers.steady import GridSolution
@@ -144,6 +144,35 @@ def _angle(nodes: int, degrees: float) -> list[str]:
     return [f"{degrees:g}", f"{grid.nodes_x} x {grid.nodes_y}", *cells]
 
 
+# -- the balance of mass ----------------------------------------------------------------------------------------------
+
+
+def mass(nodes: int) -> str:
+    """What the balance of mass lacks in oils that thin, on grids up to one of `nodes` nodes along x."""
+    grids = [1 + (nodes - 1) // 2**k for k in reversed(range((nodes - 1).bit_length() - 5))]
+    steps = [f"{coarse} to {fine}: falls by" for coarse, fine in pairwise(grids)]
+    return table(["contact", "grid", *(f"imbalance on {n}" for n in grids), *steps], _masses(nodes))
+
+
+def _masses(nodes: int) -> Iterator[list[str]]:
+    for name, c in _thinning(nodes):
+        solutions = steady.steady_film(c).solutions
+        grid, stands = solutions[-1].grid, solutions[-1].status.ok
+        found = [balances.steady(c, s.account.terms, 1.0)["mass"]["imbalance"] or 0.0 for s in solutions]
+        falls = [f"{coarse / fine:.1f}" for coarse, fine in pairwise(found)]
+        size = f"{grid.nodes_x} x {grid.nodes_y}" + ("" if stands else ", no film")
+        yield [name, size, *(f"{imbalance:.2%}" for imbalance in found), *falls]
+
+
+def _thinning(nodes: int) -> Iterator[tuple[str, Case]]:
+    """Contacts with Ree-Eyring oil: two examples, and a long ellipse."""
+    for name in ("ball_bearing", "gear_flanks"):
+        yield name, load_case(HERE.parents[1] / "examples" / f"{name}.toml", [f"solver.nodes={nodes}"])
+    given = {"radius_x": 0.01, "mean_speed": 1.0, "slide_to_roll": 0.1, "E_prime": 226e9, "tolerance": 0.03}
+    given |= {"oil": Oil(eta0=0.04, alpha=20e-9), "rheology": {"law": "ree-eyring", "tau0": "5 MPa"}, "nodes": nodes}
+    yield "R_x/R_y = 0.05, 100 N", rolling(**given, radius_y=0.2, load=100.0)
+
+
 if __name__ == "__main__":
     write(
         HERE,
@@ -151,5 +180,6 @@ if __name__ == "__main__":
             "formula": ("Ellipses: the film formula", formula, 129),
             "resistance": ("Ellipses: rolling resistance", resistance, 129),
             "angle": ("Ellipses: flow at an angle", angle, 129),
+            "mass": ("Ellipses: the balance of mass with Ree-Eyring oil", mass, 129),
         },
     )

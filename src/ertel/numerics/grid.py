@@ -13,6 +13,7 @@ LARGEST_COARSEST = 17  # maximum nodes per side of the coarsest grid, which is s
 SMALLEST_COARSEST = 5
 LARGEST_RECTANGLE = 4 * LARGEST_COARSEST**2  # maximum nodes of a rectangular coarsest grid, solved by a dense matrix
 COARSE_ENOUGH = 9  # nodes per side; a coarser grid costs more compile time than it saves
+LEAST = 0.02  # of a value whose order is not regular: its least error on the second grid; each finer one has half of it
 FEW = 170  # a grid with at most this many stored nodes is solved by a dense matrix: one grid less to compile
 
 
@@ -194,12 +195,14 @@ def extrapolate(coarse: float, fine: float, coarsest: float | None = None) -> Ex
 def on_grids(values: Sequence[float], regular: bool = True) -> list[Extrapolation]:
     """Values on grids, coarsest first and each with half the spacing, with their errors; the coarsest has none.
 
-    regular: whether the order is; where not, the error follows from three grids.
+    regular: whether the order is; where not, the error follows from three grids, and is at least `LEAST`.
     """
     found = [Extrapolation(values[0], nan, nan)]
     for k in range(1, len(values)):
         coarsest = None if regular or k < 2 else values[k - 2]
-        found.append(extrapolate(values[k - 1], values[k], coarsest))
+        one = extrapolate(values[k - 1], values[k], coarsest)
+        least = 0.0 if regular else LEAST / 2 ** (k - 1) * abs(values[k])
+        found.append(one._replace(error=max(one.error, least)))
     return found
 
 

@@ -8,7 +8,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import inf
 from threading import Thread
 from typing import Any, NamedTuple
 
@@ -40,7 +39,8 @@ FIRST_GRID = 33  # nodes a side from which nested iteration starts, or the next 
 LEAST_FILM = 0.5  # a first guess keeps this fraction of the coarse grid's minimum film thickness
 THICK = 3.0  # film in units of the dry approach, from which the first guess is that of rigid bodies
 TOLERANCE = 1e-8  # of the residual of the steady film from which a transient run starts
-SETTLING = 5  # solves at most until the film and the oil outside agree; each leaves about a hundredth
+SETTLING = 5  # solves at most until the film and the oil outside agree; each leaves a hundredth, a tenth at low M
+OUTSIDE = 1e-4  # of the load: a change of the load outside that leaves the film as it is (H_c by as much at most)
 # leaves a tenth of the discretisation error at most (measured, H_c, H_min)
 AS_EXACT_AS_THE_GRID = 0.03
 SMALL = 2 * 65 * 65  # entries of the largest array on a grid that is solved in less time than its program is optimised
@@ -201,7 +201,7 @@ def nested(case: Case, done: Sequence[GridSolution] = ()) -> Iterator[GridSoluti
         else:
             first = solve_on_grid(case, grid, c, *_rough_guess(case, grid))
             guess = first.P, first.approach  # with the oil outside of the lubricated contact
-        solution = solve_on_grid(case, grid, c, *guess)
+        solution = _agreeing(c, solve_on_grid(case, grid, c, *guess), OUTSIDE)
         solutions.append(_judged(solution) if grid is grids[0] else solution)
         yield solutions[-1]
 
@@ -226,14 +226,24 @@ def settled(case: Case) -> Rolling:
     Time steps know Delta, so a run in time needs this film to stay steady.
     """
     *coarser, s = steady_film(case).solutions
-    c, before = discretise.contact_of(case, s.grid), inf
+    return Rolling((*coarser, _judged(_agreeing(discretise.contact_of(case, s.grid), s, TOLERANCE))))
+
+
+def _agreeing(c: Contact, s: GridSolution, allowed: float) -> GridSolution:
+    """The solution with the oil outside at its own Delta, not at that of the guess.
+
+    allowed: change of the load outside, over the load.
+    """
+    outside = discretise.outside_of(s.case, s.grid)
+    load = s.case.motion.load(0.0) * s.case.geometry.hertz_load
     for _ in range(SETTLING):
-        if not s.status.ok or abs(s.approach - before) < TOLERANCE:
+        if not s.status.ok or abs(outside.at(motion_of(s.case, s.approach)).load - s.outside) <= allowed * load:
             break
-        again = solve_on_grid(case, s.grid, c, s.P, s.approach)
+        again = solve_on_grid(s.case, s.grid, c, s.P, s.approach)
         work = s.newton + again.newton, s.krylov + again.krylov, s.convolutions + again.convolutions
-        before, s = s.approach, _judged(replace(again, newton=work[0], krylov=work[1], convolutions=work[2]))
-    return Rolling((*coarser, s))
+        history = s.history + again.history[1:]
+        s = replace(again, newton=work[0], krylov=work[1], convolutions=work[2], history=history)
+    return s
 
 
 def dry_guess(geometry: Geometry, grid: Grid, load: float) -> tuple[Floats, float]:
