@@ -63,7 +63,7 @@ def _as_data(run: "Listed", folder: Path) -> dict[str, Any]:
 def _print_runs(runs: "Sequence[Listed]", folder: Path) -> None:
     from ertel.apps.tables import print_rows
     from ertel.results.numbers import SHOWN, shown_of
-    from ertel.results.variables import name_in_si, with_prefix
+    from ertel.results.variables import in_celsius, name_in_si, with_prefix
 
     there = {name for run in runs for name in run.numbers}
     names = ["M", "L", *(name for name in shown_of(SHOWN, there) if there & {name, name_in_si(name)})]
@@ -72,7 +72,7 @@ def _print_runs(runs: "Sequence[Listed]", folder: Path) -> None:
         case = f"{run.case.name or run.case.kind}, {run.case.solver.method}" if run.case else ""
         status = run.status if run.done >= 1 else f"{run.status} {run.done:.0%}"
         numbers = [run.numbers.get(name_in_si(name)) or run.numbers.get(name) for name in names]
-        texts = [with_prefix(number.value, number.attributes["units"]) if number else "" for number in numbers]
+        texts = [with_prefix(*in_celsius(each.value, each.attributes["units"])) if each else "" for each in numbers]
         rows.append([str(run.directory.relative_to(folder)), case, status, f"{run.written:%Y-%m-%d %H:%M}", *texts])
     print_rows(rows, left=4)
 
@@ -255,7 +255,7 @@ def plot(
         _find_ffmpeg()
     from ertel import plots
     from ertel.inputs.fits import interferometer
-    from ertel.plots.movies import PER_SECOND
+    from ertel.plots.movies import MARK, PER_SECOND
     from ertel.runs.store import RunStore
 
     data = RunStore.open(directory).dataset()
@@ -278,7 +278,9 @@ def plot(
     target = out or directory / "plots"
     with placing(target, overwrite, may_be_link=out is not None) as place:
         for name, write in writers.items():
-            write(place / f"{name}.{format_}")
+            write(file := place / f"{name}.{format_}")
+            if format_ in MOVIES:
+                file.write_bytes(file.read_bytes() + MARK)
     for name in writers:
         print_path(target / f"{name}.{format_}")
 
@@ -316,6 +318,7 @@ def export(
     --what profile: profile_x.csv or profile_y.csv, in SI where the case is, with units in the names of the columns.
     Between two maps it is interpolated in time.
     """
+    from ertel.case.status import Status
     from ertel.results.dataset import EXPORTS
     from ertel.results.profiles import write_profile
     from ertel.results.variables import to_si
@@ -328,6 +331,8 @@ def export(
     if along != "x" and not what:
         leave(BAD_INPUT, f"--along {along}: only for --what profile")
     data = RunStore.open(directory).dataset()
+    if (status := Status(data.attrs["status"])).failed:
+        say(f"ertel: warning: the run failed ({status.value}); the files hold what it computed before that")
     target = out or directory / "export"
     with bad_input(), placing(target, overwrite, may_be_link=out is not None) as place:
         if what:

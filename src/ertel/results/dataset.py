@@ -77,18 +77,18 @@ def assemble_steady(case: Case, grid: Grid, solutions: Sequence[SteadyGrid]) -> 
     """The steady contact as a Dataset: fields on the finest grid, scalars and residuals over `grid`.
 
     grid: that of the fields, of the last solution, or of the case as long as there is none.  solutions: coarsest first;
-    the coordinate `grid` has their numbers of nodes a side.
+    the coordinate `grid` has their numbers of nodes a side.  One that is not solved has its work only.
     """
     fields = FIELDS if case.thermal is None else {**FIELDS, **variables.TEMPERATURES}
     nothing = np.full((len(grid.y), len(grid.x)), np.nan)
-    maps = solutions[-1].maps if solutions else dict.fromkeys(fields, nothing)
-    rows = [with_coefficients(s.record, case.scales) for s in solutions]
+    maps = solutions[-1].maps if solutions and solutions[-1].status.is_solved else dict.fromkeys(fields, nothing)
     work = ("residual", "newton_iterations", "krylov_iterations", "convolutions")
     names = (*variables.MEASURED, *variables.BUDGET, *variables.FRICTION, *work)
+    rows = [(with_coefficients(s.record, case.scales), s.status.is_solved) for s in solutions]
     histories = list(zip_longest(*(s.history for s in solutions), fillvalue=np.nan))
     arrays: Arrays = {
         **{name: (("Y", "X"), maps[name]) for name in fields},
-        **{name: (("grid",), np.array([row[name] for row in rows], dtype=float)) for name in names},
+        **{n: (("grid",), np.array([row[n] if ok or n in work else np.nan for row, ok in rows])) for n in names},
         "history": (("grid", "iteration"), np.reshape(histories, (len(histories), len(solutions))).T),
         "Y": (("Y",), grid.y),
         "X": (("X",), grid.x),

@@ -173,6 +173,7 @@ WHOLE = ("restitution", "contact_time", "F_max")  # of an impact as a whole
 # with an error under --error and in a convergence series; P_max and places are values of single nodes
 ESTIMATED = (*FILMS, "T", "Delta", "P_c", "F", *FRICTION, *WHOLE)
 MEASURED = ("H_c", "H_min", "X_min", "Y_min", "Delta", "P_c", "P_max", "load")  # of a rolling contact's summary
+MADE_BY = "ertel, with Matplotlib"  # in the files of pictures and movies: who drew them
 FIGURES_IN_TIME = (
     "overview", "film", "pressure", "oil", "maps", "profiles", "history", "friction", "front", "spacetime",
 )  # fmt: skip
