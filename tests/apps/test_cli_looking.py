@@ -19,6 +19,7 @@ from PIL import Image
 
 import ertel
 from ertel.plots import interferograms as page
+from ertel.runs import directory
 from ertel.runs.store import RunStore
 
 BALL = SMALL_IMPACT + "until = 0.1\n[output]\ninterval = 0.05\n"
@@ -61,6 +62,15 @@ def test_an_unfinished_and_a_damaged_run_are_listed(tmp_path):
     found = {run["directory"]: run for run in json.loads(ertel_("ls", str(tmp_path), "--json").stdout)}
     assert found["damaged"]["status"] == "damaged"
     assert found["stopped"]["status"] == "unfinished" and 0 < found["stopped"]["done"] < 1
+
+
+def test_temperatures_are_in_celsius(runs, monkeypatch):
+    """As everywhere else."""
+    [one] = directory.listed(runs / "plane")
+    warm = {"T_film_max_warm": directory.Scalar(353.15, {"units": "K"})}
+    monkeypatch.setattr(directory, "listed", lambda folder: [one._replace(numbers={**one.numbers, **warm})])
+    said = ertel_("ls", str(runs)).stdout
+    assert "80 degC" in said and "353" not in said
 
 
 def test_no_runs_and_no_folder(tmp_path):
@@ -159,6 +169,16 @@ def test_files_that_ertel_did_not_write_stay(runs, tmp_path):
         assert file.read_bytes() == before
         ertel_(*given_, "--overwrite")
         assert ertel_(*given_).stdout == f"{file}\n" and file.read_bytes() != before
+    for kind in ("png", "svg", "pdf"):  # of a user who draws with Matplotlib, too; an SVG may speak of ertel
+        picture, again = tmp_path / f"pressure.{kind}", ("plot", plane, "--what", "pressure", "--format", kind)
+        Figure().savefig(picture, metadata={"Title": "drawn beside ertel"} if kind != "png" else None)
+        before = picture.read_bytes()
+        assert f"{picture}: ertel did not write this file" in refused(*again, "--out", str(tmp_path))
+        assert picture.read_bytes() == before
+        picture.unlink()
+        for _ in range(2):
+            ertel_(*again, "--out", str(tmp_path))
+        picture.unlink()
     own = tmp_path / "own.csv"
     table.rename(own)
     table.symlink_to(own)
@@ -291,8 +311,15 @@ def test_movies(seen, kind):
 def test_movies_of_the_film(seen, monkeypatch):
     monkeypatch.setattr("ertel.plots.movies.SECONDS", 0.1)
     ertel_("plot", "ball", "--what", "film", "--format", "gif", "--rate", "20")
-    with Image.open(seen / "ball" / "plots" / "film.gif") as movie:
+    with Image.open(file := seen / "ball" / "plots" / "film.gif") as movie:
         assert (movie.n_frames, movie.info["duration"]) == (2, 50)
+        movie.save(seen / "own.gif", save_all=True)
+    monkeypatch.setattr("ertel.plots.movies.SECONDS", 0.05)
+    ertel_("plot", "ball", "--what", "film", "--format", "gif", "--rate", "20")  # ertel's own is replaced
+    assert not directory.others_in(seen / "ball")
+    (seen / "own.gif").replace(file)
+    assert "film.gif: ertel did not write this file" in refused("plot", "ball", "--what", "film", "--format", "gif")
+    assert directory.others_in(seen / "ball") == ["plots/film.gif"]
 
 
 def test_mp4(seen):

@@ -4,9 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from cases import ertel_
 from stored_runs import CASES, ROLL, STEADY
 
 import ertel
+from ertel import plots
 from ertel.case.definition import grid_of
 from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
@@ -119,6 +121,14 @@ def test_a_run_that_gives_up(tmp_path, monkeypatch, grids):
     summary = compute(run)
     assert (summary["status"], summary["H_c_error"]) == ("Newton iteration stalled", None)
     assert compute(RunStore.open(tmp_path / "run"))["status"] == "Newton iteration stalled"
+    data = run.dataset()
+    assert np.isnan(data["H"]).all() and np.isnan(data["P"]).all()  # the first guess stood there
+    assert np.isfinite(data["H_c"]).values.tolist() == np.isfinite(data["mass"]).values.tolist() == [True, False]
+    assert np.isfinite(data["newton_iterations"]).all()
+    with pytest.raises(ValueError, match=r"has no solution \(Newton iteration stalled\)"):
+        plots.draw(data, "film")
+    said = ertel_("export", str(tmp_path / "run")).stderr
+    assert said.startswith("ertel: warning: the run failed (Newton iteration stalled); the files hold what it computed")
 
 
 @pytest.mark.parametrize("M", [5, 7, 10])

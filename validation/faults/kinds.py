@@ -26,7 +26,9 @@ from ertel.numerics.programs import Program
 from ertel.results.summary import comparisons
 from ertel.runs import workers
 from ertel.runs.drive import drive, run_of
-from ertel.runs.fit import fit
+from ertel.runs.engine import Engine
+from ertel.runs.fit import store_fit
+from ertel.runs.fit_problem import load_fit_problem
 from ertel.runs.store import RunStore, compute, open_run
 
 jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone
@@ -168,7 +170,7 @@ def record(chosen: dict[str, Kind]) -> None:
             for number, case in enumerate(kind.cases()):
                 _compute(case, Path(scratch) / f"{kind.name}-{number}", "--error" in kind.flags)
             if kind.name == "fit":
-                fit(kind.case, Path(scratch) / kind.name)
+                store_fit(load_fit_problem(kind.case), Path(scratch) / kind.name, Engine(jobs=1))
     Remembered.recording = False
     gc.collect()
     gc.freeze()  # or each child would look through all of it, and so copy it
