@@ -190,6 +190,15 @@ def test_a_thin_layer_begins_from_the_dry_contact():
     assert approach > 0.0 and P.max() > 0.0
 
 
+@pytest.mark.parametrize(
+    ("layer", "advice"),
+    [(1e-9, "the film is too thin for any grid"), (1e-4, "use solver.nodes >= 385"), (0.05, "use solver.nodes >= 129")],
+)
+def test_a_grid_is_advised_only_where_one_can_help(layer, advice):
+    """The gap between two nodes, spacing^2/4 at most off the line, is to be lower than the layer is thick."""
+    assert diagnostics.no_film(ertel.rolling(M=20, L=5, layer=layer, nodes=65)).endswith(f"; {advice}")
+
+
 def test_a_solution_that_stalled_is_no_result(grids):
     coarse, fine = grids
     stalled = [coarse, replace(fine, status=Status.NEWTON_STALLED, residual=0.3)]

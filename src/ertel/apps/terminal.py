@@ -113,8 +113,8 @@ def _kind(path: Path) -> tuple[object, ...]:
     except OSError:  # a directory, a pipe, a link to nowhere
         return ()
     line = content[:LONGEST_LINE].splitlines()[0] if content else b""
-    first = line if line.decode(errors="replace").isprintable() else content[:4]
-    return first, MADE_BY.encode() in content, b"ertel" in content
+    begin = line if line.decode(errors="replace").isprintable() else content[:4]
+    return begin, MADE_BY.encode() in content, b"ertel" in content
 
 
 # -- paths ------------------------------------------------------------------------------------------------------------

@@ -61,7 +61,7 @@ class RegularStore(LocalStore):
     Reading a pipe may never end.  Other formats and codecs may run programs that the data name.
     """
 
-    get_sync = set_sync = None  # or a later zarr might read and write past `get` and `set`
+    get_sync = set_sync = None  # type: ignore[assignment] # or a later zarr might pass by `get` and `set`
 
     async def get(self, key: str, prototype: BufferPrototype | None = None, *_: Any, **__: Any) -> Buffer | None:
         if key.endswith(OLD_FORMAT):

@@ -332,14 +332,16 @@ class Worker:
         self.kept.move_to_end(request.address)
         return self.kept[request.address]
 
-    async def result_of(self, function: Callable[..., Any], *arguments: Any) -> Any:
-        """The result from the other process; one that ended, for want of memory perhaps, is started again."""
-        loop, first = asyncio.get_running_loop(), arguments[0]  # about a run or two, or the values of a form
-        asked = frozenset(str(getattr(each, "run", each)) for each in (first, getattr(first, "beside", None) or first))
+    async def result_of(self, function: Callable[..., Any], of: Any, *more: Any) -> Any:
+        """The result from the other process; one that ended, for want of memory perhaps, is started again.
+
+        of: a run, a request for a picture of one or two, or the values of a form.
+        """
+        asked = frozenset(str(getattr(each, "run", each)) for each in (of, getattr(of, "beside", None) or of))
         async with self._turn:
             if any(late <= asked and monotonic() < until for late, until in self._endless.items()):
                 raise ValueError(LATE)
-            work = loop.run_in_executor(self._executor, _with_plain_errors, function, *arguments)
+            work = asyncio.wrap_future(self._executor.submit(_with_plain_errors, function, of, *more))
             try:
                 return await asyncio.wait_for(work, LIMIT)
             except (TimeoutError, BrokenProcessPool) as error:
