@@ -46,7 +46,7 @@ RADIAL = '[contact]\nM = 20\nL = 5\n[solver]\nmethod = "radial"\nnodes = 33\n[ti
 TWO_GRIDS = "[solver]\nnodes = 65\n"
 IN_TIME = '[solver]\nmethod = "transient"\nnodes = 33\n[time]\nuntil = 0.1\nstep = 0.025\n'
 WAVES = '[[roughness]]\nshape = "waviness"\namplitude = 0.01\nwavelength_x = 1.0\nwavelength_y = 1.0\n'
-HEIGHTS = '[[roughness]]\nshape = "measured"\nfile = "heights.npy"\nunit = "nm"\ndetrend = "none"\nlength_x = 2.0\n'
+HEIGHTS = '[[roughness]]\nshape = "measured"\nfile = "heights.npy"\nunit = "nm"\ndetrend = "none"\nlength_x = "60 um"\n'
 MAPS = "[output]\ninterval = 0.02\n"
 CASES = {
     "radial": RADIAL + MAPS,
