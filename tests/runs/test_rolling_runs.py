@@ -192,7 +192,7 @@ def test_a_thin_layer_begins_from_the_dry_contact():
 
 @pytest.mark.parametrize(
     ("layer", "advice"),
-    [(1e-9, "the film is too thin for any grid"), (1e-4, "use solver.nodes >= 385"), (0.05, "use solver.nodes >= 129")],
+    [(1e-9, "the film is too thin for any grid"), (1e-4, "use solver.nodes >= 321"), (0.05, "use solver.nodes >= 129")],
 )
 def test_a_grid_is_advised_only_where_one_can_help(layer, advice):
     """The gap between two nodes, spacing^2/4 at most off the line, is to be lower than the layer is thick."""
