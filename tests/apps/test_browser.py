@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from app_runs import CASE, make_run, stand_in, until, write_progress
 from cases import ertel_, python
+from matplotlib.figure import Figure
 
 from ertel.apps import browser
 from ertel.apps.browser import form
@@ -18,6 +19,7 @@ from ertel.apps.browser.form import OPTIONS, Form
 from ertel.apps.browser.pictures import PlotRequest, Worker, stamp_of
 from ertel.apps.browser.processes import Phase, Processes
 from ertel.inputs.case_files import ConfigError, parse_case
+from ertel.plots.drawing import Picture
 from ertel.results.variables import PREFIXES
 from ertel.runs.directory import is_asked_to_stop
 from ertel.runs.files import locked
@@ -157,8 +159,16 @@ def test_runs_and_studies_are_deleted_whole_and_never_while_they_run(tmp_path):
     with pytest.raises(ValueError, match=r"speeds: holds other files \(notes.txt\)"):
         processes.delete(study)
     (study / "notes.txt").unlink()
+    drawn = study / "runs" / runs[0].name / "plots"
+    drawn.mkdir()
+    Picture().savefig(drawn / "film.png")
+    Figure().savefig(drawn / "pressure.png")
+    with pytest.raises(ValueError, match=rf"holds other files \(runs/{runs[0].name}/plots/pressure.png\)"):
+        processes.delete(study)
+    (drawn / "pressure.png").unlink()
+    own = (f"runs/{runs[0].name}/{name}" for name in ("plots/a.png", "plots/a.csv", "export/a.csv", "export/run.csv"))
     mine = (".env", ".git/HEAD", "fit.ipynb", "traction.xlsx", "runs/a.csv", "runs/mine/film.png", "sweep.zarr/a.py")
-    for file in (*mine, f"runs/{runs[0].name}/notes.txt", f"runs/{runs[0].name}/run.zarr/c/a"):
+    for file in (*own, *mine, f"runs/{runs[0].name}/notes.txt", f"runs/{runs[0].name}/run.zarr/c/a"):
         (study / file).parent.mkdir(parents=True, exist_ok=True)
         (study / file).touch()
         with pytest.raises(ValueError, match=rf"speeds: holds other files \({file}\); move them away first"):

@@ -181,6 +181,13 @@ def test_what_takes_too_long_is_ended_and_the_next_is_drawn(monkeypatch):
                 await worker.result_of(time.sleep, 100)
         monkeypatch.setattr(pictures, "LIMIT", 60.0)
         assert await worker.result_of(abs, -2) == 2
+        with pytest.raises(ValueError, match="takes too long to read"):
+            await worker.result_of(abs, 100)  # whatever else is asked about it
+        worker._endless[frozenset({"slow"})] = time.monotonic() + 600.0
+        slow = PlotRequest(Path("slow"), "film")
+        for request in (slow, PlotRequest(Path("a"), "film", beside=slow)):
+            with pytest.raises(ValueError, match="takes too long to read"):
+                await worker.draw(request)
         worker.close()
 
     begin = time.monotonic()

@@ -13,10 +13,12 @@ import xarray as xr
 from app_runs import given, refused
 from cases import SMALL_IMPACT, ertel_
 from made_up import BALL_FALLS, BALL_ROLLS, MOES_FALLS, dry_impact, steady
+from matplotlib.figure import Figure
 from PIL import Image
 
 import ertel
 from ertel.plots import interferograms as page
+from ertel.runs import directory
 from ertel.runs.store import RunStore
 
 BALL = SMALL_IMPACT + "until = 0.1\n[output]\ninterval = 0.05\n"
@@ -124,6 +126,16 @@ def test_files_that_ertel_did_not_write_stay(runs, tmp_path):
         assert file.read_bytes() == before
         ertel_(*given_, "--overwrite")
         assert ertel_(*given_).stdout == f"{file}\n" and file.read_bytes() != before
+    for kind in ("png", "svg", "pdf"):  # of a user who draws with Matplotlib, too; an SVG may speak of ertel
+        picture, again = tmp_path / f"pressure.{kind}", ("plot", plane, "--what", "pressure", "--format", kind)
+        Figure().savefig(picture, metadata={"Title": "drawn beside ertel"} if kind != "png" else None)
+        before = picture.read_bytes()
+        assert f"{picture}: ertel did not write this file" in refused(*again, "--out", str(tmp_path))
+        assert picture.read_bytes() == before
+        picture.unlink()
+        for _ in range(2):
+            ertel_(*again, "--out", str(tmp_path))
+        picture.unlink()
     own = tmp_path / "own.csv"
     table.rename(own)
     table.symlink_to(own)
@@ -228,3 +240,17 @@ def test_movies(seen, kind):
     ertel_("plot", "ball", "--interferogram", "mono", "--wavelength", "653 nm", "--format", kind, "--out", "movies")
     with Image.open(seen / "movies" / f"interferogram-mono.{kind}") as movie:
         assert movie.n_frames == 4
+
+
+def test_movies_of_the_film(seen, monkeypatch):
+    monkeypatch.setattr("ertel.plots.movies.SECONDS", 0.1)
+    ertel_("plot", "ball", "--what", "film", "--format", "gif", "--rate", "20")
+    with Image.open(file := seen / "ball" / "plots" / "film.gif") as movie:
+        assert (movie.n_frames, movie.info["duration"]) == (2, 50)
+        movie.save(seen / "own.gif", save_all=True)
+    monkeypatch.setattr("ertel.plots.movies.SECONDS", 0.05)
+    ertel_("plot", "ball", "--what", "film", "--format", "gif", "--rate", "20")  # ertel's own is replaced
+    assert not directory.others_in(seen / "ball")
+    (seen / "own.gif").replace(file)
+    assert "film.gif: ertel did not write this file" in refused("plot", "ball", "--what", "film", "--format", "gif")
+    assert directory.others_in(seen / "ball") == ["plots/film.gif"]

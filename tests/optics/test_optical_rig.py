@@ -1,6 +1,7 @@
 """Reflectance of coated glass, oil and steel: reference values, another program, limits."""
 
 import numpy as np
+import pint
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -20,7 +21,7 @@ from ertel.optics import (
     reflection,
 )
 
-NM = 1e-9
+NM, UNITS = 1e-9, pint.UnitRegistry()
 GREEN = 550 * NM
 WINDOW = np.linspace(-GREEN / 6, GREEN / 6, 101)  # a period
 
@@ -53,15 +54,28 @@ def test_oil_under_pressure():
 @pytest.mark.parametrize(
     ("made", "message"),
     [
-        (lambda: Layer(CHROMIUM, 8.0), "thickness = 8 m"),
+        (
+            lambda: Layer(CHROMIUM, 8.0),
+            "thickness = 8.0: must be a length from 0 to 0.0001 m; plain numbers are",
+        ),
         (lambda: Rig(oil_index=0.9), "oil_index = 0.9"),
-        (lambda: Monochromatic(532), "wavelength = 532 m"),
-        (lambda: Monochromatic(coherence=0), "coherence = 0 m"),
+        (lambda: Monochromatic(532), "wavelength = 532: must be a length from 2e-07 to 1e-05 m"),
+        (lambda: Monochromatic(coherence=0), "coherence = 0: must be"),
+        (lambda: Layer(CHROMIUM, "8 nm"), "thickness = 8 nm: must be a length"),
+        (lambda: Layer(CHROMIUM, UNITS.Quantity(8, "s")), "thickness = 8 second: must be a length"),
+        (lambda: Monochromatic(UNITS.Quantity(532, "kg")), "wavelength = 532 kilogram: must be a length"),
+        (lambda: Monochromatic(coherence=UNITS.Quantity(2, "Pa")), "coherence = 2 pascal: must be a length"),
     ],
 )
 def test_impossible_parameters_are_refused(made, message):
     with pytest.raises(ValueError, match=message):
         made()
+
+
+def test_lengths_may_have_a_unit():
+    assert Layer(CHROMIUM, UNITS.Quantity(8, "nm")) == Layer(CHROMIUM, 8 * NM)
+    assert Monochromatic(UNITS.Quantity(532, "nm"), UNITS.Quantity(20, "um")).wavelength == pytest.approx(532 * NM)
+    assert Monochromatic(coherence=np.inf).reach == np.inf
 
 
 # -- reflectance ------------------------------------------------------------------------------------------------------

@@ -13,10 +13,11 @@ import zarr
 from stored_runs import Evil
 
 import ertel
-from ertel.runs import arrays
+from ertel.runs import arrays, files, studies
 from ertel.runs.directory import ask_to_stop, is_asked_to_stop
 from ertel.runs.files import StoreError, content_of, sealed, unsealed
 from ertel.runs.store import RunStore, compute
+from ertel.runs.workers import LocalWorker
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="needs links and pipes")
 PICKLE = {"zarr_format": 2, "shape": [1], "chunks": [1], "dtype": "|O", "order": "C", "fill_value": None}
@@ -102,6 +103,38 @@ def test_asking_to_stop_makes_no_file_elsewhere(tmp_path, victim, ends):
     assert is_asked_to_stop(tmp_path / "run") and not (tmp_path / "run" / "stop").is_symlink()
 
 
+def test_two_may_write_a_file_at_once(tmp_path, monkeypatch):
+    """The second one came while the first was writing; the first found its draft gone."""
+    file, sync = tmp_path / "summary.json", files._sync
+
+    def second(handle):
+        monkeypatch.setattr(files, "_sync", sync)
+        files.replace(file, b"second")
+        assert file.read_bytes() == b"second"
+
+    monkeypatch.setattr(files, "_sync", second)
+    files.replace(file, b"first")
+    assert (file.read_bytes(), [path.name for path in tmp_path.iterdir()]) == (b"first", ["summary.json"])
+
+
+def test_drafts_of_killed_processes_are_deleted_and_nothing_else_is(tmp_path, victim):
+    for name in ("stop.0123abcd.partial", "notes.partial", "a.txt.0123abcd.part"):
+        (tmp_path / name).touch()
+    (tmp_path / "summary.json.89abcdef.partial").symlink_to(victim / "a.txt")
+    with files.locked(tmp_path):
+        found = {path.name for path in tmp_path.iterdir()}
+    assert found == {".lock", "notes.partial", "a.txt.0123abcd.part", "victim"}
+
+
+@pytest.mark.parametrize("name", ["runs", "runs/{digest}"])
+def test_a_study_does_not_write_its_runs_elsewhere(tmp_path, victim, name):
+    case = ertel.impact(M=20, L=5, method="radial", nodes=17, until=0.02)
+    (place := tmp_path / "study" / name.format(digest=case.digest)).parent.mkdir(parents=True)
+    place.symlink_to(victim)
+    with pytest.raises(StoreError, match=rf"{place}: is a symbolic link, and ertel would write where it leads"):
+        studies.run_study([case], tmp_path / "study", LocalWorker())
+
+
 # -- code -------------------------------------------------------------------------------------------------------------
 
 
@@ -139,6 +172,13 @@ def test_arrays_of_the_earlier_format_are_not_there(tmp_path):
     (tmp_path / "H" / ".zarray").write_text(json.dumps(PICKLE))
     (tmp_path / "H" / "0").write_bytes(pickle.dumps(np.array([Evil()])))
     assert not arrays.open_data(tmp_path, consolidated=False).load().variables
+
+
+@pytest.mark.parametrize("store", [arrays.RegularStore, arrays.SyncedStore])
+def test_no_other_way_to_read_and_write_passes_the_checks(tmp_path, store):
+    """Of zarr 3.1.6, which does not use it yet."""
+    sync = [getattr(zarr.abc.store, name, None) for name in ("SupportsGetSync", "SupportsSetSync", "SupportsSyncStore")]
+    assert not any(isinstance(store(tmp_path), each) for each in sync if each)
 
 
 # -- pipes ------------------------------------------------------------------------------------------------------------

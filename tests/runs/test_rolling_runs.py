@@ -4,8 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from cases import ertel_
 from stored_runs import CASES, ROLL, STEADY
 
+import ertel
+from ertel import plots
 from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
 from ertel.results import diagnostics, variables
@@ -93,6 +96,14 @@ def test_a_run_that_gives_up(tmp_path, monkeypatch, grids):
     summary = compute(run)
     assert (summary["status"], summary["H_c_error"]) == ("Newton iteration stalled", None)
     assert compute(RunStore.open(tmp_path / "run"))["status"] == "Newton iteration stalled"
+    data = run.dataset()
+    assert np.isnan(data["H"]).all() and np.isnan(data["P"]).all()  # the first guess stood there
+    assert np.isfinite(data["H_c"]).values.tolist() == np.isfinite(data["mass"]).values.tolist() == [True, False]
+    assert np.isfinite(data["newton_iterations"]).all()
+    with pytest.raises(ValueError, match=r"has no solution \(Newton iteration stalled\)"):
+        plots.draw(data, "film")
+    said = ertel_("export", str(tmp_path / "run")).stderr
+    assert said.startswith("ertel: warning: the run failed (Newton iteration stalled); the files hold what it computed")
 
 
 @pytest.mark.parametrize("M", [5, 10])
@@ -147,3 +158,12 @@ def test_an_iteration_that_leaves_the_numbers(tmp_path, monkeypatch):
     numbers_are_withheld(summary)
     assert "the solution failed (the iteration led to values that are not numbers)" in summary["warnings"][0]
     assert np.isfinite(guesses).all() and len(guesses) == 3
+
+
+@pytest.mark.parametrize(
+    ("layer", "advice"),
+    [(1e-9, "the film is too thin for any grid"), (1e-4, "use solver.nodes >= 321"), (0.05, "use solver.nodes >= 129")],
+)
+def test_a_grid_is_advised_only_where_one_can_help(layer, advice):
+    """The gap between two nodes, spacing^2/4 at most off the line, is to be lower than the layer is thick."""
+    assert diagnostics.no_film(ertel.rolling(M=20, L=5, layer=layer, nodes=65)).endswith(f"; {advice}")

@@ -9,11 +9,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from children import KILLED, Ended, Fault, command, die, die_torn, disk_full, fingerprint, in_child, terminate
+from children import KILLED, Ended, Fault, command, die, die_torn, disk_full, fingerprint, gathered, in_child, terminate
 from kinds import Kind, flush_every
 
 STOPPED = (143, -15)  # exit codes after SIGTERM
 EDGE = 20  # changes of files at the beginning and at the end of a run that are tried more often
+LONGEST = 60.0  # s, after which a process is killed
 LIMITS = (1000, 30_000)  # bytes: smaller and larger than the files of a small run
 
 
@@ -156,14 +157,16 @@ def _refusing(trial: Trial, fault: Fault) -> Outcome:
 
 
 def real_processes(trial: Trial, dice: random.Random) -> Outcome:
-    """Kill `python -m ertel run` at a random time, and let another process resume it."""
-    kind, patience = trial.known.kind, dice.uniform(1.0, 15.0)
-    first = _process(*kind.command(trial.run), patience=patience)
+    """Kill `python -m ertel` at a random time, and let another process go on."""
+    kind, patience = trial.known.kind, dice.uniform(1.0, LONGEST)
+    workers = ("--jobs", "2") if kind.is_study else ()  # of dask
+    first = _process(*kind.command(trial.run), *workers, patience=patience)
     trial.kills += first.code == -9
     trial.steps.append(f"killed after {patience:.1f} s" if trial.kills else "not killed")
-    ended = _process(*kind.command(trial.run), patience=600.0)
+    ended = _process(*kind.command(trial.run), *workers, patience=3600.0)
     if not ended.code:
-        ended.found = in_child(lambda tell: tell(found=fingerprint(trial.run), text=""))[0].found
+        run = trial.run
+        ended.found = in_child(lambda tell: tell(found={**fingerprint(run), **gathered(run)}, text=""))[0].found
     word, why = judged(ended, trial.known)
     return Outcome(word, f"{why} ({', '.join(trial.steps)})", trial.kills)
 

@@ -26,6 +26,9 @@ from ertel.numerics.programs import Program
 from ertel.results.summary import comparisons
 from ertel.runs import workers
 from ertel.runs.drive import drive, run_of
+from ertel.runs.engine import Engine
+from ertel.runs.fit import store_fit
+from ertel.runs.fit_problem import load_fit_problem
 from ertel.runs.store import RunStore, compute, open_run
 
 jax.config.update("jax_enable_x64", True)  # ertel itself asks for it in its public functions alone
@@ -43,7 +46,7 @@ RADIAL = '[contact]\nM = 20\nL = 5\n[solver]\nmethod = "radial"\nnodes = 33\n[ti
 TWO_GRIDS = "[solver]\nnodes = 65\n"
 IN_TIME = '[solver]\nmethod = "transient"\nnodes = 33\n[time]\nuntil = 0.1\nstep = 0.025\n'
 WAVES = '[[roughness]]\nshape = "waviness"\namplitude = 0.01\nwavelength_x = 1.0\nwavelength_y = 1.0\n'
-HEIGHTS = '[[roughness]]\nshape = "measured"\nfile = "heights.npy"\nunit = "nm"\ndetrend = "none"\nlength_x = 2.0\n'
+HEIGHTS = '[[roughness]]\nshape = "measured"\nfile = "heights.npy"\nunit = "nm"\ndetrend = "none"\nlength_x = "60 um"\n'
 MAPS = "[output]\ninterval = 0.02\n"
 CASES = {
     "radial": RADIAL + MAPS,
@@ -61,8 +64,16 @@ CASES = {
     "track": ROLLING + IN_TIME + MAPS + "[lubricant]\nlayer = 0.05\n",
     "converge": RADIAL.replace("33", "65") + MAPS,
     "study": RADIAL.replace("M = 20", "M = [20, 25]") + MAPS,
+    "fit": 'case = "ball.toml"\n[unknowns]\n"lubricant.eta0" = { bounds = ["40 mPa*s", "60 mPa*s"] }\n'
+    '[[measurements]]\nfile = "film.csv"\nat = "end"\nsigma = "0.1 um"\n',
 }
-STUDIES = {"study": "sweep", "converge": "converge"}  # their commands
+BALL = (  # of the fit
+    '[contact]\nradius = "10 mm"\ndrop_height = "10 mm"\nmaterial_1 = "steel"\nmaterial_2 = "glass"\n'
+    '[lubricant]\neta0 = "50 mPa*s"\nalpha = "15 / GPa"\n[solver]\nmethod = "radial"\nnodes = 33\n'
+    "[time]\nuntil = 0.05\n" + MAPS
+)
+FILM = "x_um,h_um\n0,14.9\n114,15.6\n229,18.0\n"  # about that of the ball, so that the search ends soon
+STUDIES = {"study": "sweep", "converge": "converge", "fit": "fit"}  # their commands
 FLAGS = {"error": ("--quiet", "--error"), **dict.fromkeys(STUDIES, ("--quiet", "--jobs", "1"))}
 NAMES = [*CASES]
 
@@ -87,9 +98,11 @@ class Kind:
         return [*(["resume", str(run)] if run.exists() else ["run", str(self.case), "--out", str(run)]), *self.flags]
 
     def cases(self) -> Sequence[Case]:
-        """The cases that it computes."""
+        """The cases that it computes; of a fit the first one."""
         if self.name == "converge":
             return convergence_series(load_case(self.case)).cases
+        if self.name == "fit":
+            return [load_case(self.case.with_name("ball.toml"))]
         return load_study(self.case).cases if self.is_study else [load_case(self.case)]
 
 
@@ -126,6 +139,8 @@ def _digest(arguments: Any) -> str:
 def kinds(directory: Path, names: list[str]) -> dict[str, Kind]:
     """The chosen kinds of run, their case files in a directory; "error" estimates the error of a radial impact."""
     np.save(directory / "heights.npy", 50.0 * np.sin(np.arange(256.0).reshape(16, 16)))
+    (directory / "ball.toml").write_text(BALL, encoding="utf-8")
+    (directory / "film.csv").write_text(FILM, encoding="utf-8")
     found = {}
     for name in names:
         case = directory / f"{name.replace(' ', '-')}.toml"
@@ -154,6 +169,8 @@ def record(chosen: dict[str, Kind]) -> None:
         for kind in chosen.values():
             for number, case in enumerate(kind.cases()):
                 _compute(case, Path(scratch) / f"{kind.name}-{number}", "--error" in kind.flags)
+            if kind.name == "fit":
+                store_fit(load_fit_problem(kind.case), Path(scratch) / kind.name, Engine(jobs=1))
     Remembered.recording = False
     gc.collect()
     gc.freeze()  # or each child would look through all of it, and so copy it

@@ -263,7 +263,7 @@ def plot(
         _find_ffmpeg()
     from ertel import plots
     from ertel.inputs.fits import interferometer
-    from ertel.plots.movies import PER_SECOND
+    from ertel.plots.movies import MARK, PER_SECOND
     from ertel.runs.store import RunStore
 
     data = RunStore.open(directory).dataset()
@@ -286,7 +286,9 @@ def plot(
     target = out or directory / "plots"
     with placing(target, overwrite, may_be_link=out is not None) as place:
         for name, write in writers.items():
-            write(place / f"{name}.{format_}")
+            write(file := place / f"{name}.{format_}")
+            if format_ in MOVIES:
+                file.write_bytes(file.read_bytes() + MARK)
     for name in writers:
         print_path(target / f"{name}.{format_}")
 
@@ -324,6 +326,7 @@ def export(
     --what profile: profile_x.csv or profile_y.csv, in SI where the case is, with units in the names of the columns.
     Between two maps it is interpolated in time.
     """
+    from ertel.case.status import Status
     from ertel.results.dataset import EXPORTS
     from ertel.results.profiles import write_profile
     from ertel.results.variables import to_si
@@ -336,6 +339,8 @@ def export(
     if along != "x" and not what:
         leave(BAD_INPUT, f"--along {along}: only for --what profile")
     data = RunStore.open(directory).dataset()
+    if (status := Status(data.attrs["status"])).failed:
+        say(f"ertel: warning: the run failed ({status.value}); the files hold what it computed before that")
     target = out or directory / "export"
     with bad_input(), placing(target, overwrite, may_be_link=out is not None) as place:
         if what:

@@ -14,7 +14,6 @@ import typer
 
 LONGEST = 2000  # characters of a message
 FAILED, BAD_INPUT = 1, 2  # exit codes; and 128 + the number of a signal, see `process`
-MARKS = (b"Matplotlib", b"ertel")  # of pictures but movies, and of NetCDF
 LONGEST_LINE, LARGEST_OUTPUT = 10**5, 4 * 10**9  # bytes: of the first line of a file, and of a file
 ASKED = 130  # stopped by a file, see `ertel.runs.directory`: as by Ctrl-C
 
@@ -82,8 +81,7 @@ def writing_to(directory: Path, advice: str) -> Iterator[None]:
 def placing(directory: Path, overwrite: bool = False, may_be_link: bool = True) -> Iterator[Path]:
     """Give a new directory for the files of this block; then move them into this one, also in place of ertel's own.
 
-    A file that is there already is taken for ertel's own where it begins as the new one does, see `_kind`: any picture
-    of Matplotlib is.
+    A file that is there already is taken for ertel's own where it begins as the new one does, see `_kind`.
     """
     if not may_be_link and directory.is_symlink():
         leave(BAD_INPUT, f"{shown(directory)}: is a symbolic link; delete it, or name a directory with --out")
@@ -105,8 +103,9 @@ def placing(directory: Path, overwrite: bool = False, may_be_link: bool = True) 
                 path.rmdir()
 
 
-def _kind(path: Path) -> tuple[bytes, ...]:
-    """The beginning of a file, of text its first line, with the marks of Matplotlib and of ertel in it."""
+def _kind(path: Path) -> tuple[object, ...]:
+    """The beginning of a file, of text its first line, and whether it has the mark of pictures, and that of NetCDF."""
+    from ertel.results.variables import MADE_BY
     from ertel.runs.files import content_of
 
     try:
@@ -114,7 +113,8 @@ def _kind(path: Path) -> tuple[bytes, ...]:
     except OSError:  # a directory, a pipe, a link to nowhere
         return ()
     line = content[:LONGEST_LINE].splitlines()[0] if content else b""
-    return (line if line.decode(errors="replace").isprintable() else content[:4], *(m for m in MARKS if m in content))
+    begin = line if line.decode(errors="replace").isprintable() else content[:4]
+    return begin, MADE_BY.encode() in content, b"ertel" in content
 
 
 # -- paths ------------------------------------------------------------------------------------------------------------

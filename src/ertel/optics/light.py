@@ -9,13 +9,13 @@ Spectra are summed with the CIE 1931 functions of the 2 degree observer every 5 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from math import log, pi, sqrt
+from math import inf, log, pi, sqrt
 from typing import ClassVar, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ertel.optics.rig import NM, ORDERS, Rig, Visibility, data_table
+from ertel.optics.rig import NM, ORDERS, Rig, Visibility, data_table, metres
 
 Array = NDArray[np.float64]
 GREEN = 532e-9  # m
@@ -157,10 +157,8 @@ class Monochromatic(Light):
     coherence: float = COHERENCE
 
     def __post_init__(self) -> None:
-        if not 2e-7 <= self.wavelength <= 1e-5:
-            raise ValueError(f"wavelength = {self.wavelength:g} m: must be from 2e-7 to 1e-5 m; give it in metres")
-        if not self.coherence > 0.0:
-            raise ValueError(f"coherence = {self.coherence:g} m: must be above 0; give math.inf for a laser")
+        object.__setattr__(self, "wavelength", metres("wavelength", self.wavelength, 2e-7, 1e-5))
+        object.__setattr__(self, "coherence", metres("coherence", self.coherence, 1e-9, inf))  # of a laser: inf
 
     @classmethod
     def of_width(cls, wavelength: float, width: float) -> "Monochromatic":

@@ -24,7 +24,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
-from math import ceil, log
+from math import ceil, log, nan
 from typing import Any, Protocol
 
 import numpy as np
@@ -41,6 +41,17 @@ PHASES = 32  # over a fringe of oil or of air
 ORDERS = np.arange(PHASES) - PHASES // 2  # of these fringes
 NM = 1e-9  # m
 FOLDER = files("ertel.optics") / "data"
+
+
+def metres(name: str, given: Any, least: float, most: float) -> float:
+    """A length in m, given in m or as a quantity of pint.  Raises ValueError for anything else."""
+    try:
+        value = float(given.to("m").magnitude if hasattr(given, "magnitude") else given)
+    except Exception:  # of pint, or because it is a text
+        value = nan
+    if not least <= value <= most:
+        raise ValueError(f"{name} = {given}: must be a length from {least:g} to {most:g} m; plain numbers are metres")
+    return value
 
 
 # -- media ------------------------------------------------------------------------------------------------------------
@@ -214,8 +225,7 @@ class Layer:
     thickness: float
 
     def __post_init__(self) -> None:
-        if not 0.0 <= self.thickness <= 1e-4:
-            raise ValueError(f"thickness = {self.thickness:g} m: must be from 0 to 1e-4 m; give it in metres")
+        object.__setattr__(self, "thickness", metres("thickness", self.thickness, 0.0, 1e-4))
 
 
 COATINGS = (Layer(CHROMIUM, CHROMIUM_THICKNESS),)

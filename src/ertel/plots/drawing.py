@@ -22,7 +22,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 
-from ertel.results.variables import prefixed, unit_of
+from ertel.results.variables import MADE_BY, prefixed, unit_of
 
 Values = NDArray[np.float64]
 Subject = TypeVar("Subject")
@@ -39,6 +39,7 @@ IN_PRINT: Any = {  # letters of 7 to 9 pt, "small" ones of 7.1 pt
     "xtick.major.width": 0.6, "ytick.major.width": 0.6, "legend.borderpad": 0.3,
 }  # fmt: skip
 EMBEDDED: Any = {"pdf.fonttype": 42, "ps.fonttype": 42}  # as TrueType, which journals ask for
+MARKED = {"png": "Software", "svg": "Creator", "pdf": "Creator"}  # where such a file says what drew it
 LONGEST_TITLE = 30  # letters of a panel's title in print, before it takes a second line
 MOST_HEIGHT = 0.8  # of a panel, as a share of its width
 FLAT = 0.5  # height over width of a map from which its colour bar lies below it
@@ -175,10 +176,15 @@ class Sheet:
 class Picture(Figure):
     """A Figure that a notebook shows without pyplot, and whose files have letters that can be searched."""
 
-    def savefig(self, *arguments: Any, **options: Any) -> None:
-        """Save the figure as matplotlib does; PDF and PostScript hold Type 42 fonts, SVG has letters as paths."""
+    def savefig(self, fname: Any, **options: Any) -> None:
+        """Save the figure as matplotlib does; PDF and PostScript hold Type 42 fonts, SVG has letters as paths.
+
+        PNG, SVG and PDF say that ertel drew them.
+        """
+        if key := MARKED.get(str(options.get("format") or fname).rpartition(".")[2].lower()):
+            options["metadata"] = {key: MADE_BY, **(options.get("metadata") or {})}
         with rc_context(EMBEDDED):
-            super().savefig(*arguments, **options)
+            super().savefig(fname, **options)
 
     def _repr_png_(self) -> bytes:
         png = BytesIO()

@@ -18,10 +18,11 @@ from ertel.plots.drawing import NoFigure, compose
 from ertel.plots.fields import draw_film_map, draw_pressure_map
 from ertel.plots.view import Limits, View
 from ertel.results.profiles import between
-from ertel.results.variables import is_steady
+from ertel.results.variables import MADE_BY, is_steady
 
 PER_SECOND = 12.0  # frames
 SECONDS = 8.0  # of a movie
+MARK = (8 + len(MADE_BY)).to_bytes(4, "big") + b"free" + MADE_BY.encode()  # a box at the end of the file, passed over
 FASTEST = 50.0  # frames a second that a GIF can have
 MOVIES: Mapping[str, Callable[..., None]] = {"film": draw_film_map, "pressure": draw_pressure_map}
 

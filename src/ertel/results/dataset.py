@@ -92,19 +92,21 @@ def assemble_steady(case: Case, grid: Any, solutions: Sequence[SteadyGrid]) -> x
     """The steady contact as a Dataset: fields on the finest grid, scalars and residuals over `grid`.
 
     grid: that of the fields, of the last solution, or of the case as long as there is none, with its `coordinates`.
-    solutions: coarsest first; the coordinate `grid` has their numbers of nodes a side.
+    solutions: coarsest first; the coordinate `grid` has their numbers of nodes a side.  One that is not solved has its
+    work only.
     """
     fields = names_where(lambda variable: variable.over in ("map", "heated map" if case.thermal else "map"))
     space: Mapping[str, Any] = grid.coordinates
     nothing = np.full([len(axis) for axis in space.values()], np.nan)
-    maps = solutions[-1].maps if solutions else dict.fromkeys(fields, nothing)
-    rows = [with_coefficients(s.record, case.scales) for s in solutions]
-    there = [n for n in names_where(lambda v: v.over in ("step", "grid")) if all(n in row for row in rows)]
+    maps = solutions[-1].maps if solutions and solutions[-1].status.is_solved else dict.fromkeys(fields, nothing)
+    work = ("residual", "newton_iterations", "krylov_iterations", "convolutions")
+    rows = [(with_coefficients(s.record, case.scales), s.status.is_solved) for s in solutions]
+    there = [n for n in names_where(lambda v: v.over in ("step", "grid")) if all(n in row for row, _ in rows)]
     histories = list(zip_longest(*(s.history for s in solutions), fillvalue=np.nan))
     arrays: Arrays = {
         **{name: (tuple(space), maps[name]) for name in fields},
         **{name: ((name,), axis) for name, axis in space.items()},
-        **{name: (("grid",), np.array([row[name] for row in rows], dtype=float)) for name in there},
+        **{n: (("grid",), np.array([row[n] if ok or n in work else np.nan for row, ok in rows], float)) for n in there},
         "history": (("grid", "iteration"), np.reshape(histories, (len(histories), len(solutions))).T),
         "grid": (("grid",), np.array([s.grid.nodes for s in solutions], dtype=np.int64)),
         "iteration": (("iteration",), np.arange(len(histories))),

@@ -1,7 +1,7 @@
 """Warnings if grid, domain, inlet or initial gap are not sufficient, each with a remedy."""
 
 from collections.abc import Iterator, Sequence
-from math import cbrt, ceil, inf, isfinite
+from math import cbrt, ceil, inf, isfinite, sqrt
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -163,8 +163,13 @@ def _cells(case: Case, speed: float) -> tuple[float, str]:
 
 
 def _resolve(case: Case, cells: float) -> str:
-    """The advice for `CELLS_IN_FRONT` cells across the sweep in place of these."""
-    return _use((case.solver.nodes - 1) * CELLS_IN_FRONT / cells + 1)
+    """The advice for `CELLS_IN_FRONT` cells across the sweep in place of these.
+
+    The gap of a ball, X^2, leaves the line between two nodes by up to a quarter of the spacing squared.  A layer of oil
+    that is thinner than this is not seen, on the largest grid perhaps.
+    """
+    nodes = 1 + (case.solver.nodes - 1) * max(CELLS_IN_FRONT / cells, case.spacing / sqrt(4 * (case.layer or inf)))
+    return _use(nodes) if nodes < 8 * MOST_NODES else "the film is too thin for any grid"  # also on a smaller domain
 
 
 def resolution(case: Case, speed: float = 0.0) -> Iterator[str]:

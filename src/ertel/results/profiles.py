@@ -44,13 +44,13 @@ def events_of(dataset: xr.Dataset) -> Mapping[str, int]:
 
 
 def is_without_moments(dataset: xr.Dataset, at: At) -> bool:
-    """Whether a run is a steady contact.  Raises ValueError for a moment of it, and where it has no solution yet."""
+    """Whether a run is a steady contact.  Raises ValueError for a moment of it, and where it has no solution."""
     if not is_steady(dataset):
         return False
     if at is not None:
         raise ValueError(f"at = {at!r}: a steady contact has no moments to choose from; leave it out")
-    if not dataset.sizes["grid"]:
-        raise ValueError("dataset: has no solution yet")
+    if np.isnan(dataset["H_c"].values[-1:]).all():  # of a run that has just begun, or failed
+        raise ValueError(f"dataset: has no solution ({dataset.attrs['status']})")
     return True
 
 

@@ -213,6 +213,7 @@ def _all() -> Iterator[tuple[str, Variable]]:
 
 VARIABLES = dict(_all())
 FILMS = ("H_c", "H_min")
+MADE_BY = "ertel, with Matplotlib"  # in the files of pictures and movies: who drew them
 FIGURES_IN_TIME = (
     "overview", "film", "pressure", "oil", "maps", "profiles", "history", "friction", "front", "spacetime",
 )  # fmt: skip

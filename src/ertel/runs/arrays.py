@@ -34,7 +34,7 @@ from zarr.storage import LocalStore
 from ertel.case.status import Status
 from ertel.results import dataset
 from ertel.results.dataset import Frame, provenance
-from ertel.runs.files import Damaged, StoreError, content_of, delete, reading, replace, sealed, unsealed
+from ertel.runs.files import DRAFT, Damaged, StoreError, content_of, delete, reading, replace, sealed, unsealed
 
 if TYPE_CHECKING:  # they bring JAX
     from ertel.runs.drive import SteadyRun
@@ -60,6 +60,8 @@ class RegularStore(LocalStore):
 
     Reading a pipe may never end.  Other formats and codecs may run programs that the data name.
     """
+
+    get_sync = set_sync = None  # type: ignore[assignment] # or a later zarr might pass by `get` and `set`
 
     async def get(self, key: str, prototype: BufferPrototype | None = None, *_: Any, **__: Any) -> Buffer | None:
         if key.endswith(OLD_FORMAT):
@@ -191,7 +193,7 @@ def with_rows(root: Root, rows: Mapping[str, int]) -> Root:
 
 def delete_uncounted(path: Path, root: Root) -> None:
     """Delete the chunks that have only rows that the metadata do not count, and what a killed process left."""
-    for file in path.rglob("*.partial"):
+    for file in path.rglob(f"*{DRAFT}"):
         file.unlink()
     for name, metadata in _metadata(root).items():
         chunk = metadata["chunk_grid"]["configuration"]["chunk_shape"][0]
@@ -312,7 +314,7 @@ class ReplacedData:
 
     def flush(self, path: Path, records: Sequence[Record], frames: Sequence[Frame], result: Any) -> dict[str, Any]:
         """Write the data again; the old data remain readable between the two renames."""
-        old, draft = old_of(path), path.with_name(f"{path.name}.partial")
+        old, draft = old_of(path), path.with_name(f"{path.name}{DRAFT}")
         delete(draft)
         self._write(draft, result)
         if path.exists():

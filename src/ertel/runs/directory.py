@@ -49,7 +49,8 @@ from ertel.case.status import Status
 from ertel.inputs.case_files import ConfigError, parse_case, read_toml, to_toml
 from ertel.results.earlier import as_now
 from ertel.results.numbers import Number, lines, scalars
-from ertel.runs.files import LOCK, StoreError, content_of, is_locked, reading, replace, sync_directory, unsealed
+from ertel.results.variables import FIGURES_IN_TIME, FIGURES_STEADY, MADE_BY
+from ertel.runs.files import LOCK, StoreError, content_of, inside, is_locked, reading, replace, sync_directory, unsealed
 
 if TYPE_CHECKING:  # it brings JAX, which readers do not need
     from ertel.runs.drive import Run
@@ -114,25 +115,34 @@ def _moved(draft: Path, directory: Path) -> bool:
 
 # -- its files --------------------------------------------------------------------------------------------------------
 
-_DRAWN, _ZARR = r"(png|svg|pdf|gif|webp|mp4|csv|nc|vti|pvd)", r"(c(/\d+)*|zarr(\.json)?)(\.[0-9a-f]{32})?(\.partial)?"
-_DRAFT = "(-[0-9a-f]{8})?"
-_ANY = rf"(progress\.json|stop|\{LOCK}|\.stop-[0-9a-f]{{8}})(\.partial)?"
+_PARTIAL, _ASKED = r"((\.[0-9a-f]{8})?\.partial)?", rf"stop|\.stop-[0-9a-f]{{8}}|\{LOCK}"
+_ZARR = rf"(c(/\d+)*|zarr(\.json)?)(\.[0-9a-f]{{32}})?{_PARTIAL}"
+_FIGURE = rf"({'|'.join({*FIGURES_IN_TIME, *FIGURES_STEADY})}|interferogram-(mono|two-beam|white)|compared-[^/]+)"
 _RUN = (
-    rf"{_ANY}|(case\.toml|checkpoint\.npz|summary\.json|heights-[0-9a-f]{{16}}\.npy)(\.partial)?|"
-    rf"run\.zarr(\.old|\.partial)?/(\w+/)?{_ZARR}|(plots|export)/[^/]+\.{_DRAWN}"
+    rf"(case\.toml|checkpoint\.npz|summary\.json|progress\.json|heights-[0-9a-f]{{16}}\.npy|{_ASKED}){_PARTIAL}|"
+    rf"run\.zarr(\.old|\.partial)?/(\w+/)?{_ZARR}|plots/{_FIGURE}\.(png|svg|pdf|gif|webp|mp4)|"
+    r"export/(history\.csv|grids\.csv|run\.nc|maps\.pvd|maps_\d+\.vti|profile_[xy](_[\w.-]+)?\.csv)"
 )
 _STUDY = r"(sweep|traction|fit|convergence)"
 WRITTEN = re.compile(
-    rf"{_RUN}|runs/\.?[0-9a-f]{{16}}{_DRAFT}/({_RUN})|"
+    rf"{_RUN}|runs/\.?[0-9a-f]{{16}}(-[0-9a-f]{{8}})?/({_RUN})|"
     rf"(\.{_STUDY}-\w{{8}}/)?{_STUDY}\.(csv|png|zarr/([\w.-]+/)?{_ZARR})"
 )
 
 
 def others_in(directory: Path) -> list[str]:
-    """The files in the directory of a run, or of a study, that do not have the name of one that ertel writes there."""
-    found = [Path(folder) / name for folder, *names in os.walk(directory) for name in chain(*names)]
-    names = [str(path.relative_to(directory)) for path in found if path.is_symlink() or not path.is_dir()]
-    return [name for name in names if not WRITTEN.fullmatch(name.replace(os.sep, "/"))]
+    """The files in the directory of a run, or of a study, that ertel does not write there.
+
+    Files of other names, and pictures in `plots` without ertel's mark.
+    """
+    found = [path for path in inside(directory) if path.is_symlink() or not path.is_dir()]
+    return [name for path in found if not _is_written(path, name := path.relative_to(directory).as_posix())]
+
+
+def _is_written(path: Path, name: str) -> bool:
+    with suppress(OSError):
+        return bool(WRITTEN.fullmatch(name)) and (path.parent.name != "plots" or MADE_BY.encode() in content_of(path))
+    return False
 
 
 # -- the case ---------------------------------------------------------------------------------------------------------

@@ -10,7 +10,7 @@ import os
 import shutil
 import time
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
 from hashlib import sha256
@@ -18,6 +18,7 @@ from itertools import chain
 from pathlib import Path
 from stat import S_ISREG
 from typing import Any
+from uuid import uuid4
 
 try:
     import fcntl
@@ -26,6 +27,7 @@ except ImportError:  # not on Windows
 
 CHECKSUM = "checksum"  # the key of it in a JSON file
 LENGTH = 2 * sha256().digest_size  # of a checksum, in hexadecimal digits
+DRAFT = ".partial"  # how the name of a file ends that is being written
 LOCK = ".lock"  # the file in a directory that is locked
 ASKING = 0.2  # s: `is_locked` holds the lock for much less
 LARGEST = 64 * 10**6  # bytes: a summary has some kB, the metadata of all arrays some 100 kB
@@ -54,24 +56,23 @@ class NotDrawn(UserWarning):
 
 
 def replace(path: Path, content: bytes, durable: bool = True) -> None:
-    """Replace a file atomically; a link in its place, or in that of its draft, is replaced and never followed.
+    """Replace a file atomically; a link in its place is replaced and never followed.
 
+    The draft has a name of its own, so that two may write at once; `locked` deletes that of a killed process.
     durable: make its directory if it is not there, and return when the file is on the disk.
     """
     if durable:
         path.parent.mkdir(parents=True, exist_ok=True)
-    draft = path.with_name(f"{path.name}.partial")
+    draft = path.with_name(f"{path.name}.{uuid4().hex[:8]}{DRAFT}")
     try:
-        draft.unlink(missing_ok=True)  # of a killed process; or a link that somebody else has put there
         with draft.open("xb") as file:
             file.write(content)
             file.flush()
             if durable:
                 _sync(file.fileno())
         draft.replace(path)
-    except OSError:
+    finally:
         draft.unlink(missing_ok=True)  # a full disk needs its space
-        raise
     if durable:
         sync_directory(path.parent)
 
@@ -84,10 +85,14 @@ def delete(path: Path) -> None:
         shutil.rmtree(path, ignore_errors=True)
 
 
-def require_no_links(directory: Path) -> None:
-    """Raise StoreError where a directory is a symbolic link or holds one: what is written there would go elsewhere."""
-    inside = (Path(folder) / name for folder, *names in os.walk(directory) for name in chain(*names))
-    for path in chain([directory], inside):
+def inside(directory: Path) -> Iterator[Path]:
+    """A directory and all that it holds, at any depth; links are not followed."""
+    return chain([directory], (Path(folder) / name for folder, *names in os.walk(directory) for name in chain(*names)))
+
+
+def require_no_links(paths: Iterable[Path]) -> None:
+    """Raise StoreError where a path is a symbolic link: what is written there would go elsewhere."""
+    for path in paths:
         if path.is_symlink():
             raise StoreError(f"{path}: is a symbolic link, and ertel would write where it leads; delete it")
 
@@ -118,18 +123,13 @@ def content_of(path: Path, most: int = LARGEST) -> bytes:
 
     Raises OSError where it is something else, too large, or cannot be read.
     """
-    with open(path, "rb", opener=_without_waiting) as file:
+    with open(path, "rb", opener=lambda name, flags: os.open(name, flags | getattr(os, "O_NONBLOCK", 0))) as file:
         status = os.fstat(file.fileno())
         if not S_ISREG(status.st_mode):
             raise OSError(errno.EINVAL, "not a regular file", str(path))
         if status.st_size > most:
             raise OSError(errno.EFBIG, os.strerror(errno.EFBIG), str(path))
         return file.read(status.st_size)
-
-
-def _without_waiting(path: str, flags: int) -> int:
-    """Open a file, a pipe without waiting for its other end."""
-    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
 
 
 # -- checksums --------------------------------------------------------------------------------------------------------
@@ -210,6 +210,8 @@ def locked(directory: Path) -> Iterator[None]:
         return
     try:
         _hold(handle, directory)
+        for draft in directory.glob(f"*.{'[0-9a-f]' * 8}{DRAFT}"):  # of a killed process
+            delete(draft)
         yield
     finally:
         os.close(handle)
@@ -229,10 +231,8 @@ def is_locked(directory: Path) -> bool:
         return False
     try:
         fcntl.flock(handle, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
-    except OSError:
-        return False
+    except OSError as error:
+        return isinstance(error, BlockingIOError)
     finally:
         os.close(handle)
     return False

@@ -41,7 +41,7 @@ from ertel.runs.compile import check_jax
 from ertel.runs.directory import CASE, PROGRESS, STOP, Taken, heeding_stop, is_asked_to_stop, read_progress, status_of
 from ertel.runs.drive import bars
 from ertel.runs.engine import Engine
-from ertel.runs.files import NotDrawn, StoreError, delete, locked
+from ertel.runs.files import NotDrawn, StoreError, delete, locked, require_no_links
 from ertel.runs.store import RunStore, compute
 from ertel.runs.study_result import ConvergenceResult, StudyResult
 from ertel.runs.workers import Condition, Failure, StopSignal, Task, Workers, never
@@ -237,8 +237,10 @@ def run_study(
     """Do what is left of a part; the status of each run that was worked on, by digest, or why it failed.
 
     asked: whether all should stop, asked again and again; a file in the directory asks too, and whoever calls deletes
-    it, see `alone`.  progress: whether to show progress bars.  Raises OSError where the directory cannot be made.
+    it, see `alone`.  progress: whether to show progress bars.  Raises OSError where the directory cannot be made,
+    StoreError where its runs would be written elsewhere.
     """
+    require_no_links([directory / RUNS, *(run_directory(directory, case) for case in cases)])
     (directory / RUNS).mkdir(parents=True, exist_ok=True)
     file = directory / f".stop-{uuid4().hex[:8]}"  # of this call only: other parts of the study go on
     statuses = {}

@@ -56,10 +56,7 @@ MOST_NODES = 128  # along a side of a map, of what is under the pointer
 NAMES = {"x": "X", "y": "X", "h": "H", "p": "P"}  # the variables that have the units of these
 KEPT = 16  # pictures, of some 0.4 MB each with the fields under the pointer
 KEPT_OPEN = 3  # Datasets
-LIMIT, PAUSE = (
-    60.0,
-    600.0,
-)  # s for what the other process is asked, and until it is asked again
+LIMIT, PAUSE = 60.0, 600.0  # s for what the other process is asked, and until it is asked again
 LATE = "it takes too long to read, as a pipe or a device does; ertel show, or ertel check of a case, tells more"
 ENDED = "the process that draws has ended, perhaps for want of memory; it begins again"
 
@@ -315,7 +312,7 @@ class Worker:
 
     def __init__(self, make: Callable[[], Executor] = _process):
         self._make, self._executor = make, make()
-        self._turn, self._endless = asyncio.Lock(), dict[str, float]()
+        self._turn, self._endless = asyncio.Lock(), dict[frozenset[str], float]()  # until when, by the runs
         self.kept: OrderedDict[str, Picture] = OrderedDict()
 
     def begin(self) -> None:
@@ -335,13 +332,16 @@ class Worker:
         self.kept.move_to_end(request.address)
         return self.kept[request.address]
 
-    async def result_of(self, function: Callable[..., Any], *arguments: Any) -> Any:
-        """The result from the other process; one that ended, for want of memory perhaps, is started again."""
-        loop, asked = asyncio.get_running_loop(), repr((function, arguments))
+    async def result_of(self, function: Callable[..., Any], of: Any, *more: Any) -> Any:
+        """The result from the other process; one that ended, for want of memory perhaps, is started again.
+
+        of: a run, a request for a picture of one or two, or the values of a form.
+        """
+        asked = frozenset(str(getattr(each, "run", each)) for each in (of, getattr(of, "beside", None) or of))
         async with self._turn:
-            if monotonic() < self._endless.get(asked, 0.0):
+            if any(late <= asked and monotonic() < until for late, until in self._endless.items()):
                 raise ValueError(LATE)
-            work = loop.run_in_executor(self._executor, _with_plain_errors, function, *arguments)
+            work = asyncio.wrap_future(self._executor.submit(_with_plain_errors, function, of, *more))
             try:
                 return await asyncio.wait_for(work, LIMIT)
             except (TimeoutError, BrokenProcessPool) as error:
