@@ -159,7 +159,7 @@ def test_a_curve_is_printed_and_stored_and_shown_by_the_same_command(here, monke
     for part in (
         "3 points over the slide-to-roll ratio",
         "mu_r",
-        "h_c on the grid (nm)",
+        "h_c (nm)",
         "Film: solved once",
         "traction/ball",
     ):

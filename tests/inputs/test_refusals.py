@@ -204,7 +204,7 @@ SECTIONS: Rows = [
     ({"contact": ROLLING, "roughness": [SPOT | {"surface": 2}], "motion": BACK}, ["roughness[1].surface = 2: moves"]),
     (
         {"contact": ROLLED, "solver": IN_TIME, "thermal": HOT},
-        ['"transient" is for contacts without [thermal]', '"steady"'],
+        ['thermal: solver.method = "transient" is for contacts without [thermal]; use solver.method = "steady"'],
     ),
     ({"contact": ROLLING, "lubricant": {}, "thermal": HOT}, ["thermal: needs a contact in SI"]),
     # which field is named where several could be wrong

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.integrate import quad
 from scipy.special import ellipkm1
 
-from ertel.case import definition
+from ertel.case import spaces
 from ertel.case.case import Case
 from ertel.case.sections import Solver, Time
 from ertel.case.status import Status
@@ -72,7 +72,7 @@ def test_the_grid_grows_from_the_centre_to_its_end_and_is_finest_at_the_edge_of_
     r = radial.radii(nodes, half_width)
     spacing = np.diff(r)
     assert r[0] == 0 and r[-1] == half_width and len(r) == nodes and np.all(spacing > 0)
-    assert abs(r[np.argmin(spacing)] - definition.EDGE) <= 2 * spacing.max()
+    assert abs(r[np.argmin(spacing)] - spaces.EDGE) <= 2 * spacing.max()
 
 
 def test_a_grid_of_twice_the_intervals_contains_the_coarse_one() -> None:

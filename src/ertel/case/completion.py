@@ -1,4 +1,4 @@
-"""What is left out of a case, filled in: its solver by the method and the contact, its oil, the end of its run.
+"""The values that a case leaves out: its solver by the method and the contact, its oil, the end of its run.
 
 So a case says all that is solved, and a stored run does not change with the defaults.
 """

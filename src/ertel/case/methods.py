@@ -16,7 +16,7 @@ from ertel.case.spaces import AlongTheRadius, OnThePlane, Space
 
 
 class Supports(NamedTuple):
-    """What a method can compute, beyond a smooth and circular contact with a Newtonian oil and a uniform layer.
+    """The abilities of a method beyond a smooth and circular contact with a Newtonian oil and a uniform layer.
 
     motion: a load and an entrainment.  thinning: an oil that thins under shear.  track: a layer that varies across the
     track.  thermal: the section [thermal].
@@ -34,7 +34,7 @@ ALL_BUT_HEAT = Supports()
 
 
 class Cost(NamedTuple):
-    """What a run takes, roughly; measured, see `benchmarks`.
+    """The memory and time of a run, roughly; measured, see `benchmarks`.
 
     arrays: number of arrays of all nodes in memory.  step: seconds of a time step, and for each node that is kept.
     film: seconds of a steady film, with the coarser grids, for each node that is kept.  is_dense: whether the arrays

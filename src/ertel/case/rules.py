@@ -129,7 +129,7 @@ def computes(method: Method, case: Definition) -> bool:
 
 
 def _asked(case: Definition) -> Iterator[tuple[str, str, str]]:
-    """What a case asks of its method: the field of `Supports`, the field of the case, and what others are for."""
+    """The demands of a case on its method: the field of `Supports`, the field of the case, and what others are for."""
     if not case.oil.is_newtonian:
         yield "thinning", _law(case), "Newtonian oils only"
     if case.geometry is not CIRCLE:

@@ -1,4 +1,4 @@
-"""Where the nodes of a method lie: on a plane, or along a radius.  What follows from that for grid and domain."""
+"""The places of a method's nodes, on a plane or along a radius, and what follows from them for grid and domain."""
 
 from collections.abc import Iterator
 from dataclasses import replace

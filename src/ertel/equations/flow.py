@@ -57,7 +57,7 @@ class Rate(NamedTuple):
         return in_time if self.wedge is None else in_time + self.wedge * slope_of_full(mass, spacing, kinked)
 
     def kinked(self, P: Array) -> Array | None:
-        """Where a steady starved film is kinked, None of any other film."""
+        """The nodes at which a steady starved film is kinked, None for any other film."""
         if self.layer is None or self.wedge is None:
             return None
         return kinked_at(P) if self.held is None else self.held

@@ -85,7 +85,7 @@ def delete(path: Path) -> None:
         shutil.rmtree(path, ignore_errors=True)
 
 
-def inside(directory: Path) -> Iterator[Path]:
+def all_below(directory: Path) -> Iterator[Path]:
     """A directory and all that it holds, at any depth; links are not followed."""
     return chain([directory], (Path(folder) / name for folder, *names in os.walk(directory) for name in chain(*names)))
 

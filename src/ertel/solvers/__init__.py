@@ -1,4 +1,4 @@
-"""How a steady contact or one time step is found: one class for each method, by its name in `case.methods`."""
+"""The solution of a steady contact or of one time step: one class for each method, by its name in `case.methods`."""
 
 from collections.abc import Callable
 

@@ -78,7 +78,7 @@ class ClosedSystem(NamedTuple):
 
 
 class Shared(NamedTuple):
-    """What the residual and its inverse share in an iteration: the flow, where a starved film is kinked, its number."""
+    """The part that the residual and its inverse share in an iteration: the flow, where a starved film is kinked, its number."""
 
     flow: PressureFlow
     kinked: Any  # None of any other film
