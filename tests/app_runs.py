@@ -126,7 +126,7 @@ def until(there: Callable[[], object], seconds: float = 20.0) -> None:
 def raising(error: BaseException) -> Callable[..., Any]:
     """A function that fails."""
 
-    def fail(*_: object) -> Any:
+    def fail(*_: object, **__: object) -> Any:
         raise error
 
     return fail

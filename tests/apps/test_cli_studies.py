@@ -46,7 +46,7 @@ def here(tmp_path, monkeypatch):
     drop = SMALL_IMPACT.replace("nodes = 33", 'method = "radial"\nnodes = 17').replace("0.01", "0.1\nuntil = 0.02")
     files = {"loads.toml": STUDY, "drop.toml": drop, "film.toml": FIT}
     files |= {"ball.toml": ROLLING.replace("nodes = 65", "nodes = 33")}
-    files |= {"pressure.csv": "t_us,p_c_kPa,sigma_kPa\n0.5,10,1e6\n"}
+    files |= {"pressure.csv": "t_us,p_c_kPa,sigma_kPa\n-37,10,1e6\n"}
     for name, text in files.items():
         (tmp_path / name).write_text(text)
     return tmp_path

@@ -78,7 +78,10 @@ class ClosedSystem(NamedTuple):
 
 
 class Shared(NamedTuple):
-    """The part that the residual and its inverse share in an iteration: the flow, where a starved film is kinked, its number."""
+    """The part of an iteration that the residual and its inverse share.
+
+    flow: at the film.  kinked: the nodes at which a starved film is kinked.  number: of the iteration.
+    """
 
     flow: PressureFlow
     kinked: Any  # None of any other film
