@@ -22,6 +22,7 @@ BLOCK = re.compile(r"(?P<skip><!-- not run -->[ \t]*\n+)?```python\n(?P<code>.*?
 NODES = re.compile(r"\bnodes=(\d+)")
 MOST_NODES = 33
 AT_LEAST = {"docs/howto/convergence.md": 65}  # an error is estimated from there on
+SLOW = {"docs/howto/impact_viscometer.md"}  # its fit takes a minute
 LINK = re.compile(r"\]\((?!https?:)([^)#\s]+)")
 
 
@@ -44,7 +45,7 @@ TEXTS = {page.relative_to(ROOT).as_posix(): page.read_text(encoding="utf-8") for
 CODES = {page: blocks(text) for page, text in TEXTS.items() if blocks(text)}
 FINE = [page for page, codes in CODES.items() if [coarser(code, page) for code in codes] != codes]
 RUNS = [
-    *(pytest.param(page, coarser, id=page) for page in CODES),
+    *(pytest.param(page, coarser, id=page, marks=[pytest.mark.slow] if page in SLOW else []) for page in CODES),
     *(pytest.param(page, as_it_is, id=f"{page}-all nodes", marks=pytest.mark.slow) for page in FINE),
 ]
 

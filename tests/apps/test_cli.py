@@ -59,6 +59,7 @@ def test_a_second_run_gets_its_own_directory_and_is_as_quiet_unless_jax_computes
     assert said == f"ertel: warning: {compile.wrong_version('0.10.2')}\n"
 
 
+@pytest.mark.slow
 def test_error_estimate(here):
     """Of a run that has ended.  It is that of a run on the half grid; the parts are tested with the loop."""
     radial = ("run", "small.toml", "--json", "--set", "solver.method=radial", "--set")
@@ -231,6 +232,7 @@ def test_run_show_and_plot(here, no_pictures):
     assert (found["status"], found["T"], found["step"], found["done"]) == ("converged", None, 2, 1.0)
 
 
+@pytest.mark.slow
 def test_a_run_on_the_track_of_another(here, runs):
     options = (*given("lubricant.layer=0.2 um", "solver.nodes=33"), "--quiet")
     ertel_("run", "steady.toml", *options, "--out", "first")
@@ -241,6 +243,7 @@ def test_a_run_on_the_track_of_another(here, runs):
     assert "the run is an impact" in ertel_("run", "steady.toml", "--after", str(runs[0] / "small"), code=2).stderr
 
 
+@pytest.mark.slow
 def test_a_transient_run_whole_and_resumed(here, no_pictures):
     text = ertel_("run", "transient.toml").stdout
     for part in ("at the last time", "H_c", "Nijenbanning", "steps"):

@@ -173,7 +173,9 @@ def films(speed: float = 1.0, slide_to_roll: float = 0.3) -> tuple[GridSolution,
 
 
 @pressure_only_inside
-@pytest.mark.parametrize("motion", [(1.0, 0.3), (1.0, -0.3), (-1.0, 0.3)])
+@pytest.mark.parametrize(
+    "motion", [(-1.0, 0.3), *(pytest.param(m, marks=pytest.mark.slow) for m in ((1.0, 0.3), (1.0, -0.3)))]
+)
 def test_the_surfaces_spend_what_heats_the_oil(motion: tuple[float, float]):
     """Sliding speed times sliding force, and rolling speed times the resistance of both: of order 2 as the budget."""
     speed, ratio = motion

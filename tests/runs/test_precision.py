@@ -192,6 +192,7 @@ for name in DO:
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
 def test_a_fork_of_a_process_that_has_computed_says_so():
     """JAX would hang there.  A fork before computes."""

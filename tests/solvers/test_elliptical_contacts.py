@@ -59,7 +59,10 @@ def whole(s: GridSolution, name: str = "H") -> np.ndarray:
 # -- exchange of the axes ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("angle", "other", "mirrored"), [(0.0, 90.0, False), (35.0, -55.0, False), (35.0, 55.0, True)])
+@pytest.mark.parametrize(
+    ("angle", "other", "mirrored"),
+    [pytest.param(0.0, 90.0, False, marks=pytest.mark.slow), (35.0, -55.0, False), (35.0, 55.0, True)],
+)
 def test_the_film_does_not_know_which_axis_is_called_x(angle: float, other: float, mirrored: bool) -> None:
     """In units of the swapped ellipse lengths are kappa times, films kappa^2/D times as large."""
     solver = LONG if angle == 0.0 else None

@@ -114,7 +114,10 @@ def test_exchange_of_the_bodies() -> None:
     assert_allclose(other.sliding[0], -one.sliding[0], rtol=1e-7)
 
 
-@pytest.mark.parametrize("law", [OIL["rheology"], {"law": "limited", "base": OIL["rheology"], "Lambda": 0.05}], ids=str)
+LIMITED = {"law": "limited", "base": OIL["rheology"], "Lambda": 0.05}
+
+
+@pytest.mark.parametrize("law", [OIL["rheology"], pytest.param(LIMITED, marks=pytest.mark.slow)], ids=str)
 def test_pure_rolling_has_no_heat_of_sliding(law: Any) -> None:
     """The stress is zero everywhere, where the length of a vector, which a limit asks for, has no derivative."""
     case = parse_case({**case_of({"slide_to_roll": 0.0}).to_data(), "lubricant": {**OIL, "rheology": law}})

@@ -88,6 +88,7 @@ def test_a_steady_film_stays_as_it_is():
     assert_allclose(newest.H, start.H, rtol=0, atol=3e-5)
 
 
+@pytest.mark.slow
 def test_an_impact_of_an_oil_that_thins():
     """On a track that moves and slides: as a Newtonian one without thinning, thinner with it."""
     films = {}
