@@ -88,7 +88,7 @@ def assemble_steady(case: Case, grid: Grid, solutions: Sequence[SteadyGrid]) -> 
     histories = list(zip_longest(*(s.history for s in solutions), fillvalue=np.nan))
     arrays: Arrays = {
         **{name: (("Y", "X"), maps[name]) for name in fields},
-        **{n: (("grid",), np.array([row[n] if ok or n in work else np.nan for row, ok in rows])) for n in names},
+        **{n: (("grid",), np.array([row[n] if ok or n in work else np.nan for row, ok in rows], float)) for n in names},
         "history": (("grid", "iteration"), np.reshape(histories, (len(histories), len(solutions))).T),
         "Y": (("Y",), grid.y),
         "X": (("X",), grid.x),
