@@ -24,7 +24,7 @@ def rebound(method: str, nodes: int) -> tuple[Any, ...]:
     found = ertel.simulate(cases[1])
     seconds, s = time.process_time() - begin, found.summary
     late = int((found.dataset.time > 3.2).sum())
-    films = ((s["max_approach"] or {}).get(name, nan) for name in ("H_c", "H_min"))  # none where the film vanishes
+    films = (nan if s[name] is None else s[name] for name in ("H_c", "H_min"))  # none where the film vanishes
     return s["steps"], late, s["newton_iterations"], s["krylov_iterations"], seconds, s["restitution"] or nan, *films
 
 

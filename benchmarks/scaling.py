@@ -69,7 +69,7 @@ def measure_impact(nodes: int) -> dict[str, float]:
 
     method = Transient2D(impact(1000, nodes))
     levels, timings, found = march(method, impact_levels(method), STEP, SETTLE, TIMED)
-    memory = _memory(solve_step.lower(next(method.attempt(levels, STEP))).compile())
+    memory = _memory(solve_step.lower(method.problem(levels, STEP)).compile())
     convolutions = statistics.mean(level.work.convolutions for level in found)
     wall, cpu = (step_seconds(times, found) for times in zip(*timings, strict=True))
     return _figures(method.grid, wall, cpu, convolutions, memory)

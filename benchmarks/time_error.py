@@ -45,7 +45,7 @@ def run(nodes: int, **time: Any) -> dict[str, float]:
 
     result = simulate(impact(M, nodes, solver={"tolerance": 1e-7}, time=time))
     rejected = int(result.dataset.rejected.sum())
-    return {**result.summary["max_approach"], "steps": result.dataset.sizes["time"], "rejected": rejected}
+    return {**result.summary, "steps": result.dataset.sizes["time"], "rejected": rejected}
 
 
 def errors(found: dict[str, float], exact: dict[str, float]) -> tuple[int, int, float, float]:

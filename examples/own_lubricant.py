@@ -28,7 +28,7 @@ def central_films(nodes: int = 129) -> tuple[float, float]:
     case = ertel.impact(M=200, L=10, nodes=nodes, oil=ertel.Oil(alpha=alpha))
     p1 = case.parameters.alpha_bar / alpha / 2  # Pa: half of Hertz' maximum pressure p_h* = alpha_bar/alpha
     own = replace(case, oil=ertel.Oil(alpha=alpha, viscosity=Power(p1, n=alpha * p1)))
-    first, second = (ertel.simulate(c).summary["max_approach"]["H_c"] for c in (case, own))
+    first, second = (ertel.simulate(c).summary["H_c"] for c in (case, own))
     return first, second
 
 

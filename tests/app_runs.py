@@ -23,9 +23,9 @@ from zarr.storage import LocalStore
 
 import ertel
 from ertel.inputs.case_files import parse_case, to_toml
-from ertel.results.fit_result import FitPoint, fit_dataset
 from ertel.runs import arrays
 from ertel.runs.files import sealed
+from ertel.runs.fit_result import FitPoint, fit_dataset
 
 ROLLING = """
 [contact]
@@ -62,7 +62,7 @@ tolerance = 0.01
 CASE = {**BALL_FALLS, "solver": {"method": "radial", "nodes": 41}}
 VALUES = {"T": 2.45, "Delta": 1.0, "F": 1.0, "P_c": 1.0, "P_max": 1.0, "H_c": 0.05, "H_min": 0.025}
 SUMMARY = {
-    "kind": "impact", "method": "radial", "M": 1000.0, "L": 10.0, "max_approach": VALUES, "restitution": 0.93,
+    "kind": "impact", "method": "radial", "M": 1000.0, "L": 10.0, **VALUES, "restitution": 0.93,
     "status": "converged", "warnings": ["the grid is coarse"], "wall_s": 5.0,
 }  # fmt: skip
 CHILD = {**os.environ, "PYTHONPATH": str(Path(ertel.__path__[0]).parent)}  # the environment of processes

@@ -20,8 +20,9 @@ import ertel
 from ertel.apps.cli import app
 from ertel.case.case import Case
 from ertel.case.conditions import Conditions
-from ertel.case.sections import SOLVERS, Drive, Solver, Time
-from ertel.equations.state import Method, State
+from ertel.case.methods import METHODS
+from ertel.case.sections import Drive, Solver, Time
+from ertel.equations.state import State, Stepper
 from ertel.inputs.case_files import parse_case
 from ertel.numerics.grid import Extrapolation, extrapolate
 from ertel.physics.lubricant import Oil
@@ -125,10 +126,10 @@ def _contact(kind: Any, p: Parameters) -> Conditions:
 
 def steady_solver(nodes: int, **changes: Any) -> Solver:
     """The solver of a steady contact."""
-    return replace(SOLVERS["steady"], nodes=nodes, **changes)
+    return replace(METHODS["steady"].defaults, nodes=nodes, **changes)
 
 
-def march(method: Method, step: float, steps: int) -> list[State]:
+def march(method: Stepper, step: float, steps: int) -> list[State]:
     """Levels of a fixed-step run, newest first."""
     levels = [method.start()]
     for _ in range(steps):
@@ -143,7 +144,7 @@ def orders(values: Sequence[Any]) -> np.ndarray:
     return np.log2(np.divide(changes[:-1], changes[1:]))
 
 
-def steps_of(case: Case, method: Method, start: Step | None = None) -> list[Step]:
+def steps_of(case: Case, method: Stepper, start: Step | None = None) -> list[Step]:
     """All accepted time steps of a run."""
     seen: list[Step] = []
     drive(TransientRun(case, method), [seen.append], start)

@@ -11,7 +11,7 @@ import xarray as xr
 
 from ertel.case.case import Case
 from ertel.case.definition import grid_of
-from ertel.case.sections import SOLVERS
+from ertel.case.methods import METHODS
 from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
 from ertel.inputs.python import Oil, rolling
@@ -57,7 +57,7 @@ def dry_impact(case_data, radial=False, rebound=True) -> xr.Dataset:
         P, H = hertz.pressure(r, A), hertz.gap(r, A) + 0.05 + max(1 - T, 0)
         scalars = {"Delta": float(hertz.approach(T - 1)), "V": float(hertz.velocity(T - 1)), "F": A**3}
         scalars |= {"P_c": A, "P_max": A, "H_c": float(H.min()), "H_min": float(H.min()) / 2, "X_min": A}
-        records.append({"T": T, **dict.fromkeys(variables.SCALARS, 0.0), **scalars})
+        records.append({"T": T, **dict.fromkeys(variables.STEPS, 0.0), **scalars})
         event = "max-approach" if abs(T - 2.45) < 1e-9 else ""
         frames.append(Frame(float(T), maps(P, H), event))
     coordinates = {"r": axis} if radial else {"Y": axis, "X": axis}
@@ -100,7 +100,8 @@ def solutions(case: Case, flow: float = 1.0) -> tuple[Solved, ...]:
     histories = [(1.0, 1e-3, 1e-9), (1.0, 1e-2, 1e-5, 1e-9), (1.0, 1e-4, 2e-9)]
     for nodes, H_c, H_min, past in zip(NODES, H_C, H_MIN, histories, strict=True):
         grid = grid_of(replace(case, solver=replace(case.solver, nodes=nodes, fold=False)))
-        values = dict.fromkeys(variables.MEASURED, 1.0)
+        there = variables.names_where(lambda v: v.at_moment and v.over and v.scale != variables.COEFFICIENT)
+        values = dict.fromkeys((name for name in there if name not in ("F", "power_loss")), 1.0)
         values |= {"H_c": float(H_c), "H_min": float(H_min), "load": 2 * np.pi / 3}
         P, H = fields(np.asarray(grid.x), np.asarray(grid.y), H_c, flow)
         converged = Status.CONVERGED
@@ -115,7 +116,7 @@ def steady(case: Case, flow: float = 1.0) -> xr.Dataset:
 
 def as_in_time(case: Case) -> Case:
     """The same contact, as a run in time."""
-    return replace(case, solver=replace(SOLVERS["transient"], nodes=81))
+    return replace(case, solver=replace(METHODS["transient"].defaults, nodes=81))
 
 
 def in_time(case: Case, flow: float = 1.0) -> xr.Dataset:
@@ -127,6 +128,6 @@ def in_time(case: Case, flow: float = 1.0) -> xr.Dataset:
         P, H = fields(X, Y, film, flow)
         known = {"T": T, "dT": 0.1, "F": 1.0, "w": 1.0, "U": flow, "Delta": 0.9, "H_c": film, "H_min": film / 2}
         known |= {"X_min": 0.2, "Y_min": 0.8, "P_c": 1.0, "P_max": 1.0}
-        records.append({**dict.fromkeys(variables.SCALARS, 0.0), **known})
+        records.append({**dict.fromkeys(variables.STEPS, 0.0), **known})
         frames.append(Frame(float(T), maps(P, H), "end" if T == 4 else ""))
     return assemble(case, records, frames, {"Y": Y, "X": X})

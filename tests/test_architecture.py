@@ -10,6 +10,8 @@ from functools import cache
 from pathlib import Path
 
 import ertel
+from ertel.case.methods import METHODS
+from ertel.solvers import SOLVERS
 
 PACKAGE = Path(next(iter(ertel.__path__)))
 
@@ -27,7 +29,6 @@ ROOMS: dict[str, set[str]] = {
     "runs": {"physics", "optics", "numerics", "case", "equations", "inputs", "results", "solvers", "plots"},
     "apps": {"physics", "optics", "numerics", "case", "equations", "inputs", "results", "solvers", "plots", "runs"},
 }
-DRAWN_LAZILY = {"results.result", "results.study_result", "results.fit_result"}  # their `plot` imports a picture
 SHORTEST_FILE = 60
 SHORT = {"case.status", "inputs.materials"}  # an enumeration and a public face
 LONGEST_FILE = 400
@@ -100,7 +101,7 @@ def test_the_package_was_found():
 def test_arrows_point_down():
     def upward(module: str) -> set[str]:
         others = {room(name) for name in imported(module)} - {room(module), "version"}  # everybody may ask for it
-        return others - ROOMS[room(module)] - ({"plots"} if module in DRAWN_LAZILY else set())
+        return others - ROOMS[room(module)]
 
     assert broken(upward, INSIDE) == {}
 
@@ -110,7 +111,7 @@ def test_pictures_are_imported_when_they_are_drawn():
         above = (node for node in parsed(module).body if isinstance(node, ast.Import | ast.ImportFrom))
         return [name for node in above for name in imports(node) if name.startswith("ertel.plots")]
 
-    assert broken(at_once, DRAWN_LAZILY) == {}
+    assert broken(at_once, [module for module in INSIDE if room(module) == "runs"]) == {}
 
 
 def test_the_case_takes_only_the_grid_from_numerics():
@@ -152,6 +153,27 @@ def test_no_circle():
         for name in ready:
             del left[name]
     assert not left, f"these import each other: {sorted(left)}"
+
+
+def test_nobody_asks_which_method_it_is():
+    """The record of a method says what it is like, and `solvers` which class carries it out: nobody else compares."""
+
+    def compared(module: str) -> list[int]:
+        found: list[ast.AST | None] = []
+        for node in ast.walk(parsed(module)):
+            match node:
+                case ast.Compare(left=left, comparators=others):
+                    found += [part for side in (left, *others) for part in ast.walk(side)]
+                case ast.Dict(keys=keys):
+                    found += keys
+                case ast.MatchValue(value=value):
+                    found.append(value)
+        return [node.lineno for node in found if isinstance(node, ast.Constant) and node.value in METHODS]
+
+    assert compared("solvers.__init__")  # the test sees them
+    others = [module for module in INSIDE if module != "case.methods" and room(module) != "solvers"]
+    assert broken(compared, others) == {}
+    assert METHODS.keys() == SOLVERS.keys()
 
 
 def test_files_are_neither_long_nor_crumbs():

@@ -10,7 +10,7 @@ from cases import python
 import ertel
 
 SHOWN = """
-    impact rolling Oil quantity load_case Case Solver Time Output ConfigError simulate run open simulate_batch
+    impact rolling Oil quantity load_case Case Solver Time Output ConfigError simulate run open
     sweep converge fit traction cache respond respond_linearly respond_in_rolling Result Measurement to_si plots fronts
     waves formulas hertz materials oils optics Feature Spot Waviness RingWaviness Measured SelfAffine
 """
@@ -57,7 +57,7 @@ ACCESSOR = """
 import xarray, ertel
 assert not hasattr(xarray.Dataset, "ertel")
 ertel.simulate
-import ertel.results.result
+import ertel.runs.result
 assert "film" in dir(xarray.Dataset({"H": 0.1}).ertel.plot)
 """
 

@@ -37,7 +37,7 @@ def drop(height):
 # Three drops.  The central film is that at maximum approach.
 impacts = [drop(height) for height in HEIGHTS]
 speeds = np.array([impact.case.scales.speed for impact in impacts])
-film = np.array([impact.summary["si"]["max_approach"]["h_c_m"] for impact in impacts])
+film = np.array([impact.summary["si"]["h_c_m"] for impact in impacts])
 rigid = np.sqrt(3 * OIL.alpha * OIL.eta0 * 10e-3 * speeds)
 
 figure, (profiles, calibration) = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")

@@ -15,7 +15,7 @@ from matplotlib import pyplot as plt
 
 import ertel
 from ertel.case.definition import newtonian_stress
-from ertel.results.result import verdict
+from ertel.runs.result import verdict
 
 # %%
 # From the bearing to one contact

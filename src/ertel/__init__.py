@@ -3,7 +3,7 @@
 >>> import ertel
 >>> case = ertel.impact(M=1000, L=10, method="radial", nodes=257)
 >>> result = ertel.simulate(case)  # doctest: +SKIP
->>> result.summary["max_approach"]["H_c"]  # doctest: +SKIP
+>>> result.summary["H_c"]  # doctest: +SKIP
 
 Everything below is imported when it is first used, so that `import ertel` costs nothing.
 """

@@ -26,17 +26,16 @@ from ertel.physics.surfaces import Spot as Spot
 from ertel.physics.surfaces import Waviness as Waviness
 from ertel.results import fronts as fronts
 from ertel.results import waves as waves
-from ertel.results.contact_law import contact_law as contact_law
 from ertel.results.measurements import Measurement as Measurement
-from ertel.results.result import Result as Result
 from ertel.results.variables import to_si as to_si
-from ertel.runs.batch import simulate_batch as simulate_batch
 from ertel.runs.compile import cache as cache
+from ertel.runs.contact_law import contact_law as contact_law
 from ertel.runs.drive import simulate as simulate
 from ertel.runs.fit import fit as fit
 from ertel.runs.response import respond as respond
 from ertel.runs.response import respond_in_rolling as respond_in_rolling
 from ertel.runs.response import respond_linearly as respond_linearly
+from ertel.runs.result import Result as Result
 from ertel.runs.store import open_run
 from ertel.runs.store import run as run
 from ertel.runs.studies import converge as converge
@@ -68,12 +67,12 @@ from ertel.physics.motion import Motion as Motion
 from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, SHAPES, VISCOSITY_LAWS
 from ertel.physics.scales import Parameters as Parameters
 from ertel.physics.scales import Scales as Scales
-from ertel.results import result
-from ertel.results.contact_law import ContactLaw as ContactLaw
-from ertel.results.fit_result import FitResult as FitResult
-from ertel.results.study_result import ConvergenceResult as ConvergenceResult
-from ertel.results.study_result import StudyResult as StudyResult
-from ertel.results.study_result import TractionCurve as TractionCurve
+from ertel.runs import result
+from ertel.runs.contact_law import ContactLaw as ContactLaw
+from ertel.runs.fit_result import FitResult as FitResult
+from ertel.runs.study_result import ConvergenceResult as ConvergenceResult
+from ertel.runs.study_result import StudyResult as StudyResult
+from ertel.runs.study_result import TractionCurve as TractionCurve
 
 accessor = result
 density_laws = DENSITY_LAWS

@@ -13,7 +13,7 @@ from cases import ertel_, python
 from matplotlib.figure import Figure
 
 from ertel.apps import browser
-from ertel.apps.browser import form, pictures
+from ertel.apps.browser import form
 from ertel.apps.browser.folder import Folder, Outside, study_of
 from ertel.apps.browser.form import OPTIONS, Form
 from ertel.apps.browser.pictures import PlotRequest, Worker, stamp_of
@@ -64,40 +64,11 @@ def test_files_of_a_case_outside_the_folder(tmp_path, named):
         form.outlook_of({**CASE, **named}, folder)
 
 
-def test_files_of_a_case_keep_their_place(tmp_path):
-    data = {
-        "lubricant": {"oils": "mine.toml"},
-        "roughness": [{"shape": "spot"}, {"shape": "measured", "file": "disc.npz"}],
-    }
-    moved = form.relocated(data, tmp_path / "runs" / "a", tmp_path)
-    assert moved["roughness"] == [{"shape": "spot"}, {"shape": "measured", "file": "runs/a/disc.npz"}]
-    assert moved["lubricant"] == {"oils": "runs/a/mine.toml"}
-    assert data["roughness"][1]["file"] == "disc.npz"
-
-
-def test_runs_are_found_at_any_depth_and_the_latest_first(tmp_path):
-    old, new = make_run(tmp_path / "study" / "runs" / "old"), make_run(tmp_path / "runs" / "new")
-    for path in (old / "case.toml", old / "summary.json"):
-        os.utime(path, (0, 0))
-    assert Folder.at(tmp_path).runs() == [new.resolve(), old.resolve()]
-
-
 def test_a_new_case_takes_no_name_twice(tmp_path):
     folder = Folder.at(tmp_path)
     (tmp_path / "runs" / "ball-2").mkdir(parents=True)
     names = [folder.write("ball", "text")[0].name for _ in range(2)]
     assert names == ["ball.toml", "ball-3.toml"]
-
-
-def test_a_run_is_not_the_case_that_a_study_waits_for(tmp_path):
-    """A fit whose case is not there yet would take a run's file for it; a file that is added may be it."""
-    folder = Folder.at(tmp_path)
-    (tmp_path / "film.toml").write_text('case = "./ball.toml"\n[unknowns]\n')
-    (tmp_path / "odd.toml").write_text("case = 5\n[unknowns]\n")
-    runs = Processes(folder, ["true"])
-    assert [runs.start(name, "text").name for name in ("ball", "ball", "other")] == ["ball-2", "ball-3", "other"]
-    assert not (tmp_path / "ball.toml").exists() and (tmp_path / "ball-2.toml").read_text() == "text"
-    assert folder.write("ball", "text")[0].name == "ball.toml"
 
 
 # -- processes --------------------------------------------------------------------------------------------------------
@@ -121,15 +92,6 @@ def test_a_run_is_started_stopped_and_resumed(tmp_path):
     processes.resume(run)
     until(lambda: processes.status(run).phase is Phase.FINISHED)
     assert processes.ours() == []
-
-
-def test_a_run_that_fails_says_why(tmp_path):
-    code = "import sys; print('ertel: contact: missing', file=sys.stderr); sys.exit(2)"
-    processes = Processes(Folder.at(tmp_path), [sys.executable, "-c", code])
-    run = processes.start("ball", "text")
-    until(lambda: not processes.ours())
-    assert processes.status(run).phase is Phase.FAILED
-    assert processes.status(run).message == "contact: missing"
 
 
 @pytest.mark.parametrize("number", [os.getpid(), 0, -1], ids=["ours", "none", "negative"])
@@ -254,51 +216,11 @@ def test_the_form_begins_with_a_case(kind, choices):
     assert (case.contact.drop_height is not None) == (kind == "impact" and "impact_by" in choices)
 
 
-@pytest.mark.parametrize("kind", ["impact", "rolling"])
-def test_the_first_case_has_no_warning(tmp_path, kind):
-    assert form.outlook_of(chosen(contact__kind=kind).data(), Folder.at(tmp_path))["warnings"] == []
-
-
 def wrong_field(form):
     """The field that the message about a case names."""
     with pytest.raises(ConfigError) as error:
         parse_case(form.data())
     return form.field_of(str(error.value))
-
-
-def test_a_named_oil_takes_a_temperature():
-    form = chosen(
-        lubricant__oil="squalane", lubricant__temperature="60 degC", lubricant__eta0="nonsense, not asked for"
-    )
-    assert form.data()["lubricant"] == {"oil": "squalane", "temperature": "60 degC"}
-    assert parse_case(form.data()).oil.eta0 < 0.012
-
-
-def test_a_sliding_contact_may_thin_its_oil():
-    form = chosen(
-        contact__slide_to_roll="0.1", lubricant__rheology__law="ree-eyring", lubricant__rheology__tau0="-3 MPa"
-    )
-    assert "rheology" not in form.data()["lubricant"]  # an impact does not slide
-    form.choose("contact.kind", "rolling")
-    assert wrong_field(form) == "lubricant.rheology.tau0"
-    form.choose("lubricant.rheology.tau0", "3 MPa")
-    assert not parse_case(form.data()).oil.is_newtonian
-
-
-@pytest.mark.parametrize("kind", ["impact", "rolling"])
-@pytest.mark.parametrize(
-    ("given", "layer", "thickness", "wrong"), [("si", "2 um", 2e-6, "-1 um"), ("moes", "0.05", 0.05, "-1")]
-)
-def test_layer_of_oil(kind, given, layer, thickness, wrong):
-    """In both kinds of units; left empty, the contact is flooded."""
-    form = chosen(given=given, contact__kind=kind)
-    assert "lubricant.layer" not in str(form.data()) and parse_case(form.data()).layer is None
-    form.choose("lubricant.layer", layer)
-    case = parse_case(form.data())
-    assert case.layer == pytest.approx(thickness / (case.scales.film if case.scales else 1.0))
-    for value in (wrong, "[[0, 0]]"):
-        form.choose("lubricant.layer", value)
-        assert wrong_field(form) == "lubricant.layer"
 
 
 @pytest.mark.parametrize(
@@ -314,12 +236,6 @@ def test_layer_of_oil(kind, given, layer, thickness, wrong):
 )
 def test_messages_name_their_field(choices, field):
     assert wrong_field(chosen(**choices)) == field
-
-
-def test_messages_on_what_is_not_in_the_form():
-    assert Form().field_of("solver.radius = 1: unknown key") is None
-    assert Form().field_of("lubricant.temperature: missing") is None  # that of a named oil
-    assert chosen(lubricant__oil="squalane").field_of("lubricant.temperature: missing") == "lubricant.temperature"
 
 
 def test_each_key_of_the_form_has_the_help_of_the_command():
@@ -342,13 +258,6 @@ def test_the_command_without_the_package(monkeypatch):
     assert "pip install 'ertel[app]'" in ertel_("app", code=2).stderr
 
 
-def test_a_port_that_is_taken(tmp_path, monkeypatch):
-    from ertel.apps.browser import server
-
-    monkeypatch.setattr(server.helpers, "is_port_open", lambda *_: True)
-    assert "--port 8642: is taken" in ertel_("app", str(tmp_path), code=2).stderr
-
-
 # -- pictures ---------------------------------------------------------------------------------------------------------
 
 
@@ -358,23 +267,6 @@ def plots():
     found = Worker(lambda: ThreadPoolExecutor(1))
     yield found
     found.close()
-
-
-def test_what_is_known_of_a_run(tmp_path, plots):
-    info = asyncio.run(plots.info(make_run(tmp_path / "run")))
-    assert info.figures == ("maps", "profiles", "history", "front", "friction", "interferogram", "overview")
-    assert len(info.T) == 13 and info.t0 == pytest.approx(3.74e-5, rel=1e-2)
-    assert info.T[info.events["max-approach"]] == pytest.approx(2.45)
-    assert {number.about.symbol for number in info.latest} == {"H_c", "H_min", "P_max", "F"}
-
-
-def test_pictures_are_drawn_once(tmp_path, plots, monkeypatch):
-    run = make_run(tmp_path / "run")
-    request = PlotRequest(run, "front", "max-approach", kind="svg", stamp=stamp_of(run))
-    first = asyncio.run(plots.draw(request))
-    assert first.content.startswith(b"<?xml") and first.readout is None
-    monkeypatch.setattr(pictures, "draw_picture", None)
-    assert asyncio.run(plots.draw(request)) is first
 
 
 def test_readout_of_a_picture(tmp_path, plots):

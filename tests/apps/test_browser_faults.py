@@ -20,11 +20,10 @@ pytest.importorskip("nicegui")
 from nicegui.testing import user_simulation
 
 from ertel.apps.browser import pictures, server
-from ertel.apps.browser.folder import Folder, fault_of
+from ertel.apps.browser.folder import Folder
 from ertel.apps.browser.pictures import PlotRequest, Worker, stamp_of
 from ertel.apps.browser.processes import Phase, Processes
 from ertel.apps.browser.site import Site
-from ertel.runs.directory import read_progress
 from ertel.runs.files import sealed
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="the app stops runs by SIGINT")
@@ -72,7 +71,7 @@ SUMMARIES = {
     "deep": written(b"[" * 100_000), "nan": written(b'{"M": NaN, "checksum": "0"}'), "nothing": written(sealed({})),
     "status": written(sealed({**SUMMARY, "status": 5})), "kind": written(sealed({**SUMMARY, "kind": ["x"]})),
     "M": written(sealed({**SUMMARY, "M": "x"})), "warnings": written(sealed({**SUMMARY, "warnings": [5]})),
-    "H_c": written(sealed({**SUMMARY, "max_approach": {**SUMMARY["max_approach"], "H_c": None}})),
+    "H_c": written(sealed({**SUMMARY, "H_min": None})),
 }  # fmt: skip
 PROGRESS = {
     **ODD, "list": written(b"[1]"), "latin": written(b"\xe9"), "deep": written(b"[" * 100_000), "huge": progress(),
@@ -127,26 +126,6 @@ def test_a_run_that_cannot_be_read_is_a_row_that_says_so(site):
     told = {run["directory"]: run["status"] for run in json.loads(ertel_("ls", str(site.folder.root), "--json").stdout)}
     assert {name for name, status in told.items() if status == "damaged"} == FORMS.keys()
     assert {name for name, status in told.items() if status == "unfinished"} == HARMLESS.keys()
-
-
-@pytest.mark.parametrize(
-    ("name", "reason"),
-    [
-        ("summary-pipe", "summary.json: not a regular file"),
-        ("summary-huge", "summary.json: file too large"),
-        ("summary-nan", "summary.json: is damaged"),
-        ("summary-deep", "nested hundreds of times"),
-        ("case-pipe", "is not a regular file"),
-        ("case-type", "contact = 5"),
-    ],
-)
-def test_the_reason_is_told(site, name, reason):
-    assert reason in fault_of(site.folder.root / name)
-
-
-def test_progress_with_wrong_values_is_none(site):
-    readable = [name for name in HARMLESS if read_progress(site.folder.root / name)]
-    assert readable == ["progress-huge"]  # the one whose values are right
 
 
 @pytest.mark.asyncio

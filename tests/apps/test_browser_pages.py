@@ -1,7 +1,6 @@
 """The pages of the app without a browser: NiceGUI's simulated user, on a made-up run and a process that stands in."""
 
 import asyncio
-import dataclasses
 import json
 import os
 import re
@@ -13,20 +12,17 @@ import pytest
 
 pytest.importorskip("nicegui")
 import pytest_asyncio
-from app_runs import CASE as BALL
 from app_runs import make_fit, make_run, stand_in
 from nicegui import ElementFilter, app, background_tasks, ui
 from nicegui.testing import user_simulation
 
-from ertel.apps.browser import form, new_page, pictures, server
+from ertel.apps.browser import new_page, pictures, server
 from ertel.apps.browser.folder import Folder
 from ertel.apps.browser.pictures import Picture, Readout, Worker
 from ertel.apps.browser.processes import Phase, Processes
 from ertel.apps.browser.site import Site, address_of
 from ertel.case.rules import plain_name
-from ertel.inputs.studies import parse_study
 from ertel.runs.directory import CASE
-from ertel.runs.studies import gather, write_study
 
 pytestmark = [
     pytest.mark.asyncio,
@@ -107,38 +103,6 @@ async def test_the_first_page_lists_the_runs_and_a_page_of_no_run_says_so(user):
         await user.should_see(text)
 
 
-async def test_hundreds_of_runs_take_no_more_elements_and_one_text_for_all_pages(user, site):
-    await user.open("/")
-    few = len(user.client.elements)
-    for number in range(30):
-        make_run(site.folder.root / "runs" / f"ball-{number}")
-    await user.open("/")
-    assert len(user.client.elements) == few
-    first = one(user, "runs").content
-    assert first.count("finished · impact, M 1000, L 10") == 31
-    await user.open("/new")
-    assert one(user, "runs").content is first
-
-
-async def test_the_browser_keeps_light_or_dark(user, monkeypatch):
-    done = []
-    monkeypatch.setattr(ui, "run_javascript", done.append)
-
-    def is_dark():
-        with user:
-            (mode,) = ElementFilter(kind=ui.dark_mode)
-        return mode.value
-
-    await user.open("/")
-    assert is_dark() is None
-    user.find(marker="Dark").click()
-    await until(is_dark)
-    name, value = re.fullmatch(r"document\.cookie = '(.*?)=(.*?); .*'", done[0]).groups()
-    user.http_client.cookies.set(name, value)  # as a browser does, for apps that begin anew, too
-    await user.open("/new")
-    assert is_dark()
-
-
 async def test_bad_input_is_answered_in_the_words_of_ertel(user):
     await user.open("/new")
     await until(lambda: one(user, "run").enabled)
@@ -152,34 +116,6 @@ async def test_bad_input_is_answered_in_the_words_of_ertel(user):
     one(user, "contact.radius").set_value("12 mm")
     await user.should_see(marker="ready", retries=50)
     assert not one(user, "contact.radius").props["error"]
-
-
-async def test_a_wrong_value_unfolds_its_group(user):
-    await user.open("/new")
-    fold = one(user, f"fold-{form.LAYER}")
-    assert not fold.value
-    one(user, "lubricant.layer").set_value("-1 um")
-    await until(lambda: fold.value)
-    assert "above zero" in one(user, "lubricant.layer").props["error-message"]
-    await user.should_not_see(marker="roughness.depth")
-    one(user, "roughness.shape").set_value("spot")
-    await until(lambda: one(user, "roughness.depth"))
-    assert one(user, f"fold-{form.ROUGHNESS}").value and one(user, "solver.method").value == "2d"
-
-
-async def test_the_form_follows_its_choices_and_makes_a_case_file(user):
-    await user.open("/new")
-    one(user, "contact.kind").set_value("rolling")
-    one(user, "lubricant.oil").set_value("squalane")
-    one(user, "contact.slide_to_roll").set_value("0.1")
-    user.find(marker="tab-text").click()
-    await until(lambda: one(user, "run").enabled)
-    text = one(user, "text").value
-    assert 'oil = "squalane"' in text and "slide_to_roll = 0.1" in text and "ball_density" not in text
-    one(user, "text").set_value(text.replace("slide_to_roll", "slip"))
-    await user.should_see("contact.slip = 0.1: unknown key", retries=50)
-    one(user, "text").set_value("[contact")
-    await user.should_see("the text is not valid TOML", retries=50)
 
 
 async def test_a_case_is_run_stopped_and_resumed(user, site):
@@ -224,34 +160,6 @@ async def test_a_page_of_a_run(user, site):
     user.find(ui.tabs).elements.pop().set_value("interferogram")
     await user.should_see(marker="light")
     await until(lambda: one(user, "picture").props["src"] != second)
-
-
-async def test_values_under_the_pointer(user):
-    await user.open("/run?name=runs/ball")
-    await until(lambda: "src" in one(user, "picture").props)
-    user.find(marker="picture").trigger("pointermove", [0.55, 0.3])
-    await until(lambda: one(user, "readout").text == "x = 0.75 µm,  y = 1 µm,  h = 10.75 µm,  p = 1 Pa")
-    user.find(marker="picture").trigger("pointermove", [0.7, 0.3])  # beside the map
-    await until(lambda: one(user, "readout").text == "")
-    assert dataclasses.replace(READOUT, is_turned=True).at(0.55, 0.3).startswith("x = 1 µm,  y = 0.75 µm")
-    dimensionless = dataclasses.replace(READOUT, units={"x": "a", "y": "a", "h": "a^2/R", "p": "p_h"}, in_si=False)
-    assert dimensionless.at(0.5, 0.5) == "X = 5e-07 a,  Y = 0 a,  H = 5e-07 a^2/R,  P = 1 p_h"
-
-
-async def test_pictures_ahead_of_the_slider(user, site):
-    """The next three, the way that it moves; those that were drawn are not drawn again."""
-    await user.open("/run?name=runs/ball")
-    slider, T = one(user, "slider"), (await site.worker.info(site.folder.root / "runs" / "ball")).T
-
-    def drawn():
-        return [each.content.decode().removeprefix("png maps at ") for each in site.worker.kept.values()]
-
-    await until(lambda: drawn() == ["max-approach", *map(str, T[9:12])])
-    slider.set_value(3)
-    await until(lambda: drawn()[4:] == [str(T[frame]) for frame in (3, 2, 1, 0)])
-    slider.set_value(2)
-    await until(lambda: site.worker.kept[one(user, "picture").props["src"]].content.endswith(str(T[2]).encode()))
-    assert len(drawn()) == 8
 
 
 async def test_a_run_is_deleted_after_a_question(user, site):
@@ -321,25 +229,6 @@ async def test_a_fit_of_files_outside_is_not_started(user, site, tmp_path):
     assert site.processes.ours() == []
     await user.open("/study?name=fits/ball")
     await user.should_see("fits/ball is not a study")
-
-
-async def test_a_study_in_the_folder_has_a_page(user, site):
-    """One without a file is shown with its runs and their table, and is started by its command only."""
-    study = site.folder.root / "mine"
-    run = make_run(study / "runs" / "0123456789abcdef")
-    await user.open("/")
-    await user.should_see("0123456789abcdef")
-    assert site.folder.studies() == []
-    varied = parse_study({**BALL, "contact": {**BALL["contact"], "speed": ["0.1 m/s", "0.2 m/s"]}})
-    run.rename(run.with_name(varied.cases[0].digest))
-    write_study(gather(varied, study), study)
-    await user.open("/study?name=mine")
-    await until(lambda: all_of(user, "outcome"))
-    for text in ("speed (m/s)", "<td>0.2</td><td>missing</td>", "2 runs: 1 failed, 1 missing"):
-        assert text in one(user, "outcome").content
-    assert one(user, "phase").text == "interrupted" and not all_of(user, "start")
-    (study / "sweep.csv").write_text((study / "sweep.csv").read_text().replace("missing", "converged"))
-    await until(lambda: one(user, "phase").text == "finished")
 
 
 async def test_a_file_is_added_and_nothing_is_overwritten(user, site):
@@ -449,24 +338,6 @@ async def test_the_names_of_files_and_directories_are_text(user, site):
         assert rows.tags == {"div", "a", "i", "button"}
         assert rows.names == {"class", "href", "title", "aria-hidden", "type", "data-run", "aria-label"}
         assert properties(user) <= usual
-
-
-async def test_cases_are_checked_for_connected_pages_only(user, monkeypatch):
-    checked, outlook_of = [], form.outlook_of
-
-    def counted(*arguments):
-        checked.append(arguments)
-        return outlook_of(*arguments)
-
-    monkeypatch.setattr(form, "outlook_of", counted)
-    monkeypatch.setattr(new_page, "PAUSE", 0.0)
-    for _ in range(5):
-        assert (await user.http_client.get("/new")).status_code == 200
-    await asyncio.sleep(0.5)
-    assert checked == []
-    await user.open("/new")
-    await until(lambda: one(user, "run").enabled)
-    assert len(checked) == 1
 
 
 # -- two runs, and the end --------------------------------------------------------------------------------------------

@@ -1,9 +1,7 @@
 """The command line: what it prints and where, its exit codes, and that wrong input leaves nothing behind."""
 
 import json
-import os
 import signal
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -12,30 +10,17 @@ import xarray as xr
 from app_runs import CASE_FILES, given, raising, refused
 from cases import ertel_, names, physics, stop_after
 from matplotlib.figure import Figure
-from PIL import Image
 
 import ertel
 from ertel import plots
-from ertel.apps import about, running
-from ertel.apps.process import SIGNALS
+from ertel.apps import about
+from ertel.apps.process import MOVED
 from ertel.inputs.case_files import load_case
-from ertel.runs import compile, stepping, store
+from ertel.runs import compile, store
 from ertel.runs.directory import ask_to_stop, is_asked_to_stop, read_progress
-from ertel.runs.drive import drive
-from ertel.runs.stepping import StepLimits
 from ertel.runs.store import RunStore, compute
 
 # -- answers at once --------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    "command",
-    ["run", "resume", "show", "plot", "params", "film", "about", "sweep", "ls", "compare", "export"],
-)
-def test_help(command):
-    text = ertel_("--help").stdout
-    assert command in text and "--install-completion" in text
-    assert "--help" in ertel_(command, "--help").stdout
 
 
 def test_version():
@@ -56,17 +41,9 @@ def test_about(monkeypatch):
 def test_run_tells_what_it_stores(small, runs):
     summary, printed = RunStore.open(small).summary(), runs[1]["small"]
     assert "M = 200, L = 10" in printed
-    assert f"{summary['max_approach']['H_c']:.5g}" in printed
+    assert f"{summary['H_c']:.5g}" in printed
     assert "Warning: the film is not resolved at the front" in printed  # 33 nodes do not resolve it
     assert f"ertel plot {runs[0] / 'small'}" in printed
-
-
-def test_run_json_is_json_and_nothing_else(here):
-    summary = json.loads(ertel_("run", "ball.toml", "--out", "here", "--json").stdout)
-    assert summary == RunStore.open(here / "here").summary()
-    assert summary["max_approach"] is None  # it ends before
-    assert summary["si"]["p_h_Pa"] == pytest.approx(1.39361e9, rel=1e-5)
-    assert summary["si"]["max_approach"] is None
 
 
 def test_a_second_run_gets_its_own_directory_and_is_as_quiet_unless_jax_computes_wrongly(here, monkeypatch):
@@ -87,13 +64,13 @@ def test_error_estimate(here):
     radial = ("run", "small.toml", "--json", "--set", "solver.method=radial", "--set")
     before = json.loads(ertel_(*radial, "solver.nodes=33", "--out", "fine").stdout)
     fine = json.loads(ertel_("resume", "fine", "--error", "--json").stdout)
-    assert not before.get("error_estimate") and before["max_approach"] == fine["max_approach"]
+    assert not before.get("error_estimate") and before["H_c"] == fine["H_c"]
     at_once = json.loads(ertel_(*radial, "solver.nodes=33", "--out", "at once", "--error").stdout)
     assert at_once["error_estimate"] == fine["error_estimate"]
     assert json.loads(ertel_("show", "fine", "--json").stdout) == fine
     half = json.loads(ertel_(*radial, "solver.nodes=17", "--out", "half").stdout)
-    assert list(fine["error_estimate"]) == ["H_c", "H_min", "T", "Delta_max", "P_c", "F", "power_loss"]
-    estimate, films = fine["error_estimate"]["H_c"], [run["max_approach"]["H_c"] for run in (fine, half)]
+    assert list(fine["error_estimate"]) == ["T", "H_c", "H_min", "P_c", "Delta", "F", "power_loss"]
+    estimate, films = fine["error_estimate"]["H_c"], [run["H_c"] for run in (fine, half)]
     assert estimate["grid"] == pytest.approx((films[0] - films[1]) / 3, rel=1e-12)
     shown = ertel_("show", "fine").stdout
     (line,) = [line for line in shown.splitlines() if f"largest error is that of the {estimate['dominant']} in" in line]
@@ -125,7 +102,7 @@ def raise_signal(number):
 BY_FILE = pytest.param(ask_to_stop, 130, id="file")
 
 
-@pytest.mark.parametrize(("ask", "code"), [*map(raise_signal, SIGNALS), BY_FILE])
+@pytest.mark.parametrize(("ask", "code"), [raise_signal(signal.SIGTERM), BY_FILE])
 def test_interrupt_and_resume(here, ball, monkeypatch, ask, code):
     """A file from before does not stop a run, and none is left."""
     original = RunStore.__call__
@@ -148,79 +125,7 @@ def test_interrupt_and_resume(here, ball, monkeypatch, ask, code):
     assert whole.drop_attrs(deep=False).identical(resumed.drop_attrs(deep=False))
 
 
-@pytest.mark.parametrize(("ask", "code"), [raise_signal(signal.SIGTERM), BY_FILE])
-def test_interrupt_of_the_half_grid(here, monkeypatch, ask, code):
-    original = running.drive
-
-    def interrupted(course, observers):
-        ask(here / "runs" / "ball")
-        return original(course, observers)
-
-    with monkeypatch.context() as patch:
-        patch.setattr(running, "drive", interrupted)
-        said = refused("run", "ball.toml", "-q", "--error", code=code)
-    assert said == "ertel: interrupted; to continue: ertel resume runs/ball --error\n"
-    assert "nothing is computed yet; to start it: ertel resume" in refused("show", "runs/ball")
-    ertel_("resume", "runs/ball", "-q")
-    assert json.loads(ertel_("show", "runs/ball", "--json").stdout)["status"] == "converged"
-
-
-# -- show -------------------------------------------------------------------------------------------------------------
-
-
-def test_show_of_a_run_that_ends_before_maximum_approach(ball):
-    summary = RunStore.open(ball).summary()
-    for command in ("resume", "show"):
-        assert json.loads(ertel_(command, "my run", "--json").stdout) == summary
-    said = ertel_("show", "my run").stdout
-    for words in ("Maximum approach was not reached.", "Thinnest film of the run", "mbalance: mass "):
-        assert words in said
-    assert "ertel plot 'my run'" in said
-
-
-def test_show_si(here):
-    said = ertel_("run", "ball.toml", "--set", "time.until=max-approach", "--set", "time.step=0.1").stdout
-    assert all(words in said for words in ("in SI", "GPa", "µm"))
-
-
-# -- plot -------------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("kind", "start", "at"), [("png", b"\x89PNG", "60 us"), ("svg", b"<?xml", "max-approach"), ("pdf", b"%PDF", None)]
-)
-def test_plot_in_a_format_at_a_moment_and_elsewhere(here, ball, monkeypatch, kind, start, at):
-    asked = []
-    monkeypatch.setattr(plots, "names_of", lambda data: ("film", "history"))
-    monkeypatch.setattr(plots, "draw", lambda data, name, at, **_: asked.append((name, at)) or Figure())
-    ertel_("plot", "my run", "--format", kind, "--out", "pictures/here", *(["--at", at] if at else []))
-    assert asked == [("film", at), ("history", at)]
-    assert names(here / "pictures" / "here") == {f"film.{kind}", f"history.{kind}"}
-    assert (here / "pictures" / "here" / f"film.{kind}").read_bytes().startswith(start)
-
-
-def test_plot_of_one_figure_for_print(small):
-    """One column at 300 dots an inch."""
-    command = ("plot", "runs/small", "--what", "history", "--columns", "1", "--no-title")
-    assert ertel_(*command).stdout == "runs/small/plots/history.png\n"
-    with Image.open(small / "plots" / "history.png") as picture:
-        assert picture.width == pytest.approx(85 / 25.4 * 300, abs=1)
-
-
-def test_plot_refused(small):
-    assert "at = '99': must be a time" in refused("plot", "runs/small", "--at", "99")
-    said = refused("plot", "runs/small", "--what", "midlines")
-    assert said.startswith("ertel: midlines: a run in time has no such figure; it has overview, ")
-    assert not (small / "plots").exists()
-
-
-def test_plot_of_a_run_with_one_map_only(here):
-    ertel_("run", "ball.toml", "--out", "a", "-q", *given("output.interval=50", "time.until=0.01"))
-    assert RunStore.open(here / "a").dataset().sizes["frame"] == 1  # the end
-    assert ertel_("plot", "a", "--what", "overview").stdout == "a/plots/overview.png\n"  # each: test_plots_in_time
-
-
-# -- params and film --------------------------------------------------------------------------------------------------
+# -- check ------------------------------------------------------------------------------------------------------------
 
 
 OIL = ["lubricant.eta0=40 mPa*s", "lubricant.alpha=22 / GPa"]
@@ -234,48 +139,49 @@ def numbers(*arguments):
     return json.loads(ertel_(*arguments, "--json").stdout)
 
 
-def test_params():
+def checked(*settings):
+    return numbers("check", *given(*settings))
+
+
+def test_check_of_parameters():
     """What the parameters are is tested with case files and scales."""
-    moes = numbers("params", *given("contact.M=1000", "contact.L=10"))
+    moes = checked("contact.M=1000", "contact.L=10")["parameters"]
     assert (moes["lambda_bar"], moes["trapped_film"]) == pytest.approx((0.00109777359, 0.1), rel=1e-8)
     assert "si" not in moes
     ball = [f"contact.{one}" for one in ("radius=10 mm", "mass=32.6726 g", "speed=0.1 m/s", "E_prime=226.37 GPa")]
-    falls = numbers("params", *given(*ball, "lubricant.eta0=0.1 Pa*s", "lubricant.alpha=22 / GPa"))
+    falls = checked(*ball, "lubricant.eta0=0.1 Pa*s", "lubricant.alpha=22 / GPa")["parameters"]
     found = [falls["stokes"], falls["M"], falls["si"]["p_h_Pa"], falls["si"]["contact_time_s"]]
     assert found == pytest.approx([17.3333, 48.8118, 1393610000.0, 0.000110098], rel=1e-5)
-    assert "p_h_Pa" in ertel_("params", *given(*ball, *OIL)).stdout
-    rolls = numbers("params", *given("contact.kind=rolling", *ROLLED))
+    rolls = checked("contact.kind=rolling", *ROLLED)["parameters"]
     assert [rolls["M"], rolls["L"], rolls["si"]["u_m_m_per_s"]] == pytest.approx([200, 10, 0.502636], rel=1e-6)
     assert rolls["si"]["t0_s"] == pytest.approx(1.384509e-4 / 0.502636, rel=1e-6)
     assert {"stokes", "trapped_film"}.isdisjoint(rolls) and "contact_time_s" not in rolls["si"]
 
 
-def test_film_of_a_contact_that_is_too_light_to_run(here):
-    """A ball of 3 mm under 2 mN: the formulas answer, where a run and check name the film."""
-    ball = ("radius=3 mm", "load=2 mN", "mean_speed=2 m/s", "E_prime=226 GPa")
+def test_formulas_of_a_contact_that_is_too_light_to_run():
+    """A ball of 3 mm under 2 mN: the formulas are printed before the refusal."""
+    ball = ("kind=rolling", "radius=3 mm", "load=2 mN", "mean_speed=2 m/s", "E_prime=226 GPa")
     light = [f"contact.{entry}" for entry in ball] + ["lubricant.eta0=50 mPa*s", "lubricant.alpha=22 / GPa"]
-    settings = [entry.replace("=", '="', 1) + '"' for entry in light]
-    assert "9.458 mm" in ertel_("film", *given(*settings)).stdout
-    (here / "light.toml").write_text('[contact]\nkind = "rolling"\n')
-    assert "a rigid ball's" in refused("check", "light.toml", *given(*settings))
+    told = ertel_("check", *given(*light), code=2)
+    assert "9.458 mm" in told.stdout and "a rigid ball's" in told.stderr
 
 
-def test_film_side_by_side():
+def test_films_side_by_side():
     """Hamrock and Dowson's, and Nijenbanning's, of reference/rolling.json."""
-    films = {film["name"]: film["si"] for film in numbers("film", *given(*ROLLED))["films"]}
+    rolls = ["contact.kind=rolling", *ROLLED]
+    films = {film["name"]: film["si"] for film in checked(*rolls)["films"]}
     assert films["Hamrock-Dowson"] == pytest.approx({"h_c_m": 167.8e-9, "h_min_m": 95.7e-9}, rel=1e-3)
     assert films["Nijenbanning-Venner-Moes"]["h_c_m"] == pytest.approx(172.9e-9, rel=1e-3)
     assert films["Nijenbanning-Venner-Moes"]["h_min_m"] is None
-    text = ertel_("film", *given(*ROLLED)).stdout
-    assert all(part in text for part in ("167.8 nm", "95.71 nm", "172.9 nm", "Wear 1994", "M small, L large"))
+    text = ertel_("check", *given(*rolls)).stdout
+    assert all(part in text for part in ("p_h_Pa", "167.8 nm", "95.71 nm", "172.9 nm"))
+    first, *_ = numbers("check", "--set", "contact.kind=rolling", *given("contact.M=20", "contact.L=10"))["films"]
+    assert first["central"] > 0 and "si" not in first and first["source"]
 
 
-def test_params_and_film_of_a_case_file(here):
-    for command in ("params", "film"):
-        small, large = (numbers(command, "steady.toml", *given(f"contact.load={load} N"))["M"] for load in (20, 40))
-        assert large == pytest.approx(2 * small)
-    first, *_ = numbers("film", "transient.toml")["films"]
-    assert first["central"] > 0 and "si" not in first
+def test_earlier_commands_say_which_one_to_use():
+    for command, now in MOVED.items():
+        assert f"{command}: ertel {now} does this now" in refused(command, "case.toml")
 
 
 # -- wrong input: code 2, one line on stderr, nothing on stdout, nothing written ---------------------------------------
@@ -292,9 +198,8 @@ def test_params_and_film_of_a_case_file(here):
         ("run small.toml --out taken", [], "taken: exists already; choose another --out"),
         ("run small.toml --out small.toml", [], "small.toml: exists already"),
         ("run small.toml --out small.toml/sub", [], "small.toml/sub: cannot write there"),
-        ("film", [], "contact.M: missing"),
-        ("film", ["contact.kind=impact", "contact.M=10", "contact.L=2"], 'contact.kind = "impact": must be "rolling"'),
-        ("params", ["lubricant=5", "contact.M=1"], "lubricant = 5: must be a section"),
+        ("check", [], "contact.M: missing"),
+        ("check", ["lubricant=5", "contact.M=1"], "lubricant = 5: must be a section"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
 )
@@ -306,29 +211,7 @@ def test_wrong_input(here, command, settings, said):
     assert names(here / "taken") == {"file"}
 
 
-def test_directory_of_a_run_is_taken(ball):
-    said = refused("run", "small.toml", "--out", "my run")
-    assert "; choose another --out, or continue it: ertel resume 'my run'" in said
-
-
-@pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="root may write anywhere")
-def test_unwritable_output(here):
-    (here / "locked").mkdir(mode=0o500)
-    assert "locked/run: cannot write there, permission denied" in refused("run", "small.toml", "--out", "locked/run")
-
-
 # -- rolling contacts, from their start to their report ---------------------------------------------------------------
-
-
-def test_a_film_below_zero_fails_with_the_number_of_nodes(here):
-    (here / "thin.toml").write_text('[contact]\nkind = "rolling"\nM = 20000\nL = 10\n[solver]\nnodes = 33\n')
-    ran = ertel_("run", "thin.toml", code=1)
-    assert "failed: the surfaces overlap" in ran.stderr
-    assert "use solver.nodes >= 1409" in ran.stderr
-    for text in (ran.stdout, ertel_("show", "runs/thin").stdout, ertel_("ls", "runs").stdout):
-        assert "the film vanishes on this grid" in text
-        assert "mu" not in text
-        assert "computed" not in text
 
 
 @pytest.fixture
@@ -358,16 +241,6 @@ def test_a_run_on_the_track_of_another(here, runs):
     assert "the run is an impact" in ertel_("run", "steady.toml", "--after", str(runs[0] / "small"), code=2).stderr
 
 
-def test_a_run_under_way(here):
-    run = RunStore.create(here / "cut", load_case("steady.toml"))
-    for command in ("show", "plot"):
-        ertel_(command, "cut", code=2)
-    drive(run.run, [run, stop_after(1)], run.resume())
-    run.flush()
-    summary = json.loads(ertel_("show", "cut", "--json").stdout)
-    assert (summary["status"], summary["nodes"]) == ("running", 33)
-
-
 def test_a_transient_run_whole_and_resumed(here, no_pictures):
     text = ertel_("run", "transient.toml").stdout
     for part in ("at the last time", "H_c", "Nijenbanning", "steps"):
@@ -375,7 +248,7 @@ def test_a_transient_run_whole_and_resumed(here, no_pictures):
     summary = json.loads(ertel_("show", "runs/transient", "--json").stdout)
     assert (summary["T"], summary["H_c_error"]) == (pytest.approx(0.3), None)
     assert {"steps", "newton_iterations", "krylov_iterations", "convolutions"} <= set(summary)
-    assert {"max_approach", "restitution"}.isdisjoint(summary)
+    assert "restitution" not in summary
     data = RunStore.open(here / "runs" / "transient").dataset()
     w = 1 + 0.1 * np.sin(2 * np.pi * data["time"].values)
     np.testing.assert_allclose(data["w"].values, w, rtol=1e-12)
@@ -386,24 +259,3 @@ def test_a_transient_run_whole_and_resumed(here, no_pictures):
     compute(RunStore.create(here / "cut", load_case("transient.toml")), [stop_after(3)])
     ertel_("resume", "cut", "-q")
     xr.testing.assert_identical(physics(RunStore.open(here / "cut").dataset()), physics(data))
-
-
-@pytest.mark.slow
-def test_the_error_of_a_transient_run(here):
-    short = ("run", "transient.toml", "--json", "--set", "time.until=0.1")
-    fine = json.loads(ertel_(*short, "--error").stdout)
-    coarse = json.loads(ertel_(*short, "--set", "solver.nodes=17").stdout)
-    for name in ("H_c", "H_min"):
-        parts = fine["error_estimate"][name]
-        assert parts["grid"] == pytest.approx((fine[name] - coarse[name]) / 3)
-        changes = [parts[part] for part in ("grid", "time", "domain")]
-        sizes = dict(zip(("grid", "time", "domain"), np.abs(changes), strict=True))
-        assert fine[f"{name}_error"] == pytest.approx(max(abs(sum(changes)), sum(each**2 for each in changes) ** 0.5))
-        assert parts["dominant"] == max(sizes, key=sizes.get)
-
-
-def test_a_transient_run_that_cannot_begin(here, monkeypatch):
-    monkeypatch.setattr(stepping, "StepLimits", partial(StepLimits, smallest=10.0))
-    result = ertel_("run", "transient.toml", code=1)
-    assert "failed: " in result.stderr
-    assert "No step was taken" in ertel_("show", "runs/transient").stdout

@@ -1,26 +1,19 @@
 """What goes wrong around a command becomes one sentence and an exit code; what was computed is kept."""
 
-import json
 import signal
 import time
-import warnings
-from contextlib import suppress
 from pathlib import Path
-from types import SimpleNamespace
 
 import jax
 import pytest
 from app_runs import CASE_FILES, raising, refused
 from cases import ertel_, names
 
-from ertel.apps import running, tables, terminal
-from ertel.apps.process import SIGNALS, raised
+from ertel.apps import running
+from ertel.apps.process import SIGNALS
 from ertel.inputs import case_files
-from ertel.runs import outlook, store
+from ertel.runs import store
 from ertel.runs.store import RunStore
-
-STEADY = ("steady.toml", "-q", "--set", "solver.nodes=33")
-
 
 # -- paths ------------------------------------------------------------------------------------------------------------
 
@@ -37,12 +30,6 @@ def test_home_directory_in_every_path(here, monkeypatch):
         assert "converged" in ertel_(command, "~/res").stdout
 
 
-@pytest.mark.parametrize("out", ["", "file:///tmp/run", "s3://bucket/run", "run::1", "~nobody-of-this-name/run"])
-def test_no_place_for_a_run(here, out):
-    assert "'--out'" in refused("run", "ball.toml", "--out", out)
-    assert names(here) == set(CASE_FILES)
-
-
 # -- messages ---------------------------------------------------------------------------------------------------------
 
 
@@ -54,10 +41,9 @@ def test_no_place_for_a_run(here, out):
         "run ball.toml --set {}",
         "show {}",
         "plot x --format {}",
-        "params --set contact.M={}",
-        "params --set contact.radius={}",
-        "film --set contact.kind={}",
-        "paper {}",
+        "check --set contact.M={}",
+        "check --set contact.radius={}",
+        "check --set contact.kind={}",
         "{}",
     ],
 )
@@ -66,21 +52,6 @@ def test_messages_are_short_and_without_control_characters(here, arguments):
         sentence = refused(*arguments.replace("{}", long).split(" "))
         assert len(sentence) < 3000
         assert all(c.isprintable() for c in sentence.rstrip("\n"))
-
-
-def test_tables_and_json_show_no_control_characters(capsys):
-    """JSON reads back in any terminal."""
-    tables.console().print("a\x1b[31mb")
-    assert capsys.readouterr().out == "a\\x1b[31mb\n"
-    content = {"name": "Öl\x1b µ"}
-    terminal.print_json(content)
-    printed = capsys.readouterr().out
-    assert printed.isascii() and json.loads(printed) == content
-
-
-@pytest.mark.parametrize(("name", "word"), [("a b", "'a b'"), ("-x", "./-x"), ("plain", "plain")])
-def test_a_path_in_advice_is_one_word_of_a_command(here, name, word):
-    assert terminal.in_shell(here / name) == word
 
 
 def test_usage_errors_are_sentences(here):
@@ -116,18 +87,6 @@ def test_a_signal_in_a_destructor_is_not_lost(here, monkeypatch):
     assert "interrupted" in ertel_("warm-up", "ball.toml", code=143).stderr
 
 
-def test_signals_end_what_may_be_left_out():
-    """Work that waits for Ctrl-C in the library ends at every signal."""
-    with raised(), suppress(KeyboardInterrupt):
-        signal.raise_signal(signal.SIGTERM)
-
-
-def test_handlers_are_put_back(ball):
-    before = [signal.getsignal(number) for number in SIGNALS]
-    ertel_("resume", "my run", "-q")
-    assert [signal.getsignal(number) for number in SIGNALS] == before
-
-
 # -- run directories --------------------------------------------------------------------------------------------------
 
 
@@ -160,34 +119,6 @@ def test_damage(ball, file, command, advice):
     assert refused(command, "my run").endswith(advice)
 
 
-def test_commands_of_advice_repair(ball):
-    whole = json.loads(ertel_("show", "my run", "--json").stdout)
-    (ball / "summary.json").unlink()
-    spoil(ball / "checkpoint.npz")
-    ertel_("resume", "my run", code=2)
-    (ball / "checkpoint.npz").unlink()
-    again = json.loads(ertel_("resume", "my run", "--json").stdout)
-    assert {**again, "wall_s": 0, "compilations": 0} == {**whole, "wall_s": 0, "compilations": 0}
-
-
-def test_a_known_error_is_not_computed_again(ball, monkeypatch):
-    run = RunStore.open(ball)
-    run.finish({**run.summary(), "error_estimate": {"H_c": {"error": 0.1, "extrapolated": 0.2, "dominant": "grid"}}})
-    monkeypatch.delattr(running, "drive")
-    assert "dominant" in ertel_("resume", "my run", "--error", "--json").stdout
-
-
-def test_a_comparison_that_fails_is_told(here, monkeypatch):
-    """And not the end: the error is estimated when it is asked for again."""
-    failed = SimpleNamespace(summary={"status": "Newton iteration stalled"})
-    with monkeypatch.context() as patch:
-        patch.setattr(running.Recorder, "result", lambda *_: failed)
-        assert "no error is estimated" in refused("run", *STEADY, "--error", code=0)
-    found = json.loads(ertel_("resume", "runs/steady", "--error", "--json").stdout)
-    assert set(found["error_estimate"]) >= {"H_c", "H_min"}
-    assert json.loads(ertel_("show", "runs/steady", "--json").stdout) == found
-
-
 # -- the machine ------------------------------------------------------------------------------------------------------
 
 
@@ -199,14 +130,6 @@ def test_out_of_memory(here, monkeypatch, error):
     assert "solver.nodes = 17 needs 0.55 GB" in sentence
 
 
-def test_a_grid_beyond_the_memory_is_told_before(here, monkeypatch):
-    monkeypatch.setattr(outlook, "memory_available", lambda: 1e9)
-    monkeypatch.setattr(running, "run_of", lambda case: 1 / 0)
-    result = ertel_("run", "ball.toml", "--set", "solver.nodes=2049", "--set", "output.interval=0.05", code=1)
-    assert "warning: solver.nodes = 2049 needs about" in result.stderr
-    assert "the machine has 1 GB; solver.nodes = 513 needs" in result.stderr
-
-
 @pytest.mark.parametrize("error", [RuntimeError("Unable to initialize backend 'cuda'"), AssertionError()])
 def test_no_device(here, monkeypatch, error):
     monkeypatch.setattr(jax, "devices", raising(error))
@@ -214,22 +137,6 @@ def test_no_device(here, monkeypatch, error):
     assert "JAX_PLATFORMS=cuda: JAX finds no such device here" in refused("run", "ball.toml")
     assert names(here) == set(CASE_FILES)
     assert "none: JAX_PLATFORMS=cuda" in ertel_("about").stdout
-
-
-def test_no_home(here, monkeypatch):
-    for name in ("XDG_CACHE_HOME", "JAX_COMPILATION_CACHE_DIR"):
-        monkeypatch.delenv(name, raising=False)
-    monkeypatch.setattr(Path, "home", raising(RuntimeError("Could not determine home directory.")))
-    assert "none: there is no home directory" in ertel_("about").stdout
-    assert "set XDG_CACHE_HOME" in refused("warm-up")
-    ertel_("run", "ball.toml", "-q")
-
-
-def test_warnings_are_sentences(here, monkeypatch):
-    monkeypatch.setattr(
-        running, "run", lambda *_: warnings.warn("the disk knows no locks", RuntimeWarning, stacklevel=1)
-    )
-    assert refused("run", "ball.toml", code=0) == "ertel: warning: the disk knows no locks\n"
 
 
 def test_a_fault_of_ertel_is_told_without_a_traceback(here, monkeypatch):
@@ -247,7 +154,7 @@ def test_a_fault_of_ertel_is_told_without_a_traceback(here, monkeypatch):
 # -- case files -------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("command", ["run", "warm-up", "film"])
+@pytest.mark.parametrize("command", ["run", "warm-up", "check"])
 def test_case_files_that_cannot_be_read(here, command):
     (here / "binary").write_bytes(b"\xff\xfe\x00")
     (here / "loop").symlink_to("loop")

@@ -4,8 +4,6 @@ import csv
 import json
 import re
 import signal
-from dataclasses import replace
-from pathlib import Path
 
 import pytest
 from app_runs import ROLLING, raising, refused
@@ -13,13 +11,11 @@ from cases import LEFT, SMALL_IMPACT, ertel_, names
 from matplotlib.figure import Figure
 
 import ertel
-from ertel.case.status import Status
-from ertel.results.fit_result import FitResult
-from ertel.results.study_result import StudyResult
 from ertel.runs.directory import STOP, ask_to_stop, read_progress
-from ertel.runs.drive import drive
 from ertel.runs.files import StoreError
+from ertel.runs.fit_result import FitResult
 from ertel.runs.store import RunStore
+from ertel.runs.study_result import StudyResult
 
 STUDY = """
 [contact]
@@ -192,39 +188,6 @@ def test_a_curve_is_printed_and_stored_and_shown_by_the_same_command(here, monke
     assert "checkpoint.npz: is damaged (its checksum does not agree)" in ertel_(*TRACTION, code=2).stderr
 
 
-def test_an_interrupted_curve_goes_on(here, interrupted, empty_pictures):
-    command = ("traction", "ball.toml", "--mean-speed", "0.5:2 m/s:2:log", "--set", "contact.slide_to_roll=0.02")
-    ertel_(*command, "--out", "whole", "-q")
-    assert "1 points over the mean speed, not complete" in interrupted(*command, "--out", "cut")
-    assert [row["status"] for row in rows(here / "cut" / "traction.csv")] == ["converged", "missing"]
-    ertel_(*command, "--out", "cut", "-q")
-    found, whole = (rows(here / name / "traction.csv") for name in ("cut", "whole"))
-    assert found == whole
-    assert [float(row["mean_speed_m_per_s"]) for row in found] == pytest.approx([0.5, 2.0])
-
-
-def test_a_curve_with_other_values_keeps_the_films_that_it_shares(here, empty_pictures):
-    def loads(values):
-        ertel_("traction", "ball.toml", "--load", values, "--out", "curve", "-q")
-        table = rows(here / "curve" / "traction.csv")
-        for row in table:
-            assert ertel.open(here / "curve" / row["directory"]).case.contact.load == float(row["load_N"])
-        return [float(row["load_N"]) for row in table], len(names(here / "curve" / "runs"))
-
-    assert loads("3:5 N:2") == ([3.0, 5.0], 2)
-    assert loads("3:5 N:3") == ([3.0, 4.0, 5.0], 3)
-    (here / "curve" / "notes.txt").write_text("beside a curve there may be other files")
-    before = (here / "curve" / "traction.csv").read_text()
-    assert loads("4,5") == ([4.0, 5.0], 3)  # the table is of the last request, and the films are kept
-    assert all(line in before for line in (here / "curve" / "traction.csv").read_text().splitlines())
-
-
-def test_a_film_that_does_not_converge_fails(here, monkeypatch):
-    monkeypatch.setattr("ertel.runs.store.drive", lambda *each: replace(drive(*each), status=Status.NEWTON_STALLED))
-    result = ertel_(*TRACTION, code=1)
-    assert "failed: the film did not converge at slide_to_roll = 0, 0.02, 0.04" in result.stderr
-
-
 # -- fit --------------------------------------------------------------------------------------------------------------
 
 
@@ -243,30 +206,6 @@ def test_a_fit_is_printed_and_stored_and_goes_on(here, monkeypatch, interrupted,
     monkeypatch.setattr("ertel.runs.store.drive", None)  # nothing is computed again
     [unknown] = json.loads(ertel_(*FITTED, "--json").stdout)["unknowns"]
     assert unknown["value"] == pytest.approx(0.02, rel=1e-3) and unknown["unit"] == "Pa*s"
-
-
-def test_a_wish_to_stop_between_two_points_of_a_fit_is_heard(here, monkeypatch):
-    """The first one, so that nobody has to kill the fit by a second."""
-
-    def ask(directory, *_):
-        ask_to_stop(directory)
-
-    monkeypatch.setattr("ertel.runs.fit._note_progress", ask)
-    done = ertel_(*FITTED, code=130)
-    assert done.stderr.splitlines()[-1] == "ertel: interrupted; the same command continues"
-    assert names(here / "fits" / "film") == LEFT | {"runs"}
-
-
-@pytest.mark.parametrize(
-    ("file", "before", "after", "code", "said"),
-    [
-        ("film.toml", "pressure.csv", "missing.csv", 2, "missing.csv"),
-        ("pressure.csv", "0.5,10,1e6", "1e3,1,0.1", 1, "the fit cannot begin"),
-    ],
-)
-def test_a_fit_that_cannot_be_done_is_refused_in_a_sentence(here, file, before, after, code, said):
-    (here / file).write_text((here / file).read_text().replace(before, after))
-    assert said in refused(*FITTED, "--quiet", code=code)
 
 
 # -- refused ----------------------------------------------------------------------------------------------------------
@@ -289,18 +228,3 @@ def test_files_of_the_user_are_left_alone(here, command, file):
         with pytest.raises(StoreError, match=re.escape(f"directory {complaint} study")):
             ertel.sweep("loads.toml", "mine")
     assert names(here / "mine") == {file} and (here / "mine" / file).read_text() == "mine"
-
-
-@pytest.mark.parametrize(
-    ("command", "said"),
-    [
-        ("sweep loads.toml --set contact.M=[20,'x']", 'contact.M = "x": must be a number (in the case with contact.M'),
-        ("sweep loads.toml --part 3/2", "--part 3/2: must be I/N"),
-        ("sweep loads.toml --scheduler tcp://a:1 --scheduler-file b", "scheduler = "),
-        ("sweep loads.toml --jobs 0", "Invalid value for '--jobs'"),
-        ("traction ball.toml --slide-to-roll 0:1:3 --set solver.nodes=66", "solver.nodes = 66: must be"),
-    ],
-)
-def test_wrong_input_is_one_sentence_and_runs_nothing(here, command, said):
-    assert said in refused(*command.split(), "-q")
-    assert not list(Path().glob("*/*/runs/*"))

@@ -59,25 +59,15 @@ def test_studies_load() -> None:
     assert found == {"film_and_speed": 10, "wet_restitution": 25}
 
 
-@pytest.mark.parametrize(
-    ("coarse", "restitution", "t_contact", "f_max"),
-    [
-        (["solver.nodes=33", "time.tolerance=1e-2"], [0.753, 0.450], [8.92e-5, 3.47e-4], [15.83, 9.34]),
-        pytest.param(
-            *(["solver.nodes=65", "time.tolerance=1e-3"], [0.757, 0.430], [8.9e-5, 3.3e-4], [15.97, 8.96]),
-            marks=pytest.mark.slow,
-        ),
-    ],
-)
-def test_wet_restitution(
-    tmp_path: Path, coarse: list[str], restitution: list[float], t_contact: list[float], f_max: list[float]
-) -> None:
+@pytest.mark.slow
+def test_wet_restitution(tmp_path: Path) -> None:
     """The slowest ball on the thinnest and on the thickest layer, on fewer nodes."""
+    coarse = ["solver.nodes=65", "time.tolerance=1e-3"]
     ends = ["contact.speed='0.1 m/s'", "lubricant.layer=['3 um', '48 um']", *coarse]
     found = ertel.sweep(EXAMPLES / "sweeps/wet_restitution.toml", tmp_path, overrides=ends).dataset
-    assert found["restitution"].values.ravel() == pytest.approx(restitution, abs=0.01)
-    assert found["t_contact"].values.ravel() == pytest.approx(t_contact, rel=0.03)
-    assert found["f_max"].values.ravel() == pytest.approx(f_max, rel=0.02)
+    assert found["restitution"].values.ravel() == pytest.approx([0.757, 0.430], abs=0.01)
+    assert found["t_contact"].values.ravel() == pytest.approx([8.9e-5, 3.3e-4], rel=0.03)
+    assert found["f_max"].values.ravel() == pytest.approx([15.97, 8.96], rel=0.02)
 
 
 @pytest.mark.slow
@@ -118,14 +108,8 @@ def test_interferogram() -> None:
     assert seen == pytest.approx(computed, abs=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("name", "nodes"),
-    [
-        ("skewed_ellipse", 33),
-        pytest.param("ball_bearing", 65, marks=pytest.mark.slow),
-        pytest.param("gear_flanks", 65, marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.slow  # skewed and long ellipses have quick tests in solvers
+@pytest.mark.parametrize(("name", "nodes"), [("skewed_ellipse", 33), ("ball_bearing", 65), ("gear_flanks", 65)])
 def test_elliptical_examples(name: str, nodes: int) -> None:
     """On so small a grid the film is too thin, but of the size of Chittenden's formula."""
     case = load_case(EXAMPLES / f"{name}.toml", [f"solver.nodes={nodes}"])
@@ -135,10 +119,8 @@ def test_elliptical_examples(name: str, nodes: int) -> None:
     assert 0.6 * formula < result.summary["H_c"] < 1.1 * formula
 
 
-@pytest.mark.parametrize(
-    ("name", "nodes", "until"),
-    [("rough_impact", 33, 0.2), pytest.param("rough_rolling", 33, 0.05, marks=pytest.mark.slow)],
-)
+@pytest.mark.slow  # whole planes; rough runs have quick tests in runs
+@pytest.mark.parametrize(("name", "nodes", "until"), [("rough_impact", 33, 0.2), ("rough_rolling", 33, 0.05)])
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_rough_examples(name: str, nodes: int, until: float) -> None:
     """They begin as they should: the film feels the hills, and nothing touches."""

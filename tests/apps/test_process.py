@@ -8,14 +8,13 @@ import time
 from pathlib import Path
 
 import pytest
-from app_runs import CHILD, is_alive, make_run, until
-from cases import names
+from app_runs import CHILD, is_alive, until
 
 from ertel.runs.store import RunStore
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="no signals and no /dev/full")
 ERTEL = [sys.executable, "-m", "ertel"]
-PARAMS = [*ERTEL, "params", "--set", "contact.M=1000", "--set", "contact.L=10"]
+CHECK = [*ERTEL, "check", "--set", "contact.M=1000", "--set", "contact.L=10"]
 RADIAL = ["run", "ball.toml", "--set", "solver.method=radial", "--set", "solver.nodes=17"]
 FULL = "/dev/full"
 
@@ -36,7 +35,7 @@ def deaf():
 # -- streams ----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("command", [PARAMS, [*ERTEL, "--help"]], ids=["params", "help"])
+@pytest.mark.parametrize("command", [CHECK, [*ERTEL, "--help"]], ids=["check", "help"])
 @pytest.mark.skipif(not Path(FULL).exists(), reason=f"no {FULL}")
 def test_full_output_is_one_sentence(command):
     with open(FULL, "w") as full:
@@ -47,55 +46,8 @@ def test_full_output_is_one_sentence(command):
 
 def test_output_that_nobody_reads_is_no_error():
     with deaf() as stdout:
-        ended = done(PARAMS, stdout=stdout)
+        ended = done(CHECK, stdout=stdout)
     assert (ended.returncode, ended.stderr) == (0, "")
-
-
-def test_closed_streams():
-    code = "import os, subprocess, sys; [os.close(n) for n in (0, 1, 2)]; os.execv(sys.argv[1], sys.argv[1:])"
-    assert done([sys.executable, "-c", code, *PARAMS]).returncode == 0
-
-
-def test_a_terminal_without_greek_letters(ball):
-    run = RunStore.open(ball)
-    run.finish({**run.summary(), "warnings": ["1 µm → ∞, λ"]})
-    ended = done([*ERTEL, "show", "my run"], env={**CHILD, "PYTHONIOENCODING": "ascii"})
-    assert (ended.returncode, ended.stderr) == (0, "")
-    assert "Warning: 1 um -> inf, \\u03bb" in ended.stdout
-
-
-EMPTY_FIGURES = """
-from matplotlib.figure import Figure
-from ertel import plots
-from ertel.__main__ import main
-
-plots.draw = lambda *_, **__: Figure()
-main()
-"""
-
-
-def test_figures_for_nobody(here):
-    with deaf() as stdout:
-        ended = done([sys.executable, "-u", "-c", EMPTY_FIGURES, "plot", str(make_run(here / "ball"))], stdout=stdout)
-    assert (ended.returncode, ended.stderr) == (0, "")
-    assert names(here / "ball" / "plots") == {"overview.png", "maps.png", "profiles.png", "history.png", "friction.png"}
-
-
-IN_JUPYTER = """
-from ertel.apps import cli
-
-def drawn():
-    import matplotlib
-    print(matplotlib.get_backend())
-
-cli.app = drawn
-cli.main()
-"""
-
-
-def test_commands_draw_where_jupyter_names_a_backend_that_is_not_there():
-    ended = done([sys.executable, "-c", IN_JUPYTER], env={**CHILD, "MPLBACKEND": "module://nowhere.backend_inline"})
-    assert (ended.stdout, ended.stderr) == ("agg\n", "")
 
 
 @pytest.mark.skipif(not Path("/proc/self").exists(), reason="no directory in which even root cannot write")
@@ -113,35 +65,6 @@ with process.warnings_as_sentences():
     environment = {**CHILD, **smallest, "JAX_COMPILATION_CACHE_DIR": "/proc/self"}
     ended = done([sys.executable, "-c", code], env=environment)
     assert (ended.stdout, ended.stderr) == ("2\n", "")
-
-
-# -- memory -----------------------------------------------------------------------------------------------------------
-
-
-PAGES = """
-import resource
-import numpy as np
-faults = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_minflt
-for _ in range(3):
-    np.ones(5_000_000)
-before = faults()
-for _ in range(10):
-    np.ones(5_000_000)
-print(faults() - before)
-"""  # how often the kernel hands out a page while arrays of 40 MB come and go
-KEEP = "from ertel.apps import process\nprocess.keep_freed_memory()\n"
-
-
-def pages(code, **chosen):
-    plain = {name: value for name, value in CHILD.items() if not name.startswith("MALLOC_")}
-    return int(done([sys.executable, "-c", code], env=plain | {"NUMPY_MADVISE_HUGEPAGE": "0"} | chosen).stdout)
-
-
-@pytest.mark.skipif(os.confstr("CS_GNU_LIBC_VERSION") is None, reason="another C library than glibc")
-def test_arrays_that_come_and_go_keep_their_pages_unless_the_user_chooses_otherwise():
-    usual = pages(PAGES)
-    assert pages(KEEP + PAGES) < 0.01 * usual
-    assert pages(KEEP + PAGES, MALLOC_MMAP_THRESHOLD_="1000000") > 0.9 * usual
 
 
 # -- signals ----------------------------------------------------------------------------------------------------------
@@ -235,21 +158,6 @@ def all_end(processes):
     until(lambda: not any(is_alive(process) for process in processes), 60)
 
 
-@pytest.mark.slow
-@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="no list of children")
-def test_sigterm_ends_the_workers_of_the_paper(here):
-    with started([*ERTEL, "paper", "fig1", "--quick", "--jobs", "2"]) as process:
-        assert process.stderr.readline().startswith(b"6 runs")
-        until(lambda: len(children(process.pid)) >= 3, 60)  # one tracks resources
-        workers = children(process.pid)
-        process.send_signal(signal.SIGTERM)
-        _, told = process.communicate(timeout=60)
-    assert process.returncode == 143
-    assert told == b"ertel: interrupted; the same command continues\n"
-    assert workers
-    all_end(workers)
-
-
 STUDY = """
 [contact]
 M = [20, 40, 60]
@@ -279,11 +187,3 @@ def test_ctrl_c_stops_the_runs_of_a_study_so_that_they_go_on(here):
     for directory in here.glob("sweeps/loads/runs/*"):
         assert RunStore.open(directory).summary()["steps"] > 0
     all_end(workers)
-
-
-def test_an_interrupt_while_the_command_is_imported(here):
-    """Ctrl-C before the command line listens."""
-    (here / "typer.py").write_text("import signal; signal.raise_signal(signal.SIGINT)")
-    environment = {**CHILD, "PYTHONPATH": f"{here}{os.pathsep}{CHILD['PYTHONPATH']}"}
-    ended = done(ERTEL, env=environment)
-    assert (ended.returncode, ended.stderr) == (130, "")

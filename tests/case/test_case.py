@@ -10,7 +10,8 @@ from cases import STEEL_BODIES, changed_cases
 from ertel.case.case import Case
 from ertel.case.conditions import Conditions
 from ertel.case.definition import SECTIONS
-from ertel.case.sections import SOLVERS, Drive, Output, Solver, Time
+from ertel.case.methods import METHODS
+from ertel.case.sections import Drive, Output, Solver, Time
 from ertel.physics.lubricant import Barus, Oil
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Oscillation, Polyline, constant
 from ertel.physics.scales import Parameters
@@ -28,7 +29,7 @@ def impact(**sections: Any) -> Case:
 
 
 def rolling(method: str = "steady", **sections: Any) -> Case:
-    return Case(Conditions("rolling", **MOES), solver=SOLVERS[method], **sections)  # type: ignore[index]
+    return Case(Conditions("rolling", **MOES), solver=METHODS[method].defaults, **sections)
 
 
 # -- equality and digest ----------------------------------------------------------------------------------------------
@@ -148,7 +149,7 @@ def test_a_steady_case_has_no_time() -> None:
 
 
 def test_an_inlet_as_wide_as_the_half_is_a_centred_grid() -> None:
-    centred = replace(SOLVERS["transient"], inlet=3.0)
+    centred = replace(METHODS["transient"].defaults, inlet=3.0)
     case = rolling("transient")
     assert replace(case, solver=centred) == replace(case, solver=replace(centred, inlet=None))
     assert Case.from_data(replace(case, solver=centred).to_data()).solver.inlet is None
@@ -162,14 +163,14 @@ def test_derived_numbers() -> None:
 
 # -- what makes no sense, by whichever door ---------------------------------------------------------------------------
 
-RADIAL = SOLVERS["radial"]
-TRANSIENT = SOLVERS["transient"]
+RADIAL = METHODS["radial"].defaults
+TRANSIENT = METHODS["transient"].defaults
 ROUGH = (Feature(Spot(0.3, 0.1)),)
 STEADY, IN_TIME = rolling(), rolling("transient")
 PHYSICAL = Case(Conditions(**BALL), OIL)
 FAST = Case(Conditions(**BALL, mean_speed=1.0), OIL)
 ENTRAINED = 'motion.entrainment = 1.0: is given together with contact.mean_speed = "1.0 m/s"; allowed: one of them'
-ON_TRACK = Case(Conditions(**TRACK), OIL, SOLVERS["steady"])
+ON_TRACK = Case(Conditions(**TRACK), OIL, METHODS["steady"].defaults)
 NO_L = Case(Conditions(M=200.0), Oil(viscosity="isoviscous", density="incompressible"))
 FINE = impact(solver=Solver(nodes=4097))
 RESTING = replace(STEADY, drive=Drive(slide_to_roll=-2.0), roughness=ROUGH)
@@ -191,10 +192,14 @@ Refusal = tuple[Case, dict[str, Any], str]
 REFUSED: list[Refusal] = [
     # method
     (impact(), {"solver": TRANSIENT}, 'solver.method = "transient": must be "2d" or "radial"'),
-    (STEADY, {"solver": SOLVERS["2d"]}, 'solver.method = "2d": must be "steady" or "transient"'),
-    (impact(roughness=ROUGH), {"solver": RADIAL}, "roughness: the radial method is for smooth surfaces"),
-    (impact(solver=RADIAL), {"drive": Drive(constant(1.0), constant(1.0))}, "motion: the radial method is for a free"),
-    (impact(), {"solver": replace(RADIAL, inlet=2.0)}, "solver.inlet = 2.0: a radial grid has none"),
+    (STEADY, {"solver": METHODS["2d"].defaults}, 'solver.method = "2d": must be "steady" or "transient"'),
+    (impact(roughness=ROUGH), {"solver": RADIAL}, 'roughness: solver.method = "radial" is for smooth surfaces'),
+    (
+        impact(solver=RADIAL),
+        {"drive": Drive(constant(1.0), constant(1.0))},
+        'motion: solver.method = "radial" is for a',
+    ),
+    (impact(), {"solver": replace(RADIAL, inlet=2.0)}, 'solver.inlet = 2.0: solver.method = "radial" has none'),
     (impact(), {"solver": replace(RADIAL, half_width=1.1)}, "solver.half_width = 1.1: must be at least 1.2"),
     # grid
     (impact(), {"solver": Solver(nodes=9)}, "solver.nodes = 9: must be greater than or equal to 17"),

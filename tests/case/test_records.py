@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from ertel.case.case import READER, Case
+from ertel.case.conditions import Conditions
 from ertel.case.records import checked, data_of, named, oil_data, scaled, scaled_all, show
 from ertel.case.sections import Drive, Output, Solver, Time
 from ertel.physics.lubricant import Barus, Oil, Viscosity
@@ -95,8 +96,9 @@ def test_a_law_with_data_of_its_own_is_a_table() -> None:
     assert oil_data(Oil(viscosity=Barus(2e-8)))["viscosity"] == {"law": "barus", "alpha": "2e-08 1/Pa"}
     with pytest.raises(ValueError, match=r'^oil\.viscosity\.law = "tar"; allowed: .*isoviscous, barus, roelands'):
         READER.law({"law": "tar"}, Viscosity, "oil.viscosity")
-    with pytest.raises(ValueError, match=r'^oil\.viscosity\.alpha = "-2e-08 1/Pa": must be finite and above zero'):
-        READER.law({"law": "barus", "alpha": "-2e-8 1/Pa"}, Viscosity, "oil.viscosity")
+    law = READER.law({"law": "barus", "alpha": "-2e-8 1/Pa"}, Viscosity, "oil.viscosity")  # which the case checks
+    with pytest.raises(ValueError, match=r'^lubricant\.viscosity\.alpha = "-2e-08 1/Pa": must be finite and above'):
+        Case(Conditions(M=200, L=10), Oil(viscosity=law))
 
 
 @pytest.mark.parametrize(

@@ -44,6 +44,15 @@ def test_a_folded_grid_has_the_same_oil_outside() -> None:
     assert not one.edge[1:-1, 1:-1].any() and (one.edge[0] > 0).all()
 
 
+@pytest.mark.parametrize("motion", [APPROACHING, ROLLING._replace(velocity=0.2, load_rate=0.1)])
+def test_the_change_with_the_speed_of_approach_is_that_of_the_oil_outside(motion: ContactMotion) -> None:
+    oil = outside.around_grid(Grid.square(17, 3.0), LAMBDA_BAR)
+    change, here, there = oil.change(motion), oil.at(motion), oil.at(motion._replace(velocity=motion.velocity + 0.1))
+    for name in ("load", "uplift", "edge"):
+        assert getattr(here, name) + 0.1 * getattr(change, name) == pytest.approx(getattr(there, name), rel=1e-9)
+    assert change.load > 0 and change.uplift > 0 and not change.edge[1:-1, 1:-1].any()
+
+
 def test_a_guess_is_zero_near_the_contact() -> None:
     grid = Grid.square(33, 4.0)
     guess = outside.around_grid(grid, LAMBDA_BAR).guess(ROLLING)

@@ -20,8 +20,9 @@ from hypothesis import strategies as st
 
 from ertel.case.case import KEYS as SECTIONS
 from ertel.case.conditions import BARS, MOES, NEEDED, OPTIONAL, Conditions
+from ertel.case.methods import of_kind
 from ertel.case.records import law_fields
-from ertel.case.sections import METHODS, Drive, Output, Solver, Thermal, Time
+from ertel.case.sections import Drive, Output, Solver, Thermal, Time
 from ertel.inputs import materials
 from ertel.inputs import oils as oil_library
 from ertel.inputs.case_files import ConfigError, load_case, parse_case, to_toml
@@ -186,7 +187,7 @@ thermal = tables(Thermal, viscosity=warm, inlet_factor=inlets)
 def case_data(draw: st.DrawFn) -> Data:
     """A case file as data; nearly always a valid one."""
     kind = draw(st.sampled_from(["impact", "rolling"]))
-    methods = st.fixed_dictionaries({"method": st.sampled_from(METHODS[kind])})
+    methods = st.fixed_dictionaries({"method": st.sampled_from([method.name for method in of_kind(kind)])})
     solver = draw(methods) | draw(st.sampled_from([{}, {"nodes": 65}, draw(tables(Solver))]))
     oil = draw(st.one_of(oils, oils, named_oils))
     sections: Data = {"contact": draw(contacts(kind)), "lubricant": oil, "solver": solver}

@@ -15,7 +15,6 @@ from ertel.inputs.case_files import ConfigError, apply_overrides, parse_case
 from ertel.inputs.python import Oil, impact, rolling
 from ertel.physics.fluidity import Carreau, CarreauYasuda, Fluidity, Limited, ReeEyring
 from ertel.physics.lubricant import Doolittle
-from ertel.runs.batch import check_alike
 
 CONTACT = {"kind": "rolling", "radius": "10 mm", "load": "20 N", "mean_speed": "0.5 m/s"}
 
@@ -198,14 +197,6 @@ def test_where_an_oil_that_thins_does_not_work() -> None:
         rolling(M=200, L=10, rheology=ReeEyring(5e6))
     with pytest.raises(ConfigError, match=r'rheology.*"radial" is for Newtonian oils only'):
         impact(**BALL, ball_density=7850, speed=0.1, method="radial", rheology=ReeEyring(5e6))
-
-
-def test_a_batch_takes_one_kind_of_law() -> None:
-    laws = ReeEyring(5e6), ReeEyring(2e6), "newtonian"
-    first, second, other = (rolling(**LOADED, method="transient", rheology=law) for law in laws)
-    check_alike([first, second])
-    with pytest.raises(ValueError, match=r"^lubricant\.rheology"):
-        check_alike([first, other])
 
 
 # -- from the library -------------------------------------------------------------------------------------------------

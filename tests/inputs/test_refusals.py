@@ -202,7 +202,10 @@ SECTIONS: Rows = [
     *[({"roughness": value}, ["roughness = ", "must be an array of tables, [[roughness]]"]) for value in (False, SPOT)],
     ({"roughness": [SPOT, SPOT | {"shape": "dent"}]}, ['roughness[2].shape = "dent"', "waviness, rings, spot"]),
     ({"contact": ROLLING, "roughness": [SPOT | {"surface": 2}], "motion": BACK}, ["roughness[1].surface = 2: moves"]),
-    ({"contact": ROLLED, "solver": IN_TIME, "thermal": HOT}, ["thermal: is for a steady contact, and", '"transient"']),
+    (
+        {"contact": ROLLED, "solver": IN_TIME, "thermal": HOT},
+        ['"transient" is for contacts without [thermal]', '"steady"'],
+    ),
     ({"contact": ROLLING, "lubricant": {}, "thermal": HOT}, ["thermal: needs a contact in SI"]),
     # which field is named where several could be wrong
     ({"contact": ROLLED, "lubricant": HEAVY, "thermal": {}}, ["lubricant.oil.density = 1000"]),

@@ -9,7 +9,8 @@ from cases import BALL
 import ertel
 from ertel.case.case import Case
 from ertel.case.definition import grid_of
-from ertel.case.sections import ROLLING_UNTIL, SOLVERS, Time
+from ertel.case.methods import METHODS, ROLLING_UNTIL
+from ertel.case.sections import Time
 from ertel.inputs.case_files import parse_case
 from ertel.physics.geometry import CIRCLE, Geometry
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, Oscillation, Polyline, constant
@@ -47,7 +48,7 @@ def test_physical_input_is_the_reference():
     given = [found.parameters.M, found.parameters.L, found.scales.a, found.scales.p_h, found.scales.front_speed]
     assert given == pytest.approx([200, 10, 1.384509e-4, 968577800.0, 0.502636], rel=1e-6)
     assert found.motion == STEADY_ROLLING
-    assert found.solver == SOLVERS["steady"]
+    assert found.solver == METHODS["steady"].defaults
 
 
 def test_two_speeds_are_a_mean_and_a_slide():
@@ -93,8 +94,8 @@ def test_dimensionless_inertia_and_slide():
 
 
 def test_method_and_grid_of_a_rolling_contact():
-    assert case().solver == SOLVERS["steady"]
-    assert in_time().solver == SOLVERS["transient"]
+    assert case().solver == METHODS["steady"].defaults
+    assert in_time().solver == METHODS["transient"].defaults
     assert in_time().time == Time(until=ROLLING_UNTIL)
 
 

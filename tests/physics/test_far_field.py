@@ -8,6 +8,7 @@ from scipy.optimize import brentq
 
 from ertel.physics.geometry import CIRCLE, SHARE_OF_DEFORMATION, Geometry, far_film, far_pressure, squeeze
 from ertel.physics.geometry import ContactMotion as Motion
+from ertel.physics.rupture import rupture
 
 LAMBDA_BAR = 0.03
 X, Y = np.array([-6.0, -4.5, -3.0, -2.5]), np.array([1.0, 3.0, 0.0, 2.0])
@@ -47,13 +48,14 @@ def test_a_full_gap_solves_reynolds_equation_where_nothing_is_deformed(motion: M
 # -- the rupture ------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("velocity", [0.0, 0.4])
 @pytest.mark.parametrize("geometry", GEOMETRIES)
-def test_a_ruptured_film_solves_reynolds_equation(geometry: Geometry) -> None:
+def test_a_ruptured_film_solves_reynolds_equation(geometry: Geometry, velocity: float) -> None:
     """In front of the contact and beside it, downstream of its middle, where a film that ends at X = 0 has no pressure.
 
     The steps of the differences are long, because the table is linear between its angles; dH/dX is 3.
     """
-    motion = Motion(-0.1, 0.0, 0.0, 1.0)
+    motion = Motion(-0.1, velocity, 0.0, 1.0, load_rate=0.0)
     x, y = np.array([-6.0, -3.0, 0.2, 0.5, 0.0]), np.array([1.0, 0.5, 3.0, 4.5, 3.5])
 
     def pressure(x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -86,6 +88,33 @@ def test_the_rupture_of_a_circle_is_the_closed_form(s: float) -> None:
     assert in_k[inner] == pytest.approx(expected[inner], abs=5e-3 if s % 0.5 == 0 else 2e-2)
 
 
+def around(V: float, entrainment: float = 1.0, held: bool = True, geometry: Geometry = CIRCLE) -> np.ndarray:
+    """f at all angles from the direction upstream, at r = 3, without a constant of the gap."""
+    phi = np.linspace(0.0, np.pi, 181)
+    return geometry.ruptured_flow(0 * phi + V, entrainment, -3 * np.cos(phi), 3 * np.sin(phi), 0 * phi, held)
+
+
+def test_a_small_speed_of_approach_adds_the_closed_form_where_there_is_oil() -> None:
+    phi, root, end = np.linspace(0.0, np.pi, 181), 8**0.5, np.radians(108.435)
+    wet = phi < end
+    expected = np.where(wet, 0.3 / 4 * (1 - np.cosh(root * phi) / np.cosh(root * end)), 0.0)
+    assert around(0.3) - around(0.0) == pytest.approx(expected, abs=5e-4)  # the angles are half a degree apart
+    assert around(0.3, entrainment=0.0) == pytest.approx(expected, abs=5e-4)  # as after U > 0
+    assert around(0.3, entrainment=-1.0)[::-1] == pytest.approx(around(0.3), abs=1e-9)
+    drawn_apart = around(-0.3)
+    assert np.array_equal(drawn_apart > 1e-12, wet) and (drawn_apart <= around(0.0)).all()
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("geometry", GEOMETRIES[:2])
+def test_the_pressure_of_a_rupture_that_stays_differs_by_the_square_of_the_speed(geometry: Geometry, sign: int) -> None:
+    """From that of a rupture that moves, at the speeds of its table."""
+    full = rupture(geometry.radius_ratio, 1.0, 0.0).full
+    speeds = [sign * share * full * 3.0 for share in (0.125, 0.0625)]
+    more, less = (np.abs(around(V, 1.0, False, geometry) - around(V, 1.0, True, geometry)).max() for V in speeds)
+    assert 0 < less < 0.4 * more  # of the speed itself: 0.5
+
+
 def test_a_gap_that_fills_faster_than_it_is_drawn_apart_is_full_and_rest_changes_nothing() -> None:
     one = np.ones_like(X)
     assert np.array_equal(CIRCLE.ruptured_flow(9.0 * one, 0.5, -X, Y, one), CIRCLE.far_flow(9.0 * one, 0.5, -X, Y))
@@ -107,6 +136,14 @@ def test_a_rate_that_falls_with_the_distance_counts_more_than_at_its_place() -> 
     H = r**2 / 2
     uniform, falling = (np.trapezoid(q / H**3, r) for q in (r / 2, np.ones_like(r)))
     assert falling / (uniform / r[0]) == pytest.approx(SHARE_OF_DEFORMATION, rel=1e-4)
+
+
+def test_the_deformation_in_rolling_is_that_by_the_rate_of_the_load() -> None:
+    r = np.array([2.0, 5.0])
+    dry, step = 0.5**1.5, 1e-5
+    rate = ((0.5 + step) ** 1.5 - (0.5 - step) ** 1.5) / (2 * step)
+    given = squeeze(r, Motion(0.5, 1.0, dry, 1.0, load_rate=rate))
+    assert given == pytest.approx(squeeze(r, Motion(0.5, 1.0, dry, 1.0)), rel=1e-9)
 
 
 def test_the_deformation_outside_a_dry_contact_grows_as_its_load() -> None:

@@ -1,7 +1,5 @@
 """What stands in a figure."""
 
-import numpy as np
-
 
 def panels(figure):
     """The axes of a figure without colour bars and without the right-hand ones of twins."""
@@ -29,22 +27,3 @@ def words(axes):
 def of_type(axes, name):
     """The collections of a type, such as QuadContourSet."""
     return [collection for collection in axes.collections if type(collection).__name__ == name]
-
-
-def roughness_lines(axes):
-    """Level of the contour lines round hills and valleys, and whether they are solid."""
-    sets = [each for each in of_type(axes, "QuadContourSet") if len(each.levels) == 1 and each.levels[0] != 0.0]
-    return [(float(contours.levels[0]), contours.get_linestyle()[0][1] is None) for contours in sets]
-
-
-def edge_of_oil(axes):
-    """The corners of the line where the gap stops being full, (corners, 2); empty where there is none."""
-    lines = [path for contours in of_type(axes, "QuadContourSet") if list(contours.levels) == [0.0]
-             for path in contours.get_paths()]  # fmt: skip
-    return np.concatenate([path.vertices for path in lines]) if lines else np.empty((0, 2))
-
-
-def flow_arrows(axes):
-    """Where the arrows of the flow point: 1 along the axis, -1 against it."""
-    ends = [text.get_text()[-1] for text in axes.texts if text.get_text().startswith("flow")]
-    return [{"→": 1.0, "←": -1.0, "↓": 1.0, "↑": -1.0}[end] for end in ends]

@@ -1,21 +1,16 @@
 """The picture of a measurement over a run."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from drawn import line, panels, words
 from made_up import BALL_FALLS, dry_impact
-from matplotlib.figure import Figure
 
 from ertel import Measurement, plots
 from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
-from ertel.optics import Interferometer, Rig
 from ertel.plots import NoFigure
-from ertel.results.alignment import light_along
-from ertel.results.result import Result
+from ertel.runs.result import Result
 
 
 @pytest.fixture(scope="module")
@@ -59,20 +54,6 @@ def test_measured_film_and_pressure_on_the_profiles_of_the_run(ball):
     assert "89.78 µs" in late.get_suptitle()
 
 
-def test_light_along_a_line_beside_the_computed_one_and_a_film_on_the_chart(ball):
-    x, rig = np.linspace(-2e-4, 2e-4, 41), Rig(oil_index=1.45)
-    light = light_along(ball.profile("60 us"), ball.case, Interferometer(rig))
-    seen = Measurement("profile", "intensity", 50 + 200 * np.interp(x, light["x"], light), x, 2.0, at="60 us")
-    film = Measurement("profile", "h", np.full(41, 2e-7), x, at="60 us")
-    _, chart, beside = panels(ball.plot.interferogram(rig=rig, measured=[seen, film]))
-    assert chart.containers[0].lines[0].get_ydata() == pytest.approx(200.0)
-    assert line(beside, "computed").get_ydata() == pytest.approx(50 + 200 * light.sel(x=slice(-2e-4, 2e-4)).values)
-    assert beside.containers[0].lines[0].get_ydata() == pytest.approx(seen.values)
-    own = replace(seen, optics=Interferometer(Rig(oil_index=1.5)))
-    other = panels(ball.plot.interferogram(rig=rig, measured=own))[2]
-    assert line(other, "computed").get_ydata() != pytest.approx(line(beside, "computed").get_ydata(), rel=0.1)
-
-
 @pytest.mark.parametrize(
     ("picture", "quantity", "given", "message"),
     [
@@ -91,22 +72,3 @@ def test_a_measurement_that_a_picture_does_not_show(picture, quantity, given, me
     with pytest.raises(NoFigure) as error:
         getattr(plots, picture)(plane, measured=measured)
     assert message in str(error.value)
-
-
-def test_other_types_than_a_measurement(ball):
-    with pytest.raises(TypeError, match="measured = 5: must be a Measurement, or a list"):
-        ball.plot.profiles(measured=5)
-    with pytest.raises(TypeError, match="comparison = 5: must be that"):
-        ball.plot.measured(5)
-
-
-def test_a_history_with_error_bars_and_a_number_that_has_no_picture(ball):
-    t = np.array([20e-6, 60e-6, 100e-6])
-    measured = Measurement("history", "h_c", np.interp(t, ball.si["t"], ball.si["h_c"]), t, sigma=5e-9)
-    figure = ball.plot.measured(ball.compare(measured), columns=1, title=False)
-    assert len(panels(figure)[0].collections) == 1 and "$t$ (µs)" in panels(figure)[1].get_xlabel()
-    assert figure.get_figwidth() * 25.4 == pytest.approx(85.0) and not figure.get_suptitle()
-    own = Figure().subplots(1, 2)
-    assert ball.plot.measured(ball.compare(measured), ax=own) is own[0].figure and own[1].has_data()
-    with pytest.raises(NoFigure, match="is one number"):
-        ball.plot.measured(type(ball.compare(measured))(Measurement.number("restitution", 0.9), t, t, t, t))

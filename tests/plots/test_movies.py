@@ -25,7 +25,7 @@ def test_frames_are_at_equal_times_and_alike(ball, what, name):
         movie._draw_frame(T)
         (image,) = axes.images
         seen.append((image.get_clim(), axes.get_xlim(), axes.get_ylim(), axes.get_position().bounds))
-        t = T * ball["frame"].attrs["si_factor"] * 1e6
+        t = (T - 1.0) * ball["frame"].attrs["si_factor"] * 1e6
         assert axes.get_title().endswith(f", $t$ = {t:.4g} µs")
         shown, factor = np.asarray(image.get_array()), ball[name].attrs["si_factor"]
         middle = float(between(ball, T)[name].isel(frame=0).sel(X=0.0, Y=0.0, method="nearest")) * factor

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
-from drawn import panels
 from made_up import BALL_FALLS, BALL_ROLLS, MOES_FALLS, as_in_time, dry_impact, in_time, steady
 from matplotlib.figure import Figure
 from matplotlib.text import Text
@@ -16,8 +15,8 @@ from ertel.inputs.python import rolling
 from ertel.physics.surfaces import Feature, Spot
 from ertel.plots import interferograms
 from ertel.results.dataset import assemble_steady
-from ertel.results.result import Plot
-from ertel.results.study_result import StudyResult
+from ertel.runs.result import Plot
+from ertel.runs.study_result import StudyResult
 
 ROUGH = replace(as_in_time(BALL_ROLLS), roughness=(Feature(Spot(0.3, -0.05), 1),))
 LONG = rolling(M=200, L=10, radius_ratio=0.08, nodes=81)
@@ -74,9 +73,8 @@ def assert_fit_for_print(figure, columns, monkeypatch):
 
 @pytest.mark.parametrize(
     ("run", "name", "columns"),
-    [("moes", "profiles", 1), ("moes", "history", 1), ("moes", "spacetime", 1),
-     ("rough", "spacetime", 1), ("rough", "maps", 1), ("steady", "midlines", 1),
-     ("steady", "convergence", 1), ("long", "film", 1), ("long", "friction", 2), ("ball", "overview", 2)],
+    [("moes", "history", 1), ("moes", "spacetime", 1), ("rough", "maps", 1), ("steady", "midlines", 1),
+     ("long", "friction", 2), ("ball", "overview", 2)],
 )  # fmt: skip
 def test_texts_are_legible_and_apart(runs, run, name, columns, monkeypatch):
     assert_fit_for_print(plots.draw(runs[run], name, columns=columns), columns, monkeypatch)
@@ -97,12 +95,6 @@ def test_panels_in_axes_of_ones_own(runs):
     assert left.get_xlabel() == "$x$ (µm)" and not left.get_title() and not figure.get_suptitle()
     assert not right.has_data()
     assert plots.profiles(runs["ball"], ax=[left, right]) is figure and right.has_data()
-
-
-def test_size_and_no_titles(runs):
-    figure = plots.friction(runs["ball"], figsize=(5.0, 2.0), title=False)
-    assert tuple(figure.get_size_inches()) == (5.0, 2.0)
-    assert not figure.get_suptitle() and not any(axes.get_title() for axes in figure.axes)
 
 
 LIGHTS = "must be mono, white or a light of ertel.optics"
@@ -142,33 +134,3 @@ def test_refused(runs, run, name, options, said):
     cut["no solution"] = assemble_steady(LONG, grid_of(LONG), ())
     with pytest.raises(plots.NoFigure, match=said):
         getattr(plots, name)({**runs, **cut}[run], **options)
-
-
-def test_files_have_fonts_that_journals_take(runs, tmp_path):
-    plots.film(runs["steady"], columns=1).savefig(tmp_path / "film.pdf")
-    content = (tmp_path / "film.pdf").read_bytes()
-    assert b"/FontFile2" in content and b"/Type3" not in content
-
-
-def test_a_long_contact_lies_down(runs):
-    """Turned by a quarter, with the scales equal but where the axis says otherwise."""
-    figure = plots.film(runs["long"], columns=1, title=False)
-    (axes,) = panels(figure)
-    figure.draw_without_rendering()
-    assert axes.yaxis_inverted() and axes.get_xlabel().startswith("$Y$") and "enlarged" not in axes.get_ylabel()
-    assert axes.get_aspect() == 1.0 and len(axes.get_yticks()) >= 3
-    box = axes.get_window_extent()
-    assert box.width > 0.7 * figure.bbox.width and box.height > 0.2 * figure.bbox.height
-
-
-def test_colours_tell_one_quantity_and_markers_the_other():
-    figure = StudyResult(study()).plot()
-    film, _ = figure.axes
-    shades = {
-        line.get_color() if isinstance(line.get_color(), str) else tuple(line.get_color())
-        for line, *_ in film.containers
-    }
-    assert len(film.containers) == 8 and len(shades) == 2
-    assert {line.get_marker() for line, *_ in film.containers} == {"o", "s"}
-    said = [text.get_text() for text in figure.legends[0].texts]
-    assert said[:4] == ["temperature = 40 °C", "temperature = 80 °C", "PAO", "ester"] and len(said) == 6

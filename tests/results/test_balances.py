@@ -14,9 +14,9 @@ from ertel.inputs.case_files import parse_case
 from ertel.results import balances, diagnostics, variables
 from ertel.results.dataset import assemble
 from ertel.results.numbers import more_lines
-from ertel.results.result import Result
 from ertel.results.summary import attributes, impact_summary, steady_summary
 from ertel.runs.drive import simulate
+from ertel.runs.result import Result
 
 T = np.linspace(0.1, 2.0, 20)
 
@@ -28,7 +28,7 @@ def falling(case: Case, **terms: np.ndarray) -> xr.Dataset:
     known = {"F": np.full_like(T, 0.3), "V": V, "Delta": T, "dissipation": lost, "H_c": 1 + 0 * T, "H_min": 1 + 0 * T}
     known |= {"mass": 5 - T, "outflow": 1.5 + 0 * T, "inflow": 0.2 + 0 * T, "cavity_source": 0.3 + 0 * T, **terms}
     records = [
-        {"T": t, **dict.fromkeys(variables.SCALARS, 0.0), **{name: float(values[i]) for name, values in known.items()}}
+        {"T": t, **dict.fromkeys(variables.STEPS, 0.0), **{name: float(values[i]) for name, values in known.items()}}
         for i, t in enumerate(T)
     ]
     return assemble(case, records, [], {"Y": np.linspace(-2, 2, 33), "X": np.linspace(-2, 2, 33)})
@@ -131,7 +131,7 @@ def run(M: float, L: float, half_width: float) -> Result:
 def compared(M: float, L: float, narrow: float, wide: float) -> tuple[list[str], list[float]]:
     """What is said of the domain that is narrow, and by how much approach and load are off; nothing of the wide one."""
     runs = run(M, L, narrow), run(M, L, wide)
-    ours, others = (each.summary["max_approach"] for each in runs)
+    ours, others = (each.summary for each in runs)
     said, nothing = ([warning for warning in each.warnings if "outside the domain" in warning] for each in runs)
     assert nothing == []
     return said, [abs(ours[name] / others[name] - 1) for name in ("Delta", "F")]

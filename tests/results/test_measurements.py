@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_up import BALL_FALLS, MOES_FALLS, dry_impact
+from made_up import BALL_FALLS, BALL_ROLLS, C1, MOES_FALLS, dry_impact, in_time
 
 import ertel
 from ertel import Measurement
@@ -12,10 +12,13 @@ from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
 from ertel.optics import Interferometer, Monochromatic, Rig, reflection
 from ertel.physics import hertz
-from ertel.results.alignment import light_along
+from ertel.results.alignment import light_along, with_start
+from ertel.results.dataset import to_csv
+from ertel.results.numbers import scalars
 from ertel.results.profiles import moment_of, profile, write_profile
-from ertel.results.result import Result
 from ertel.results.summary import impact_summary
+from ertel.results.variables import first_touch, to_si
+from ertel.runs.result import Result
 
 
 def as_result(case_data) -> Result:
@@ -46,18 +49,18 @@ def written(tmp_path):
 
 def test_a_moment_by_number_by_quantity_and_by_event(ball):
     data, t0 = ball.dataset, ball.case.scales.t0
-    T = 60e-6 / t0
+    T = 60e-6 / t0 + 1.0  # from the touch, and from the start
     for at in ("60 us", "6e-5 s", ertel.quantity("60 us"), T, str(T)):
         assert moment_of(data, at).T == pytest.approx(T, rel=1e-12)
     assert moment_of(data, "60 us").frame == np.abs(data["frame"].values - T).argmin()
     assert moment_of(data, "max-approach") == moment_of(data)
-    map_at = data["frame"].values[moment_of(data, T).frame] * t0 * 1e6
+    map_at = (data["frame"].values[moment_of(data, T).frame] - 1.0) * t0 * 1e6
     assert f"$t$ = {map_at:.4g} µs" in ertel.plots.film(data, "60 us").get_suptitle()
 
 
 @pytest.mark.parametrize("at", ["60 ms", "noon", 99.0, float("nan")])
 def test_a_moment_that_a_run_does_not_have(ball, at):
-    with pytest.raises(ValueError, match=r"at = .*0\.05 to 3\.9 t0 \(1\.87 µs to 145\.9 µs\) .*max-approach"):
+    with pytest.raises(ValueError, match=r"at = .*0\.05 to 3\.9 t0 \(-35\.54 µs to 108\.5 µs\) .*max-approach"):
         moment_of(ball.dataset, at)
 
 
@@ -70,7 +73,7 @@ def test_a_profile_on_the_plane_and_along_the_radius():
             X, A = line[along].values / s.a, float(hertz.contact_radius(1.45))
             assert line["p"].values == pytest.approx(s.p_h * hertz.pressure(np.abs(X), A))
             assert line["h"].values == pytest.approx(s.film * (hertz.gap(np.abs(X), A) + 0.05))
-            assert line["h"].attrs["units"] == "m" and float(line["t"]) == pytest.approx(2.45 * s.t0)
+            assert line["h"].attrs["units"] == "m" and float(line["t"]) == pytest.approx(1.45 * s.t0)
 
 
 def test_between_maps_a_profile_is_interpolated_and_says_so(ball):
@@ -79,6 +82,88 @@ def test_between_maps_a_profile_is_interpolated_and_says_so(ball):
     between = profile(data, float(data["frame"][20] + 0.25 * (data["frame"][21] - data["frame"][20])))
     assert between["h"].values == pytest.approx(0.75 * first["h"].values + 0.25 * second["h"].values)
     assert "between the maps at" in between.attrs["moment"] and "between" not in first.attrs["moment"]
+
+
+# -- t = 0 ------------------------------------------------------------------------------------------------------------
+
+
+def later(data, T: float):
+    """The same impact from a larger gap: it starts T earlier."""
+    return data.assign_coords({name: (name, data[name].values + T, data[name].attrs) for name in ("time", "frame")})
+
+
+def test_t_is_zero_at_the_first_touch_however_the_run_starts(ball, tmp_path):
+    """t counted from the start: "60 us" moved by as much as the ball fell before."""
+    far = later(ball.dataset, 0.66)
+    for at in ("20 us", "max-approach"):
+        one, two = profile(ball.dataset, at), profile(far, at)
+        assert two["h"].values == pytest.approx(one["h"].values, rel=1e-12) and float(two["t"]) == float(one["t"])
+    written = [
+        to_csv(to_si(data), tmp_path / name)[0].read_text() for name, data in (("near", ball.dataset), ("far", far))
+    ]
+    times = [[float(line.split(",")[0]) for line in text.splitlines()[1:]] for text in written]
+    assert times[0] == pytest.approx(times[1]) and times[0][0] == pytest.approx(-0.95 * ball.case.scales.t0)
+    assert moment_of(far, 1.66).T == 1.66  # a plain number is T, from the start
+    assert "$t$ = 54.24 µs" in ertel.plots.film(far).get_suptitle() == ertel.plots.film(ball.dataset).get_suptitle()
+
+
+def test_the_summary_says_when_the_bodies_touch_and_counts_from_there(ball):
+    s, si = ball.summary, ball.summary["si"]
+    assert s["T_touch"] == pytest.approx(1.0) and s["T"] == 2.45
+    t = 1.45 * ball.case.scales.t0
+    assert si["t_s"] == pytest.approx(t) and scalars(s)["t"].value == pytest.approx(t)
+    highest = si["extremes"]["P_max"]["t_s"], s["extremes"]["P_max"]["T"]
+    assert highest[0] == pytest.approx((highest[1] - 1.0) * ball.case.scales.t0)
+    assert f"at t = {1e6 * highest[0]:.4g} µs (T = {highest[1]:.4g})" in repr(ball)
+
+
+def test_a_ball_that_the_oil_stops_before_has_the_touch_of_a_free_one(ball):
+    T = np.array([0.1, 0.5, 1.2])
+    assert first_touch(T, np.array([-0.9, -0.6, -0.4]), -1.0) == first_touch([], [], -1.0) == 1.0
+    assert first_touch(T, np.array([-0.9, -0.2, 0.5]), -1.0) == pytest.approx(0.7)
+    data = in_time(BALL_ROLLS)
+    assert to_si(data)["t"].values == pytest.approx(data["time"].values * C1.t0)  # rolling has no touch
+
+
+def test_the_start_of_a_clock_is_found_from_all_of_its_frames(ball):
+    """Two films by a clock that shows 23 us at the touch; of one alone the centre is not known either."""
+    x, rng = np.linspace(-2.2e-4, 2.2e-4, 31), np.random.default_rng(1)
+    lines = {t: ball.profile(f"{t!r} s") for t in (5e-6, 20e-6)}
+    frames = [
+        Measurement("profile", "h", np.interp(x, line["x"], line["h"]) + rng.normal(0, 2e-9, 31), x, 2e-9,
+                    at=f"{t + 23e-6!r} s", align="start")
+        for t, line in lines.items()
+    ]  # fmt: skip
+    alone = replace(ball, dataset=dry_impact(BALL_FALLS, radial=True, rebound=False))  # a dry rebound has it once more
+    moved = replace(frames[0], x=x + 4e-6, align=("start", "centre"))
+    found = alone.compare(moved)
+    assert found.shift["start"] == pytest.approx(23e-6, abs=0.2e-6) and found.rms < 3e-9
+    assert "; start 2" in repr(found) and "; centre " in repr(found) and found.measurement is moved
+    starts = {each.start for each in with_start(frames, ball)}
+    assert len(starts) == 1 and starts.pop() == pytest.approx(23e-6, abs=0.1e-6)
+    assert ball.plot.profiles(measured=frames[0])
+    for at, message in (("max-approach", "start: measurement, at = 'max-approach', needs"), (None, "at = None, needs")):
+        with pytest.raises(ValueError, match=message):
+            replace(frames[0], at=at)
+    with pytest.raises(ValueError, match="measurement: reaches from"):
+        with_start([frames[0], replace(frames[1], at="1 ms")], ball)
+
+
+def test_a_centre_that_is_far_off_is_doubted(ball):
+    """A profile of another oil was moved by most of the contact, without a word."""
+    x = np.linspace(-2.2e-4, 2.2e-4, 45)
+    line, far = ball.profile(), 1.2e-4
+    moved = Measurement("profile", "h", np.interp(x - far, line["x"], line["h"]), x, align="centre", name="film.csv")
+    found = ball.compare(moved)
+    assert found.shift["centre"] == pytest.approx(far, rel=0.02)
+    (warning,) = found.warnings
+    assert warning.startswith("film.csv: the centre 120") and "half of the contact's half width" in warning
+    assert f"warning: {warning}" in repr(found)
+    near = Measurement("profile", "h", np.interp(x - 5e-6, line["x"], line["h"]), x, align="centre")
+    assert ball.compare(near).warnings == []
+    from_a_corner = replace(near, x=x + 4e-4)  # of a camera
+    assert ball.compare(from_a_corner).shift["centre"] == pytest.approx(4.05e-4, rel=0.01)
+    assert ball.compare(from_a_corner).warnings == []
 
 
 # -- files ------------------------------------------------------------------------------------------------------------
@@ -126,9 +211,13 @@ def test_a_history_with_its_standard_errors(written):
         ("# rig 2\nx_um,h_nm\n\n1,2\n2,-3\n", {}, "film.csv, line 5: h = -3 nm: must not be below zero; its zero may"),
         ("x_um,h_nm\n1,2\n2,3\n", {"align": "index"}, "index = None: must be the index with which film.csv"),
         ("x_um,h_nm\n1,2\n2,3\n", {"index": 145}, "index = 145: must be above 1 and below 3"),
-        ("x_um,intensity\n1,2\n2,3\n", {"align": "ofset"}, "align = 'ofset': allowed: centre, tilt, index, gain,"),
+        (
+            "x_um,intensity\n1,2\n2,3\n",
+            {"align": "ofset"},
+            "align = 'ofset': allowed: start, centre, tilt, index, gain,",
+        ),
         ("x_um,h_nm\n1,2\n2,3\n", {"align": "ofset"}, "align = 'ofset': did you mean offset?"),
-        ("x_um,h_nm\n1,2\n2,3\n", {"align": ["zoom"]}, "align = 'zoom': allowed: centre, offset, tilt, index"),
+        ("x_um,h_nm\n1,2\n2,3\n", {"align": ["zoom"]}, "align = 'zoom': allowed: start, centre, offset, tilt, index"),
         ("x_um,T\n1,2\n", {}, "has no quantity such as h; it has 'x_um', 'T'; give columns={\"h\": ...}"),
         ("x_um,h_nm\n1,nan\n", {}, "film.csv: has 0 values; must be at least one row without a gap"),
         ("x_um,h_nm,sigma\n1,2,0\n", {}, "film.csv: sigma has 0 (in SI); must be finite and above zero"),
@@ -252,11 +341,11 @@ def test_other_types_than_a_measurement(ball, wrong):
 
 
 def test_a_history_from_the_start_and_quantities(ball):
-    """The first step of the made-up run is at 1.87 us."""
+    """The run starts at -37.41 us, and its first step is 1.87 us later."""
     h_c = ball.si["h_c"].values[0]
-    assert Measurement("history", "h_c", [h_c, h_c], [0.0, 1e-6]).predicted(ball) == pytest.approx([h_c, h_c])
-    with pytest.raises(ValueError, match="reaches from -1 µs"):
-        Measurement("history", "h_c", [h_c, h_c], [-1e-6, 1e-6]).predicted(ball)
+    assert Measurement("history", "h_c", [h_c, h_c], [-37.4e-6, -36e-6]).predicted(ball) == pytest.approx([h_c, h_c])
+    with pytest.raises(ValueError, match="reaches from -38 µs"):
+        Measurement("history", "h_c", [h_c, h_c], [-38e-6, 1e-6]).predicted(ball)
     for quantity in (str, ertel.quantity):
         given = Measurement.number("contact_time", quantity("95 us"), quantity("1 us"))
         assert given.values == pytest.approx([95e-6]) and given.sigma == pytest.approx(1e-6)
@@ -266,11 +355,13 @@ def test_a_history_from_the_start_and_quantities(ball):
 
 
 def test_a_history_and_numbers(ball):
-    t = np.array([20e-6, 61e-6])
+    t = np.array([-18e-6, 22e-6])
     h_c = np.interp(t, ball.si["t"], ball.si["h_c"])
     assert Measurement("history", "h_c", h_c, t).predicted(ball) == pytest.approx(h_c, rel=1e-14)
     late = Measurement("history", "h_c", h_c, t + 20e-6, align="centre")
     assert ball.compare(late).shift["centre"] == pytest.approx(20e-6, abs=1e-9)
+    known, aligned = replace(late, align=(), start="20 us"), ball.compare(replace(late, align="start"))
+    assert known.predicted(ball) == pytest.approx(h_c, rel=1e-9) and "; start 20 µs" in repr(aligned)
     for name, value in (("h_c", ball.summary["si"]["h_c_m"]), ("p_max", ball.summary["si"]["p_max_Pa"])):
         assert Measurement.number(name, value).predicted(ball) == pytest.approx([value])
 

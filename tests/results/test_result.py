@@ -19,9 +19,9 @@ from ertel.physics.amplitude_reduction import lambda_ratio
 from ertel.results.dataset import provenance
 from ertel.results.numbers import key_numbers, scalars
 from ertel.results.parameters import parameters_of, scale_values
-from ertel.results.result import Result, verdict
 from ertel.results.summary import impact_summary, rolling_summary, steady_summary
 from ertel.results.variables import FIGURES_IN_TIME, FIGURES_STEADY, to_si
+from ertel.runs.result import Result, verdict
 
 WORK = {"steps": 78, "newton_iterations": 80, "krylov_iterations": 200, "wall_s": 1.0}
 MAXIMUM = {"T": 2.45, "Delta": 1.0, "F": 1.0, "P_c": 1.2, "P_max": 1.3, "H_c": 0.07, "H_min": 0.02}
@@ -144,9 +144,10 @@ def test_the_line_has_what_the_run_has():
     assert verdict(rolled(H_c=None)) == ""
     assert verdict(rolled(MOES_ROLLS)).startswith("film 0.") and "mu" not in verdict(rolled(MOES_ROLLS))
     # with heat the film and the friction are the warm ones
-    heat = {"h_c_m": 300e-9, "h_min_m": 180e-9, "mu_sliding": 0.031, "T_film_mean_K": 324.0}
+    films = {"H_c_warm": 300e-9 / C1.film, "H_min_warm": 180e-9 / C1.film}
+    heat = {**films, "mu_sliding_warm": 0.031, "T_film_mean": 324.0}
     case = SimpleNamespace(features=(), scales=C1, thermal=SimpleNamespace(temperature=313.0))
-    assert verdict(replace(rolled(thermal=heat), case=case)) == "warm film 300 ± 13 nm, mu = 0.031, 11 K"
+    assert verdict(replace(rolled(**heat), case=case)) == "warm film 300 ± 13 nm, mu = 0.031, 11 K"
 
 
 def test_a_film_with_an_error_above_half_of_it_is_not_known():
@@ -159,8 +160,7 @@ def test_a_film_with_an_error_above_half_of_it_is_not_known():
 
 
 def test_the_lambda_ratio_is_of_the_warm_extrapolated_film():
-    heat = {"h_c_m": 300e-9, "h_min_m": 150e-9, "mu_sliding": 0.031}
-    run = rolled(thermal=heat, H_min_extrapolated=220e-9 / C1.film)
+    run = rolled(H_min_warm=150e-9 / C1.film, H_min_extrapolated=220e-9 / C1.film)
     assert run.lambda_ratio("55 nm") == pytest.approx(3.0)  # 150/200 of 220 nm, over 55 nm
 
 

@@ -19,7 +19,7 @@ from ertel.physics.thermal import AT_REST, SLOWEST, slow_excess
 from ertel.results.dataset import assemble_steady
 from ertel.results.diagnostics import thermal_warnings
 from ertel.results.numbers import html_table, key_numbers, lines
-from ertel.results.variables import TEMPERATURES, to_si
+from ertel.results.variables import HEATED_MAPS, to_si
 from ertel.runs.store import RunStore
 from ertel.solvers import steady
 from ertel.solvers.heat import heated
@@ -67,36 +67,36 @@ def run(calls: Counter[str], tmp_path_factory: pytest.TempPathFactory) -> ertel.
 
 def test_maps_and_summary(run: ertel.Result) -> None:
     """Both are those of `heated`, in K, on the whole plane."""
-    data, said = run.dataset, run.summary["thermal"]
+    data, said = run.dataset, run.summary
     found = heated(run.case, *(data[name].values[32:] for name in ("P", "H")))
-    for name in TEMPERATURES:
+    for name in HEATED_MAPS:
         assert data[name].dims == ("Y", "X") and data[name].attrs["units"] == "K"
         np.testing.assert_allclose(data[name].values[32:], getattr(found, name), atol=1e-9)
         np.testing.assert_array_equal(data[name].values, data[name].values[::-1])
-        assert said[f"{name}_max_K"] == pytest.approx(float(data[name].max()))
-        assert said[f"{name}_max_K"] > 313.15 + 0.04
+        assert said[f"{name}_max"] == pytest.approx(float(data[name].max()))
+        assert said[f"{name}_max"] > 313.15 + 0.04
         assert to_si(data)[name].attrs["units"] == "K"
-    assert 313.15 < said["T_film_mean_K"] < said["T_film_max_K"]
-    assert said["converged"]
+    assert 313.15 < said["T_film_mean"] < said["T_film_max"]
+    assert said["thermal"]["converged"]
 
 
 def test_maps_before_the_first_solution(run: ertel.Result) -> None:
     data = assemble_steady(run.case, grid_of(run.case), [])
-    assert all(data[name].shape == (65, 65) and np.isnan(data[name]).all() for name in TEMPERATURES)
+    assert all(data[name].shape == (65, 65) and np.isnan(data[name]).all() for name in HEATED_MAPS)
 
 
 def test_the_warm_film_is_thinner_and_carries_less_traction(run: ertel.Result) -> None:
-    said, si = run.summary["thermal"], run.summary["si"]
+    said, si = run.summary, run.summary["si"]
     assert said["phi_T"] < 1.0
-    assert said["h_c_m"] == pytest.approx(said["phi_T"] * si["h_c_m"])
-    assert said["h_min_m"] == pytest.approx(said["phi_T"] * si["h_min_m"])
-    assert 0.5 < said["mu_sliding"] / si["mu_sliding"] < 1.1  # thinner by phi_T, and less viscous
+    assert si["h_c_warm_m"] == pytest.approx(said["phi_T"] * si["h_c_m"])
+    assert si["h_min_warm_m"] == pytest.approx(said["phi_T"] * si["h_min_m"])
+    assert 0.5 < said["mu_sliding_warm"] / said["mu_sliding"] < 1.1  # thinner by phi_T, and less viscous
     text, html = "\n".join(lines(run.summary)), html_table(run.summary)
     for line in (
         f"(phi_T = {said['phi_T']:.4g}, L_t = {said['L_t']:.3g})",
         "central film thickness, warm",
-        f"{said['mu_sliding']:.4g}",
-        f"highest temperatures: surface 1 {said['T_1_max_K'] - 273.15:.1f} degC",
+        f"{said['mu_sliding_warm']:.4g}",
+        f"highest temperatures: surface 1 {said['T_1_max'] - 273.15:.1f} degC",
     ):
         assert line in text and line in html
 
@@ -106,16 +106,16 @@ def test_the_table_of_a_run_has_the_warm_numbers_first(run: ertel.Result, capsys
     print_summary(console(), run.case, run.summary)
     rows = [line for line in capsys.readouterr().out.splitlines()]
     films, heat = rows[3:5], next(line for line in rows if line.startswith("Without heat"))
-    assert [row.split()[4] for row in films] == ["h_c_warm", "h_min_warm"] and all(" nm " in row for row in films)
+    assert [row.split()[4] for row in films] == ["H_c_warm", "H_min_warm"] and all(" nm " in row for row in films)
     assert any("mu_sliding_warm" in row for row in rows) and not any(" H_c " in row for row in rows[:-2] if row != heat)
-    assert [number.name for number in key_numbers(run.summary)][-1] == "T_film_max_warm"
+    assert [number.name for number in key_numbers(run.summary)][-1] == "T_film_max"
     assert key_numbers(run.summary)[-1].text.endswith(" degC")
 
 
 def test_off_when_absent() -> None:
     run = ertel.simulate(case_of().on_half_grid())
     assert "thermal" not in run.summary
-    assert not set(TEMPERATURES) & set(run.dataset)
+    assert not set(HEATED_MAPS) & set(run.dataset)
 
 
 def test_warnings(run: ertel.Result) -> None:

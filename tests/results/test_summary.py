@@ -21,9 +21,10 @@ from ertel.physics import hertz
 from ertel.physics.film_formulas import FormulaFilm
 from ertel.physics.units import Quantity
 from ertel.results import parameters, variables
-from ertel.results.numbers import as_now, key_numbers, lines, more_lines, number, scalars
+from ertel.results.earlier import as_now, one_number
+from ertel.results.numbers import key_numbers, lines, more_lines, number, scalars
 from ertel.results.summary import _finite, comparisons, extremes, impact_summary, rolling_summary, with_error
-from ertel.results.variables import AT_MAXIMUM, one_number, to_si, with_coefficients
+from ertel.results.variables import names_where, to_si, with_coefficients
 from ertel.runs.drive import simulate
 from ertel.solvers import radial
 
@@ -32,14 +33,15 @@ ROLLING = {  # of reference/rolling.json, M = 20, L = 10
     **{"load": "3.888524 N", "mean_speed": "0.502636 m/s"},
 }
 ROLLING_OIL = {"viscosity": "barus", "density": "incompressible", "eta0": "40 mPa*s", "alpha": "22 / GPa"}
+AT_MAXIMUM = [name for name in names_where(lambda variable: variable.at_moment) if not name.startswith("mu_")]
 WORK = {"steps": 1, "newton_iterations": 1, "krylov_iterations": 1, "wall_s": 1.0}
 
 
 def test_si_summary_has_units_in_its_names() -> None:
     s = parse_case(BALL_FALLS).scales
-    assert variables.values_in_si(dict.fromkeys(variables.AT_MAXIMUM, 1.0), s) == {
-        **{"t_s": s.t0, "delta_m": s.film, "f_N": s.load, "p_c_Pa": s.p_h, "p_max_Pa": s.p_h},
-        **{"h_c_m": s.film, "h_min_m": s.film, "x_min_m": s.a, "y_min_m": s.a},
+    assert variables.values_in_si(dict.fromkeys(AT_MAXIMUM, 1.0), s) == {
+        **{"t_s": s.t0, "delta_m": s.film, "f_N": s.load, "p_c_Pa": s.p_h, "p_max_Pa": s.p_h, "load_N": s.force},
+        **{"h_c_m": s.film, "h_min_m": s.film, "x_min_m": s.a, "y_min_m": s.a, "power_loss_W": s.power},
     }
     assert "si" not in impact_summary(parse_case(MOES_FALLS), dry_impact(MOES_FALLS), None, {}, Status.CONVERGED)
 
@@ -143,9 +145,12 @@ def test_summaries_and_data_of_earlier_versions(run: ertel.Result) -> None:
     unit, now = run.case.scales.a_over_R, run.summary
     assert as_now({**now, "mu_sliding": now["mu_sliding"] / unit})["mu_sliding"] == now["mu_sliding"]
     assert as_now(now) == now
-    reached = {"kind": "impact", "max_approach": {"H_c": 1.0, "mu_sliding": 9.0}}
-    reached["si"] = {"max_approach": {"mu_sliding": 0.1}}
-    assert as_now(reached)["max_approach"] == {"H_c": 1.0, "mu_sliding": 0.1}
+    reached = {"kind": "impact", "H_c": 1.0, "max_approach": {"T": 2.0, "H_c": 1.0, "mu_sliding": 9.0}}
+    si = {name: 1.0 for name in ("R_m", "E_prime_Pa", "a_m", "p_h_Pa", "t0_s")}
+    reached["si"] = {**si, "h_c_m": 1e-7, "max_approach": {"t_s": 1e-4, "mu_sliding": 0.1}}
+    expected = {"kind": "impact", "T": 2.0, "H_c": 1.0, "mu_sliding": 0.1}
+    assert as_now(reached) == {**expected, "si": {**si, "h_c_m": 1e-7, "t_s": 1e-4, "mu_sliding": 0.1}}
+    assert as_now({"kind": "impact", "max_approach": None, "H_c": None})["T"] is None
     attributes = {"in_units_of": "a*/R", "si_factor": unit, "si_name": "mu_sliding", "si_units": "1"}
     old = xr.Dataset({"mu_sliding": ("grid", run.dataset["mu_sliding"].values / unit, attributes)})
     np.testing.assert_allclose(one_number(old)["mu_sliding"], run.dataset["mu_sliding"], rtol=1e-14)
@@ -164,7 +169,7 @@ def test_a_film_that_vanished_has_no_numbers() -> None:
     data["H_min"][last] = 0.0
     gone = impact_summary(case, data, reached, {}, Status.CONVERGED)
     assert gone["status"] == Status.FILM_VANISHED.value
-    assert gone["restitution"] is gone["contact_time"] is gone["F_max"] is gone["max_approach"] is gone["H_c"] is None
+    assert gone["restitution"] is gone["contact_time"] is gone["F_max"] is gone["T"] is gone["H_c"] is None
     assert not key_numbers(gone)
 
 
@@ -172,15 +177,13 @@ def test_a_residual_that_is_not_a_number_is_written_as_none() -> None:
     assert _finite({"residual": nan, "si": {"h_c_m": inf}, "n": 3}) == {"residual": None, "si": {"h_c_m": None}, "n": 3}
 
 
-def test_the_films_of_an_impact_stand_where_those_of_rolling_do() -> None:
+def test_an_approach_in_si_is_told_from_that_of_the_dry_contact() -> None:
     fall = ertel.impact(
         radius=0.01, ball_density=7850, speed=0.1, E_prime="226 GPa", oil=ertel.Oil(eta0=0.0186, alpha=20e-9),
         method="radial", nodes=33, until="max-approach",
     )  # fmt: skip
     summary = ertel.simulate(fall).summary
-    for name, key in {"H_c": "h_c_m", "H_min": "h_min_m", "P_max": "p_max_Pa", "Delta": "approach_m"}.items():
-        assert summary[name] == summary["max_approach"][name]
-        assert summary["si"][key] == summary["si"]["max_approach"]["delta_m" if name == "Delta" else key]
+    assert summary["si"]["approach_m"] == summary["Delta"] * fall.scales.film
     assert summary["si"]["delta_m"] == fall.scales.approach
     least, most = fall.parameters.impact_films
     assert least < summary["H_c"] < most < fall.parameters.trapped_film
@@ -207,7 +210,7 @@ def test_a_failed_run_in_time_hands_out_no_numbers(status: Status) -> None:
         rolling_summary(as_in_time(MOES_ROLLS), in_time(MOES_ROLLS), {"steps": 1}, status),
     ):
         assert set(scalars(summary)) == {"M", "L"}
-        assert summary["H_c"] is summary.get("max_approach") is None
+        assert summary["H_c"] is None
         assert not summary["extremes"] and not summary["budgets"]
         assert f"no result: {status.value}" in "\n".join(lines(summary))
 
@@ -247,7 +250,7 @@ def ball(nodes: int, half_width: float, tolerance: float, until: Any, M: float =
 @cache
 def truth(until: Any, *contact: float) -> dict[str, float]:
     summary = simulate(ball(401, 12.0, 1e-5, until, *contact)).summary
-    return {**summary, **summary["max_approach"], "Delta_max": summary["max_approach"]["Delta"]}
+    return dict(summary)
 
 
 def ratios(
@@ -266,18 +269,18 @@ def ratios(
 )
 def test_the_estimate_is_honest(half_width: float, tolerance: float) -> None:
     """True error over estimated error: for H_c a half to 2; Delta's parts may cancel, it is never understated."""
-    found, (H_c, Delta) = ratios(half_width, tolerance, "max-approach", "H_c", "Delta_max")
+    found, (H_c, Delta) = ratios(half_width, tolerance, "max-approach", "H_c", "Delta")
     assert 0.5 < H_c < 2, found["H_c"]
-    assert (0.5 if half_width == 2.0 else 0) < Delta < 2, found["Delta_max"]
+    assert (0.5 if half_width == 2.0 else 0) < Delta < 2, found["Delta"]
     assert found["H_c"]["dominant"] == "time"
-    assert half_width > 2 or found["Delta_max"]["dominant"] == "domain"
+    assert half_width > 2 or found["Delta"]["dominant"] == "domain"
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("half_width", "tolerance"), [(3.0, 5e-5), (8.0, 3e-4), (2.0, 5e-5)])
 def test_the_estimates_of_a_whole_impact_are_honest(half_width: float, tolerance: float) -> None:
     """True error over estimated error of restitution, contact time and largest load: all bars hold the truth."""
-    _, off = ratios(half_width, tolerance, "rebound", *variables.WHOLE)
+    _, off = ratios(half_width, tolerance, "rebound", *names_where(lambda variable: variable.of_impact))
     assert all(0.3 < each < 1 for each in off), off
 
 

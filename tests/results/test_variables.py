@@ -12,8 +12,8 @@ from ertel.results.dataset import Frame, assemble
 
 def test_si_is_the_scales_times_the_dimensionless():
     case, x = parse_case(BALL_FALLS), np.linspace(-1, 1, 5)
-    records = [{"T": T, **{name: float(k) for k, name in enumerate(variables.SCALARS)}} for T in (0.1, 0.2)]
-    maps = {name: np.full((5, 5), k) for k, name in enumerate(variables.FIELDS, 1)}
+    records = [{"T": T, **{name: float(k) for k, name in enumerate(variables.STEPS)}} for T in (0.1, 0.2)]
+    maps = {name: np.full((5, 5), k) for k, name in enumerate(variables.MAPS, 1)}
     data = assemble(case, records, [Frame(0.1, maps, ""), Frame(0.2, maps, "end")], {"Y": x, "X": x})
     si, scales = variables.to_si(data), case.scales
     for name, new, factor, units in [
@@ -30,7 +30,8 @@ def test_si_is_the_scales_times_the_dimensionless():
         ("power_loss", "power_loss", scales.load * scales.film / scales.t0, "W"),
         ("frame", "frame", scales.t0, "s"),
     ]:
-        np.testing.assert_allclose(si[new].values, data[name].values * factor, rtol=1e-12)
+        since = 1.0 if name in ("time", "frame") else 0.0  # the ball that starts at Delta = -1 touches at T = 1
+        np.testing.assert_allclose(si[new].values, (data[name].values - since) * factor, rtol=1e-12)
         assert si[new].attrs["units"] == units
         assert si[new].attrs["long_name"] == data[name].attrs["long_name"]
     assert si["h"].dims == ("frame", "y", "x")
@@ -40,7 +41,7 @@ def test_si_is_the_scales_times_the_dimensionless():
 
 
 def test_the_rule_for_the_size_of_the_output_counts_all_maps():
-    assert len(variables.FIELDS) == rules.FIELDS
+    assert len(variables.MAPS) == rules.FIELDS
 
 
 @pytest.mark.parametrize(

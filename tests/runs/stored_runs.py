@@ -15,10 +15,11 @@ from cases import RADIAL, SHORT_FALL, physics, stop_after
 import ertel
 from ertel.case.case import Case
 from ertel.inputs.case_files import parse_case
-from ertel.runs.drive import Run, method_of, result_of, run_of
+from ertel.runs.drive import Run, result_of, run_of
 from ertel.runs.files import StoreError
 from ertel.runs.stepping import StepLimits, TransientRun
 from ertel.runs.store import RunStore, compute
+from ertel.solvers.radial import RadialImpact
 
 OWN = ("wall_s", "compilations", "date_created")  # of the process
 BALL = {"radius": "10 mm", "E_prime": "219.7802 GPa"}
@@ -53,7 +54,7 @@ class Kind:
     @property
     def run(self) -> Run:
         limits = LIMITS.get(self.name)
-        return TransientRun(self.case, method_of(self.case), limits) if limits else run_of(self.case)
+        return TransientRun(self.case, RadialImpact(self.case), limits) if limits else run_of(self.case)
 
     @cached_property
     def whole(self) -> ertel.Result:

@@ -13,6 +13,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+import dask
 import psutil
 import pytest
 from distributed import Security
@@ -48,11 +49,6 @@ def square(x: float) -> float:
 
 def fails() -> None:
     raise RuntimeError("no film")
-
-
-def about() -> tuple[int, dict[str, str | None]]:
-    names = ("NPROC", "OPENBLAS_NUM_THREADS", "XLA_FLAGS")
-    return os.getpid(), {name: os.environ.get(name) for name in names}
 
 
 def slow(log: Path, name: str) -> str:
@@ -121,29 +117,15 @@ def test_a_wish_to_stop_reaches_every_task(workers, tmp_path):
     assert found == {str(n): "stopped" for n in range(4)}
 
 
-def test_each_worker_keeps_to_one_thread_and_has_the_same_flags(two):
-    """XLA_FLAGS are part of the key of JAX's cache."""
-    process, settings = dict(two.outcomes([Task("a", about)]))["a"]
-    assert process != os.getpid()
-    assert settings == {"NPROC": "1", "OPENBLAS_NUM_THREADS": "1", "XLA_FLAGS": os.environ.get("XLA_FLAGS")}
-    assert "NPROC" not in os.environ
-
-
 def test_an_error_of_the_system_is_tried_again(two, tmp_path):
     assert dict(two.outcomes([Task("a", stumbles, (tmp_path / "log",))])) == {"a": "done"}
-
-
-def test_one_of_those_that_need_the_same_programs_goes_ahead(two, tmp_path):
-    log = tmp_path / "log"
-    dict(two.outcomes([Task(name, slow, (log, name), program="33 nodes") for name in "abc"]))
-    assert [line.split()[:2] for line in log.read_text().splitlines()[:2]] == [["begins", "a"], ["ends", "a"]]
 
 
 def test_the_others_need_not_wait_for_its_end(two, tmp_path):
     """Only for its programs; here both must run at the same time."""
     begun = {name: tmp_path / name for name in "ab"}
     stop = StopSignal(tmp_path / "stop", lambda: all(file.exists() for file in begun.values()))
-    tasks = [Task(name, until_stopped, (file, stop), 0.0, "33 nodes", file.exists) for name, file in begun.items()]
+    tasks = [Task(name, until_stopped, (file, stop), "33 nodes", file.exists) for name, file in begun.items()]
     assert dict(two.outcomes(tasks, stop)) == {"a": "stopped", "b": "stopped"}
 
 
@@ -175,69 +157,62 @@ def test_a_study_whose_worker_is_killed_loses_nothing(two, tmp_path, monkeypatch
     assert dict(two.outcomes([Task("after", square, (3.0,))])) == {"after": 9.0}
 
 
-def pem(path: Path, security: Security) -> Path:
-    path.write_text(security.tls_client_cert + security.tls_client_key)
-    return path
+@pytest.fixture(scope="module")
+def certificates(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """A certificate and its key in a file, as dask's configuration names them."""
+    keys, file = Security.temporary(), tmp_path_factory.mktemp("keys") / "keys.pem"
+    file.write_text(keys.tls_client_cert + keys.tls_client_key)
+    return {f"distributed.comm.tls.{name}": str(file) for name in ("ca-file", "client.cert", "client.key")}
 
 
-def test_a_scheduler_that_is_there_already(two, tmp_path):
-    address, keys = two._client.scheduler.address, pem(tmp_path / "keys.pem", two._client.security)
-    with cluster.existing(address, tls=keys) as workers:
+def test_a_scheduler_with_certificates_needs_those_of_the_configuration(two, tmp_path, certificates, capfd):
+    address, keys = two._client.scheduler.address, tmp_path / "keys.pem"
+    keys.write_text(two._client.security.tls_client_cert + two._client.security.tls_client_key)
+    with dask.config.set(dict.fromkeys(certificates, str(keys))), cluster.existing(address) as workers:
         assert dict(workers.outcomes([Task("a", square, (2.0,))])) == {"a": 4.0}
-    (tmp_path / "scheduler.json").write_text(json.dumps({"address": address}))
-    with cluster.existing(file=tmp_path / "scheduler.json", tls=keys) as workers:
-        assert dict(workers.outcomes([Task("a", square, (2.0,))])) == {"a": 4.0}
-
-
-def test_keys_that_do_not_fit_are_said_in_one_sentence(two, tmp_path, capfd):
-    address, keys = two._client.scheduler.address, pem(tmp_path / "keys.pem", Security.temporary())
-    (tmp_path / "none.pem").write_text("no key")
-    for where, tls, said in (
-        (address, None, f"^scheduler = {address}: {address} needs certificates; give tls"),
-        (address, keys, f"^scheduler = {address}: the scheduler has another authority"),
-        ("tcp://127.0.0.1:9", keys, "is not encrypted; with tls it must be tls://HOST:PORT$"),
-        (address, tmp_path / "none.pem", f"^tls = {tmp_path}/none.pem: must be a PEM file with a certificate"),
+    encrypted = {"distributed.comm.require-encryption": True}
+    for where, settings, said in (
+        (address, {}, "needs certificates; name them in distributed.comm.tls in dask's configuration$"),
+        (address, certificates, "the scheduler has another authority for its certificates$"),
+        (address, dict.fromkeys(certificates, "/nowhere.pem"), r"distributed\.comm\.tls .* cannot be read"),
+        ("tcp://127.0.0.1:9", {**certificates, **encrypted}, "must be tls://HOST:PORT"),
     ):
-        with pytest.raises(NoScheduler, match=said), cluster.existing(where, tls=tls):
+        refusal = pytest.raises(NoScheduler, match=f"^scheduler = {where}: .*{said}")
+        with refusal, dask.config.set(settings), cluster.existing(where):
             pass
     assert capfd.readouterr() == ("", "")
 
 
-def test_no_scheduler_is_said_in_one_sentence(tmp_path, monkeypatch):
+def test_no_scheduler_is_said_in_one_sentence(monkeypatch):
     monkeypatch.setattr(cluster, "ANSWER", 0.2)
-    file = tmp_path / "scheduler.json"
-    for text, options, said in (
-        (None, {"address": "tcp://127.0.0.1:9"}, "^scheduler = tcp://127.0.0.1:9: no scheduler answers"),
-        (None, {"file": file}, "no such file"),
-        ("no JSON", {"file": file}, "is not JSON with an address"),
-        ("[1]", {"file": file}, "is not JSON with an address"),
-    ):
-        if text is not None:
-            file.write_text(text)
-        with pytest.raises(NoScheduler, match=said), cluster.existing(**options):
-            pass
+    refusal = pytest.raises(NoScheduler, match=r"^scheduler = tcp://127\.0\.0\.1:9: no scheduler answers")
+    with refusal, cluster.existing("tcp://127.0.0.1:9"):
+        pass
 
 
 @pytest.fixture
-def scheduler(tmp_path) -> Iterator[tuple[subprocess.Popen[bytes], Path]]:
-    """A scheduler in a process of its own, without workers, and its file."""
+def scheduler(tmp_path) -> Iterator[tuple[subprocess.Popen[bytes], str]]:
+    """A scheduler in a process of its own, without workers, and its address."""
     file = tmp_path / "scheduler.json"
     where = ["--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--no-show", "--scheduler-file", str(file)]
     command = [sys.executable, "-m", "distributed.cli.dask_scheduler", *where]
     with subprocess.Popen(command, stderr=subprocess.DEVNULL) as process:
         deadline = time.monotonic() + HANG
-        while not file.exists() and time.monotonic() < deadline:
+        address = None
+        while address is None and time.monotonic() < deadline:
             time.sleep(0.05)
-        yield process, file
+            with suppress(OSError, ValueError):  # not yet there, or not yet whole
+                address = json.loads(file.read_text())["address"]
+        yield process, address
         process.kill()
 
 
 def test_tasks_of_a_scheduler_that_is_lost_have_failed(scheduler, capfd):
     """Also those that wait for the programs of another one; nothing waits for ever, and nothing is said twice."""
-    process, file = scheduler
+    process, address = scheduler
     tasks = [Task(name, max, (1, 2), program=program) for name, program in zip("abc", ("p", "p", ""), strict=True)]
     asked = iter([False, False, False])  # then the scheduler is killed; nobody does the tasks
-    with cluster.existing(file=file) as workers:
+    with cluster.existing(address) as workers:
         found = dict(workers.outcomes(tasks, lambda: next(asked, None) is None and process.kill() is None))
     assert found == dict.fromkeys("abc", Failure("the scheduler was lost"))
     assert capfd.readouterr() == ("", "")
@@ -251,7 +226,7 @@ def test_workers_that_never_come_are_missed(scheduler, monkeypatch):
     monkeypatch.setattr(cluster, "PATIENCE", 0)
     said: list[str] = []
     monkeypatch.setattr(cluster.warnings, "warn", lambda text, *_, **__: said.append(text))
-    with cluster.existing(file=scheduler[1]) as workers:
+    with cluster.existing(scheduler[1]) as workers:
         assert not workers._has_workers()
         assert dict(workers.outcomes([Task("a", max, (1,)), Task("b", max, (2,))], lambda: bool(said))) == {}
     assert said == ["the scheduler has no workers: the runs wait until some come"]

@@ -5,19 +5,15 @@ import os
 import subprocess
 import warnings
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from cases import ertel_, python
+from cases import python
 from threadpoolctl import ThreadpoolController, threadpool_limits
 
 import ertel
 from ertel.runs import compile
-from ertel.runs.batch import usual_cases
-from ertel.runs.drive import watch
 from ertel.runs.workers import one_blas_thread
-from ertel.version import source_digest
 
 WRONG_SUMS = """
 import jax
@@ -55,11 +51,6 @@ def test_a_wrong_jax_is_told_once(monkeypatch, version, wrong):
     assert not wrong or (
         version in str(told[0].message) and 'pip install "jax!=0.10.2,!=0.11.0"' in str(told[0].message)
     )
-
-
-def test_the_version_is_known_without_jax():
-    code = "import sys; from ertel.runs import compile; compile.cache_directory(); print('jax' in sys.modules)"
-    assert python("-c", code).stdout == "False\n"
 
 
 # -- the cache --------------------------------------------------------------------------------------------------------
@@ -107,17 +98,6 @@ def place(monkeypatch, tmp_path):
     return found
 
 
-def test_the_cache_has_a_folder_per_processor_and_version(place, monkeypatch, tmp_path):
-    assert place.parent == tmp_path / "ertel" / "jax"
-    assert place == compile.cache_directory()
-    monkeypatch.setattr(compile, "version", lambda package: "0.0.0")
-    assert compile.cache_directory() != place
-    monkeypatch.setattr(compile, "_processor", lambda: "other")
-    assert compile.cache_directory().name == "other-jaxlib-0.0.0"
-    monkeypatch.setenv("JAX_COMPILATION_CACHE_DIR", str(tmp_path))  # chosen by the user
-    assert compile.cache_directory() == tmp_path
-
-
 # -- who may write to the cache ---------------------------------------------------------------------------------------
 
 CACHE = """
@@ -160,13 +140,6 @@ def test_the_cache_is_made_for_its_user_alone_when_he_wishes_it(place, tmp_path)
     assert place.stat().st_mode & 0o777 == place.parent.stat().st_mode & 0o777 == 0o700
     (place / "a-cache").touch(mode=0o666)  # nobody else can reach it
     assert is_safe(place)
-
-
-def test_the_cache_of_python_users_may_be_in_a_directory_of_their_choice(tmp_path):
-    own = str(tmp_path / "own")
-    chosen = f'import jax; jax.config.update("jax_compilation_cache_dir", {own!r}); import ertel; ertel.cache()'
-    code = f"{chosen}; print(jax.config.jax_compilation_cache_dir)"
-    assert as_a_user(tmp_path, "-c", code).stdout.strip() == own
 
 
 def is_safe(directory: Path) -> bool:
@@ -217,16 +190,6 @@ def test_a_cache_of_another_user_is_not_used(place, planted):
     assert is_refused(place, place / planted)
 
 
-def test_commands_say_that_a_cache_is_not_used(tmp_path):
-    """Also a directory that JAX was told to use."""
-    tmp_path.chmod(0o777)
-    answer, _, said = in_a_process(tmp_path)
-    assert answer == "7"
-    assert said.startswith(f"ertel: warning: compiled programs are not kept: {tmp_path} belongs to another user, or")
-    assert said.count("\n") == 1
-    assert list(tmp_path.glob("*-cache")) == list((tmp_path / "ertel").iterdir()) == []
-
-
 # -- compiling ahead ---------------------------------------------------------------------------------------------------
 
 ROLLING = '[contact]\nkind = "rolling"\nM = 100\nL = 5\n[solver]\nnodes = 17\n'
@@ -261,44 +224,6 @@ def test_a_run_after_the_warm_up_compiles_nothing_and_traces_no_solver(tmp_path)
     plain = ertel.simulate(ertel.load_case(tmp_path / "impact.toml")).dataset
     for name in ("time", "Delta", "V", "F", "P_c", "H_c", "H_min"):
         np.testing.assert_allclose(plain[name], optimised[name], rtol=1e-8)
-
-
-def test_the_usual_grids_are_those_of_the_documents():
-    cases = list(usual_cases())
-    assert [(case.kind, case.solver.method, case.solver.nodes) for case in cases] == [
-        ("rolling", "steady", 257),
-        ("impact", "2d", 129),
-        ("impact", "2d", 257),
-        ("impact", "radial", 401),
-    ]
-
-
-def test_a_change_without_a_case_is_refused():
-    done = ertel_("warm-up", "--set", "solver.nodes=33", code=2)
-    assert done.stderr == "ertel: --set solver.nodes=33: needs a case file; without one the usual grids are compiled\n"
-
-
-def test_the_progress_bar_says_what_takes_the_time(monkeypatch):
-    said = []
-    bars = SimpleNamespace(add_task=lambda name, total, message: said.append((name, message)))
-    watch(bars, SimpleNamespace(case=SimpleNamespace(name="ball", kind="impact")))
-    assert said == [("ball", "compiling (once per machine and grid size)")]
-
-
-def test_the_digest_of_sources_sees_every_byte_and_name_of_sources_only(tmp_path):
-    sources = tmp_path / "package"
-    (sources / "room").mkdir(parents=True)
-    (sources / "a.py").write_bytes(b"x = 1")
-    (sources / "room" / "b.py").write_bytes(b"y = 2")
-    before = source_digest(sources)
-    (sources / "notes.txt").write_text("no code")
-    assert source_digest(sources) == before
-    (sources / "a.py").write_bytes(b"x = 2")
-    changed = source_digest(sources)
-    (sources / "a.py").write_bytes(b"x = 1")
-    assert changed != before == source_digest(sources)
-    (sources / "room" / "b.py").rename(sources / "room" / "c.py")
-    assert source_digest(sources) != before
 
 
 def test_blas_has_one_thread_until_the_last_block_ends():

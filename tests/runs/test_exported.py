@@ -1,6 +1,6 @@
 """Exported programs: loaded from the disk without tracing, and exported again where that is not safe."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import jax
 import jax.numpy as jnp
@@ -9,8 +9,6 @@ import pytest
 from jax.tree_util import register_dataclass
 
 from ertel.numerics import programs
-from ertel.numerics.grid import Symmetry
-from ertel.numerics.multigrid import DeformationOperator
 from ertel.numerics.programs import Program
 from ertel.runs import exported
 from ertel.runs.exported import ExportedPrograms
@@ -82,21 +80,9 @@ def test_another_stamp_or_a_damaged_file_is_exported_again(process):
         assert len(traced) == 3
 
 
-def test_static_data_and_types_of_numbers_have_programs_of_their_own(process):
-    record = DeformationOperator(X, 3.0, X)
-    for factor in (record, replace(record, even=Symmetry(y=True)), 3.0, np.float64(3.0)):
-        assert_right(process(factor, X))
-    assert len(process.files()) == len(traced) == 4
-
-
 def test_code_from_outside_is_not_kept_because_its_changes_go_unnoticed(process):
     assert_right(process(Outside(3.0), X))
     assert process.files() == []
-
-
-def test_a_directory_that_cannot_be_written_does_no_harm(tmp_path, process):
-    (tmp_path / "file").write_text("")
-    assert_right(Process(tmp_path / "file" / "below")(3.0, X))
 
 
 def test_a_program_compiled_in_a_hurry_is_kept_optimised(process, monkeypatch):
@@ -114,12 +100,3 @@ def test_a_program_compiled_in_a_hurry_is_kept_optimised(process, monkeypatch):
     with process.exports.in_a_hurry(lambda: told.append(len(levels))):
         assert_right(process(3.0, X))
     assert levels[2:] == [programs.LEVEL] and told == [1] and traced == ["scaled"]
-
-
-def test_a_failure_leaves_nothing_to_compile_and_no_hurry(process):
-    with pytest.raises(KeyError), process.exports.in_a_hurry():
-        process(3.0, X)
-        raise KeyError
-    assert process.files() == []
-    process(3.0, X)
-    assert len(process.files()) == 1

@@ -45,24 +45,13 @@ def swept():
     return found.dataset.newton_iterations.values.tolist()
 
 
-def batch():
-    found = ertel.simulate_batch([ertel.impact(**{**IMPACT, "M": M, "until": 0.3}) for M in (20, 25)])
-    return [value for result in found for value in final(result)]
-
-
 ball = {"radius": 0.01, "ball_density": 7850, "speed": 0.01, "E_prime": 2.2e11}
 oil = ertel.Oil(0.02, 2e-8, viscosity=OfJax(2e-8))
 radial = ertel.impact(**ball, oil=oil, method="radial", nodes=65, until=0.5, time_tolerance=0.05)
-waves = [[ertel.Feature(ertel.Waviness(amplitude=0.01, wavelength_x=1.0))]]
-sliding = ertel.rolling(**ROLLING, motion={"slide_to_roll": 0.5})
 FOUND = {
-    "on_the_plane": lambda: final(ertel.simulate(ertel.impact(**IMPACT))),
     "radial": lambda: final(ertel.simulate(radial)),
     "swept": swept,
     "steady": lambda: final(ertel.simulate(ertel.rolling(**ROLLING))),
-    "batch": batch,
-    "respond": lambda: ertel.respond(ertel.impact(**IMPACT), waves).dH.values.ravel().tolist(),
-    "respond_in_rolling": lambda: ertel.respond_in_rolling(sliding, waves).dH_amplitude.values.ravel().tolist(),
 }
 
 
@@ -105,7 +94,7 @@ blas.limit(limits=2)
 set_before, told_before = dict(jax.config.values), dict(os.environ)
 {runs}
 filters = list(warnings.filters)
-import ertel.runs.store, ertel.runs.batch, ertel.runs.traction  # all that computes
+import ertel.runs.store, ertel.runs.ahead, ertel.runs.traction  # all that computes
 from ertel.numerics.programs import Program
 call, threads = Program.__call__, set()
 
@@ -129,21 +118,19 @@ said = {{
 sys.stdout.write(json.dumps([said, found]))
 """
 QUICK = ("radial", "swept", "steady")  # all methods are run by the same function, and each refuses single precision
-SLOW = ("on_the_plane", "batch", "respond", "respond_in_rolling")
 
 
 @cache
-def alone(names: tuple[str, ...]) -> tuple[dict, dict]:
+def alone() -> tuple[dict, dict]:
     """What a process of its own has changed, and what it computes, in single precision but for ertel."""
     said, found = json.loads(
-        python("-c", IN_A_PROCESS.format(runs=RUNS, names=names), without=("JAX_ENABLE_X64",)).stdout
+        python("-c", IN_A_PROCESS.format(runs=RUNS, names=QUICK), without=("JAX_ENABLE_X64",)).stdout
     )
     return said, found
 
 
-@pytest.mark.parametrize("names", [QUICK, pytest.param(SLOW, marks=pytest.mark.slow)])
-def test_no_setting_of_the_process_is_changed(names):
-    said = alone(names)[0]
+def test_no_setting_of_the_process_is_changed():
+    said = alone()[0]
     in_runs, after = said.pop("threads")
     assert said == {"jax": [], "environment": [], "filters": False, "x64": False}
     assert in_runs == [1] and set(after) == {2}  # of the libraries of BLAS
@@ -156,20 +143,17 @@ def here() -> dict:
     return found["FOUND"]
 
 
-EACH = [*((name, QUICK) for name in QUICK), *(pytest.param(name, SLOW, marks=pytest.mark.slow) for name in SLOW)]
-
-
-@pytest.mark.parametrize(("name", "names"), EACH)
-def test_a_run_is_that_of_double_precision(name, names):
+@pytest.mark.parametrize("name", QUICK)
+def test_a_run_is_that_of_double_precision(name):
     """To round-off: single precision would leave 1e-7 at best."""
     with warnings.catch_warnings():
         expected = np.array(here()[name]())
-    assert np.abs(np.array(alone(names)[1][name]) - expected).max() < 1e-12 * np.abs(expected).max()
+    assert np.abs(np.array(alone()[1][name]) - expected).max() < 1e-12 * np.abs(expected).max()
 
 
 def test_single_precision_is_refused():
     """By each of the methods, where nothing set double precision before."""
-    assert alone(QUICK)[1]["refused"] == [True] * 7
+    assert alone()[1]["refused"] == [True] * 7
 
 
 # -- after a fork: pytest itself has many threads --------------------------------------------------------------------

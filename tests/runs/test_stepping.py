@@ -8,21 +8,21 @@ import pytest
 from cases import OIL, rolled, steps_of
 
 from ertel.case.case import Case
-from ertel.case.sections import SOLVERS, Drive, Output, Time
+from ertel.case.methods import METHODS
+from ertel.case.sections import Drive, Output, Time
 from ertel.case.status import Status
 from ertel.equations.account import Friction
-from ertel.equations.state import Method, State, Stepping, combined
+from ertel.equations.state import State, Stepper, combined
 from ertel.numerics import bdf
 from ertel.physics.motion import Oscillation, Polyline, Signal
 from ertel.physics.scales import Parameters
-from ertel.results.variables import BUDGET, FRICTION
 from ertel.runs.drive import Recorder, drive
 from ertel.runs.stepping import TransientRun
 
 PULSE = Polyline(((0.0, 1.0), (1.0, 1.0), (1.02, 3.0), (1.04, 1.0)))
 
 
-class LikeTheLoad(Method):
+class LikeTheLoad(Stepper):
     """A contact whose approach and film are the load of the moment: every step is exact and costs nothing."""
 
     def __init__(self, case: Case):
@@ -36,16 +36,12 @@ class LikeTheLoad(Method):
     def start(self) -> State:
         return self._state(0.0)
 
-    def attempt(self, levels: Sequence[State], step: float) -> Stepping:
+    def advance(self, levels: Sequence[State], step: float) -> State:
         new = self._state(levels[0].T + step)
         weights = bdf.interpolation_weights(new.T, [level.T for level in levels])
         error = abs(new.H - combined(weights, [level.H for level in levels])).max()
-        record = self.measure(new) | dict.fromkeys((*BUDGET, *FRICTION), 0.0)
+        record = self.measure(new)
         return replace(new, error=float(error), record=record)
-        yield
-
-    def solve(self, problem: object) -> object:
-        raise AssertionError("there is nothing to solve")
 
     def measure(self, level: State) -> dict[str, float]:
         names = ("F", "P_c", "P_max", "X_P_max", "Y_P_max", "P_fall", "H_c", "H_min", "X_min", "Y_min")
@@ -59,7 +55,7 @@ class LikeTheLoad(Method):
 
 
 def rolling(time: Time, output: Output | None = None, load: Signal | None = None, speed: Signal | None = None) -> Case:
-    case = rolled(Parameters.from_moes(20, 5), OIL, SOLVERS["transient"], Drive(load, speed), time=time)
+    case = rolled(Parameters.from_moes(20, 5), OIL, METHODS["transient"].defaults, Drive(load, speed), time=time)
     return case if output is None else Case(case.contact, case.oil, case.solver, case.drive, (), time, output)
 
 
@@ -96,8 +92,8 @@ def test_a_fixed_step_is_fixed() -> None:
 
 
 class Unwilling(LikeTheLoad):
-    def attempt(self, levels: Sequence[State], step: float) -> Stepping:
-        new = yield from super().attempt(levels, step)
+    def advance(self, levels: Sequence[State], step: float) -> State:
+        new = super().advance(levels, step)
         return new if step <= 0.02 else replace(new, status=Status.NEWTON_STALLED)
 
 
@@ -116,8 +112,8 @@ class Lost(LikeTheLoad):
         super().__init__(case)
         self.lost = lost
 
-    def attempt(self, levels: Sequence[State], step: float) -> Stepping:
-        new = yield from super().attempt(levels, step)
+    def advance(self, levels: Sequence[State], step: float) -> State:
+        new = super().advance(levels, step)
         return new if new.T < 0.3 else replace(new, **{self.lost: float("nan")})
 
 

@@ -49,39 +49,6 @@ def test_a_stored_run_is_the_run_in_memory(tmp_path, kind):
     assert names(tmp_path / "run") == LEFT | own
 
 
-def test_variables_say_what_they_are(impact):
-    data = impact.whole.dataset
-    for name, variable in data.variables.items():
-        assert {"units", "long_name", "symbol"} <= set(variable.attrs), name
-    assert (data["H"].dims, data["H_c"].dims) == (("frame", "Y", "X"), ("time",))
-    regular = data["frame"].values[data["event"].values == 0]
-    np.testing.assert_allclose(regular, impact.case.output.interval * np.arange(1, len(regular) + 1), rtol=1e-12)
-    assert np.all(np.diff(data["frame"]) >= 0)  # so that .sel(frame=..., method="nearest") works
-
-
-def test_a_flush_writes_once_however_many_steps_there_are(tmp_path, monkeypatch):
-    """It costs far less than the seconds between two of them: what is appended does not grow with the run."""
-    appended, append = [], arrays.append
-
-    def counting(path, arrays):
-        appended.append(len(arrays.get("time", ())))
-        append(path, arrays)
-
-    monkeypatch.setattr(arrays, "append", counting)
-    summary = compute(RunStore.create(tmp_path / "run", SHORT_FALL))
-    assert sum(appended) == summary["steps"] > len(appended)
-
-
-def test_nothing_computed_yet(tmp_path, kind):
-    run = RunStore.create(tmp_path / "run", kind.case)
-    assert run.summary() is None
-    data = run.dataset()
-    assert data.sizes["grid" if kind.case.is_steady else "time"] == 0
-    assert np.isnan(data["H"].values).all()  # every map of a contact that is still to be computed: not a missing chunk
-    with pytest.raises(StoreError, match="nothing is computed yet"):
-        run.summary_so_far()
-
-
 # -- interrupted ------------------------------------------------------------------------------------------------------
 
 
@@ -257,11 +224,6 @@ def refuse_to_sync(monkeypatch, number):
         raise OSError(number, os.strerror(number))
 
     monkeypatch.setattr(os, "fsync", fsync)
-
-
-def test_a_system_that_cannot_sync(tmp_path, monkeypatch):
-    refuse_to_sync(monkeypatch, errno.EINVAL)
-    assert compute(RunStore.create(tmp_path / "run", SHORT_FALL))["status"] == "converged"
 
 
 def test_a_disk_that_fails_loses_nothing(tmp_path, monkeypatch, kinds):

@@ -11,14 +11,11 @@ import xarray as xr
 from cases import physics, stop_after
 
 import ertel
-from ertel.inputs.case_files import ConfigError, load_case, parse_case
+from ertel.inputs.case_files import load_case
 from ertel.physics import units
 from ertel.physics.surfaces import Feature
 from ertel.runs.drive import simulate
 from ertel.runs.store import RunStore, compute
-
-SHORT = {"solver": {"nodes": 33}, "time": {"tolerance": 0.01, "until": 0.4}}
-CASE = {"contact": {"M": 200, "L": 10}, **SHORT}
 
 
 @ertel.viscosity_laws.register("stored-power")
@@ -53,20 +50,6 @@ def resumed(case: ertel.Case, directory: Path, steps: int) -> ertel.Result:
 
 
 # -- laws and shapes of one's own -------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Nameless:
-    def heights(self, X: Any, Y: Any) -> Any:
-        return 0.0 * X * Y
-
-
-def test_a_shape_without_a_name_is_refused_where_it_would_be_stored(tmp_path):
-    case = replace(parse_case(CASE), roughness=(Feature(Nameless()),))
-    for store in (RunStore.create, lambda path, case: ertel.run(case, path)):
-        with pytest.raises(ValueError, match=r"roughness\[1\]\.Nameless: is no registered shape"):
-            store(tmp_path / "run", case)
-    assert list(tmp_path.iterdir()) == []
 
 
 OWN = """
@@ -106,21 +89,3 @@ def test_a_users_law_and_shape_are_those_of_case_files(tmp_path):
     with_table = replace(case, oil=replace(oil, viscosity=Power(5e8, 11.0, (1.0, 2.0))))
     assert with_table.to_data()["lubricant"]["viscosity"]["table"] == [1.0, 2.0]
     assert ertel.Case.from_data(with_table.to_data()) == with_table
-
-
-LAW = {"law": "stored-power", "p1": "1 GPa"}
-
-
-@pytest.mark.parametrize(
-    ("law", "said"),
-    [
-        ("stored-power", r'lubricant\.viscosity = "stored-power"'),
-        (LAW, r"lubricant\.viscosity\.n: missing"),
-        ({**LAW, "p1": "1 m", "n": 2}, r'lubricant\.viscosity\.p1 = "1 m": has the wrong'),
-        ({**LAW, "n": 2, "m": 1}, r"lubricant\.viscosity\.m = 1: unknown"),
-        ({"law": "none"}, r'lubricant\.viscosity\.law = "none"; allowed: .*roelands.*stored-power'),
-    ],
-)
-def test_a_users_law_is_checked_as_the_others(law, said):
-    with pytest.raises(ConfigError, match=said):
-        parse_case({"contact": {"M": 200, "L": 10}, "lubricant": {"viscosity": law}})

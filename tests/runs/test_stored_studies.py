@@ -1,9 +1,6 @@
 """Studies on the disk: what is run, what is gathered, and how they go on after all that may come between."""
 
 import itertools
-import pickle
-import time
-from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -14,15 +11,14 @@ from cases import RADIAL, SMALL, names
 
 import ertel
 from ertel.case.case import Case
-from ertel.inputs.studies import convergence_series, coordinates, load_study, parse_study
-from ertel.results.numbers import aligned, scalars
-from ertel.results.study_result import StudyResult
-from ertel.runs import directory, files, studies
-from ertel.runs.batch import STEPS, program_of
+from ertel.inputs.studies import convergence_series, coordinates, parse_study
+from ertel.results.numbers import aligned
+from ertel.runs import files, studies
+from ertel.runs.ahead import program_of
 from ertel.runs.store import RunStore
 from ertel.runs.studies import gather as gathered
-from ertel.runs.studies import has_compiled, left_of, run_directory, run_study, write_study
-from ertel.runs.workers import LocalWorker, StopSignal
+from ertel.runs.studies import left_of, run_directory, run_study, write_study
+from ertel.runs.workers import LocalWorker
 
 
 def study_of(until: float = 0.02, mode: str = "product", **varying: Any) -> dict[str, Any]:
@@ -103,19 +99,6 @@ def test_only_what_is_new_is_done(four):
     assert status.values.tolist() == [["converged", "missing"], ["converged", "missing"]]
 
 
-def test_a_zip_has_one_dimension(four):
-    result = gathered(parse_study(study_of(mode="zip")), four)
-    assert dict(result.dataset.sizes) == {"run": 2} and result.complete
-    assert result.dataset["eta0"].dims == ("run",)
-    assert [row["speed_m_per_s"] for row in result.rows()] == [0.1, 0.2]
-
-
-def test_parts_are_everything_and_no_run_twice(tmp_path):
-    study = parse_study(study_of())
-    parts = [set(left_of(study.cases, tmp_path, (number, 3))) for number in (1, 2, 3)]
-    assert set.union(*parts) == set(left_of(study.cases, tmp_path)) and sum(map(len, parts)) == 4
-
-
 def test_a_stopped_study_goes_on_to_the_same_numbers(tmp_path):
     """Stopped after three steps of the first run: it is an ordinary run that is continued."""
     study = parse_study(study_of(until=0.1, speed=["0.1 m/s"], eta0=["10 mPa*s", "20 mPa*s"]))
@@ -133,107 +116,11 @@ def test_a_stopped_study_goes_on_to_the_same_numbers(tmp_path):
     assert np.array_equal(found, wanted)
 
 
-def test_a_wish_to_stop_reaches_other_processes_by_a_file(tmp_path):
-    asked: list[bool] = []
-    stop = StopSignal(tmp_path / "stop", lambda: bool(asked))
-    elsewhere = pickle.loads(pickle.dumps(stop))
-    assert not stop() and not elsewhere()
-    asked.append(True)
-    assert not elsewhere() and stop() and elsewhere()
-
-
-def test_a_run_that_cannot_be_done_is_a_value(tmp_path):
-    study = parse_study(study_of())
-    broken = run_directory(tmp_path, study.cases[1])
-    broken.mkdir(parents=True)
-    (broken / "case.toml").write_text("[contact]\nM = 1\nL = 1\n")
-    result = ertel.sweep(study_of(), tmp_path)
-    assert result.complete and result.failed == [f"runs/{broken.name}"]
-    statuses = result.dataset["status"].values.ravel().tolist()
-    assert statuses[1].startswith("failed: StoreError: ") and statuses.count("converged") == 3
-    summary, *warnings = result.remarks
-    assert summary == "4 runs: 3 converged, 1 failed; 3 with warnings"
-    assert len(warnings) == 2 and all(each.startswith("warning: runs/") for each in warnings)
-    assert warnings[0].endswith("(and 2 other runs)")  # which differ in their numbers only
-
-
-class Bars:
-    disable = False
-
-    def __init__(self):
-        self.messages: dict[str, list[tuple[float, str]]] = {}
-
-    def add_task(self, name, total, message):
-        self.messages[name] = []
-        return name
-
-    def update(self, name, completed=0.0, advance=0, message=""):
-        self.messages[name].append((completed, message))
-
-    def remove_task(self, name):
-        assert name in self.messages
-
-
-def test_the_bars_say_what_the_runs_write_of_their_progress(tmp_path, monkeypatch):
-    """So does the file tell when the programs of a run are compiled."""
-    study = parse_study(study_of(until=0.2, speed="0.1 m/s"))
-    monkeypatch.setattr(directory, "INTERVAL", 0.0)
-    monkeypatch.setattr(studies, "LOOK", 0.001)
-    said, compiled = Bars(), []
-    monkeypatch.setattr(studies, "bars", lambda shown: nullcontext(said))
-    original = RunStore.__call__
-
-    def take(self, item):
-        compiled.append(has_compiled(self.case, self.directory))
-        time.sleep(0.005)
-        original(self, item)
-
-    monkeypatch.setattr(RunStore, "__call__", take)
-    run_study(study.cases, tmp_path, LocalWorker(), progress=True)
-    runs = [said.messages[case.digest[:8]] for case in study.cases]
-    assert all(0 <= done <= 1 and text.startswith("T 0.") for messages in runs for done, text in messages) and all(runs)
-    assert [text.split()[1] for _, text in said.messages["runs"]] == ["converged", "converged"]
-    assert compiled[: STEPS + 1] == [False] * (STEPS + 1) and compiled[STEPS + 2]
-
-
 def test_runs_of_one_program_differ_in_numbers_only():
     one, other = (program_of(case) for case in parse_study(study_of(eta0="10 mPa*s")).cases)
     assert one == other
     finer = parse_study({**study_of(eta0="10 mPa*s"), "solver": {"method": "radial", "nodes": 33}})
     assert program_of(finer.cases[0]) != one
-
-
-ROUGH = """
-contact = { M = 200, L = 10 }
-solver = { nodes = 33 }
-[[roughness]]
-shape = "measured"
-file = "disc.npy"
-detrend = "none"
-length_x = 4.5
-rms = [0.01, 0.02]
-cutoff = 0.5
-"""
-
-
-def test_a_measured_surface_goes_with_its_case_to_another_process(tmp_path):
-    """The file lies beside that of the study; a worker needs neither."""
-    np.save(tmp_path / "disc.npy", np.random.default_rng(0).normal(size=(20, 30)))
-    (tmp_path / "rough.toml").write_text(ROUGH)
-    study = load_study(tmp_path / "rough.toml")
-    workers = Remembering()
-    run_study(study.cases, tmp_path, workers)
-    arrived = [Case.from_data(*pickle.loads(pickle.dumps(task.arguments))[1:3]) for task in workers.tasks]
-    assert tuple(arrived) == study.cases and arrived[0] != arrived[1]
-
-
-def test_errors_stand_beside_their_numbers():
-    steady = {"kind": "rolling", "M": 200.0, "L": 10.0, "H_c": 0.5, "H_c_error": 0.01, "H_c_extrapolated": 0.51}
-    found = scalars({**steady, "H_min": 0.3, "H_min_error": None, "H_min_extrapolated": None})
-    assert found["H_c"].value == 0.51 and found["H_c_on_grid"].value == 0.5
-    assert found["H_c_error"].value == 0.01 and "H_min_error" not in found
-    about = {"long_name": "estimated error of the central film thickness", "units": "1", "in_units_of": "a^2/R"}
-    assert found["H_c_error"].attributes == about
 
 
 def test_a_run_that_was_killed_is_not_said_to_run(tmp_path):
@@ -245,19 +132,6 @@ def test_a_run_that_was_killed_is_not_said_to_run(tmp_path):
         found = gathered(study, tmp_path)
         assert list(found.dataset["status"].values) == ["running", "missing"]
     assert not found.failed and not found.complete
-
-
-def test_the_picture_has_plain_ticks_and_no_lines_without_runs():
-    viscosities = "eta0", np.geomspace(0.05, 0.5, 3), {"units": "Pa*s"}
-    h_c = ("eta0", "oil"), np.array([[1.0, np.nan], [2.0, np.nan], [3.0, np.nan]]), {"units": "m", "long_name": "film"}
-    data = xr.Dataset({"h_c": h_c}, {"eta0": viscosities, "oil": ["roelands", "barus"]}, {"title": "oils"})
-    figure = StudyResult(data).plot()
-    (axes,) = figure.axes
-    assert axes.get_xlabel() == "eta0 (mPa s)" and len(axes.containers) == 1
-    assert [text.get_text() for text in figure.legends[0].texts] == ["roelands"]
-    axes.figure.canvas.draw()
-    assert {"50", "100", "200", "500"} <= {text.get_text() for text in axes.get_xticklabels()}
-    assert not any(text.get_text() for text in axes.get_xticklabels(minor=True))
 
 
 # -- convergence series ------------------------------------------------------------------------------------------------

@@ -10,11 +10,8 @@ from cases import STEEL_BODIES
 
 from ertel.case.case import Case
 from ertel.case.sections import Drive
-from ertel.case.status import Status
 from ertel.inputs.case_files import ConfigError, parse_case
 from ertel.physics.motion import constant
-from ertel.plots.drawing import NoFigure
-from ertel.runs.drive import drive
 from ertel.runs.traction import traction
 from ertel.solvers import steady
 from ertel.solvers.heat import heated
@@ -93,12 +90,6 @@ def test_a_point_over_the_speed_or_the_load_is_its_own_case(axis: str) -> None:
     assert float(data["h_c"]) == pytest.approx(film.measure()["H_c"] * at.scales.film, rel=1e-9)
 
 
-def test_both_surface_speeds_serve_as_well(newtonian: Any) -> None:
-    two = traction(physical(speed_1="1.05 m/s", speed_2="0.95 m/s"), slide_to_roll=[0.0, 0.1])
-    wanted = newtonian.dataset.sel(slide_to_roll=[0.0, 0.1], method="nearest")
-    np.testing.assert_allclose(two.dataset["mu_sliding"], wanted["mu_sliding"], rtol=1e-9, atol=1e-12)
-
-
 def test_a_dimensionless_case(newtonian: Any) -> None:
     si = physical()
     assert si.scales is not None
@@ -113,40 +104,6 @@ def test_a_dimensionless_case(newtonian: Any) -> None:
     assert float(sliding.dataset["mu_sliding"][0]) == pytest.approx(float(curve.dataset["mu_sliding"][1]), rel=1e-9)
 
 
-def test_a_curve_shows_itself(newtonian: Any, tmp_path: Any) -> None:
-    text = repr(newtonian)
-    for part in (
-        "TractionCurve",
-        "slide-to-roll ratio",
-        "h_c on the grid (nm)",
-        "mu",
-        "solved once",
-        "larger than that of any",
-    ):
-        assert part in text
-    page = newtonian._repr_html_()
-    assert page.count("<tr>") == 5
-    assert "data:image/png;base64," in page
-    newtonian.to_csv(tmp_path / "curve.csv")
-    head, *rows = (tmp_path / "curve.csv").read_text().splitlines()
-    assert {"slide_to_roll", "mu_sliding", "h_c_m", "power_loss_W", "tau_max_Pa", "status"} <= set(head.split(","))
-    assert len(rows) == 4
-    assert [axes.get_xlabel() for axes in newtonian.plot().axes] == 4 * ["slide-to-roll ratio $S$"]
-
-
-def test_a_film_that_does_not_converge_is_said(monkeypatch: Any) -> None:
-    def stalled(*arguments: Any) -> Any:
-        return replace(drive(*arguments), status=Status.NEWTON_STALLED)
-
-    monkeypatch.setattr("ertel.runs.store.drive", stalled)
-    curve = traction(physical(), slide_to_roll=[0.0, 0.1])
-    assert curve.failed == [0.0, 0.1]
-    assert np.isnan(curve.dataset["mu_sliding"]).all()
-    assert "stalled" in repr(curve)
-    with pytest.raises(NoFigure, match="nothing to draw"):
-        curve.plot()
-
-
 HOT = {"temperature": "313.15 K", "conductivity": "0.14 W/(m*K)", "beta": "0.035 / K"} | STEEL_BODIES
 
 
@@ -156,20 +113,20 @@ def test_heat_lowers_the_traction(newtonian: Any) -> None:
     warm_case = parse_case({**case.to_data(), "thermal": HOT})
     curve = traction(warm_case, slide_to_roll=[0.0, 0.1])
     data, cold = curve.dataset, newtonian.dataset.sel(slide_to_roll=[0.0, 0.1])
-    np.testing.assert_allclose(data["mu_isothermal"], cold["mu_sliding"], rtol=1e-12)
-    assert data["mu_sliding"][0] == 0.0
-    assert 0.0 < float(data["mu_sliding"][1]) < float(cold["mu_sliding"][1])
+    np.testing.assert_allclose(data["mu_sliding"], cold["mu_sliding"], rtol=1e-12)
+    assert data["mu_sliding_warm"][0] == 0.0
+    assert 0.0 < float(data["mu_sliding_warm"][1]) < float(cold["mu_sliding"][1])
     assert data["newton_iterations"].values.tolist()[1] == 0
     at = replace(warm_case, contact=replace(warm_case.contact, slide_to_roll=0.1))
     assert at.scales is not None
     film = steady.steady_film(warm_case).finest
     found = heated(at, film.P, film.H, grid=film.grid)
-    assert float(data["mu_sliding"][1]) == pytest.approx(float(found.sliding[0]) * at.scales.a_over_R, rel=1e-9)
+    assert float(data["mu_sliding_warm"][1]) == pytest.approx(float(found.sliding[0]) * at.scales.a_over_R, rel=1e-9)
     assert float(data["T_film_max"][1]) == pytest.approx(float(np.max(found.T_film)), rel=1e-9)
-    np.testing.assert_allclose(data["h_c"], data["phi_T"] * cold["h_c"], rtol=1e-12)
-    spent = data["power_loss"] - data["power_loss"][0]
-    np.testing.assert_allclose(spent, data["mu_sliding"] * 20.0 * data["slide_to_roll"], rtol=1e-6, atol=1e-12)
-    for part in ("mu_iso", "T_film (degC)", "include heat"):
+    np.testing.assert_allclose(data["h_c_warm"], data["phi_T"] * cold["h_c"], rtol=1e-12)
+    spent = data["power_loss_warm"] - data["power_loss_warm"][0]
+    np.testing.assert_allclose(spent, data["mu_sliding_warm"] * 20.0 * data["slide_to_roll"], rtol=1e-6, atol=1e-12)
+    for part in ("mu_sliding_warm", "T_film_max (degC)", "have the heat"):
         assert part in repr(curve)
     panels = {axes.get_ylabel(): axes for axes in curve.plot().axes}
     assert len(panels) == 6

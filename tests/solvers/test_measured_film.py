@@ -1,10 +1,10 @@
-"""The film between steel and glass that Mourier et al. (2006) measured; their curves stay outside of this repository.
+"""The film between steel and glass that Mourier et al. (2006) measured.
 
 Mourier L, Mazuyer D, Lubrecht AA, Donnet C. Transient increase of film thickness in micro-textured EHL contacts. Tribol
 Int 2006;39:1745-1756: 15 N, R = 12.5 mm, 0.09 m/s, pure rolling.
 """
 
-import csv
+import tomllib
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -18,18 +18,11 @@ from ertel.results.measurements import Measurement
 from ertel.runs.drive import simulate
 from ertel.runs.fit import fit
 
-CURVES = Path(__file__).parents[3] / "shared" / "reference" / "mourier_2006"
+CURVES = tomllib.loads((Path(__file__).parents[1] / "data" / "mourier_2006.toml").read_text())  # um, nm
 CASE = Path(__file__).parents[2] / "validation" / "rolling" / "micro_cavity.toml"
 NODES = pytest.mark.parametrize("nodes", [65, pytest.param(129, marks=pytest.mark.slow)])
 
 pytestmark = pytest.mark.skipif(not CASE.exists(), reason="the validation cases are not part of a package")
-
-
-def curve(name: str) -> np.ndarray:
-    if not CURVES.exists():
-        pytest.skip("the measured curves are not there")
-    with (CURVES / f"mourier_ssr0_{name}.csv").open() as file:
-        return np.array([[float(value) for value in row] for row in list(csv.reader(file))[1:] if len(row) == 2])
 
 
 def undisturbed_case(nodes: int) -> Case:
@@ -54,7 +47,7 @@ def test_the_undisturbed_film_lies_where_it_was_measured(nodes: int) -> None:
 @NODES
 def test_the_undisturbed_film_is_the_measured_curve(nodes: int) -> None:
     """In the flat middle, in the median of the measured points."""
-    summary, measured = undisturbed(nodes), curve("exp_1")
+    summary, measured = undisturbed(nodes), np.array(CURVES["exp_1"])
     flat = np.median(measured[np.abs(measured[:, 0]) < 90, 1])
     film = summary["H_c_extrapolated"] * summary["si"]["h_c_m"] / summary["H_c"] * 1e9
     assert film == pytest.approx(flat, rel=0.02)
@@ -63,7 +56,7 @@ def test_the_undisturbed_film_is_the_measured_curve(nodes: int) -> None:
 @pytest.mark.slow
 def test_the_measured_film_gives_the_pressure_viscosity_coefficient() -> None:
     """The one of the paper, 22 /GPa, within 5 %: as far as the grid allows; with an unknown zero of the film not."""
-    x, h = 1e-6 * curve("exp_1")[:, 0], 1e-9 * curve("exp_1")[:, 1]
+    x, h = np.array(CURVES["exp_1"]).T * [[1e-6], [1e-9]]
     flat = np.abs(x) < 90e-6
     film = Measurement("profile", "h", h[flat], x[flat], sigma=3e-9)
     bounds = {"lubricant.alpha": ("10 / GPa", "50 / GPa")}
@@ -81,9 +74,7 @@ def test_a_cavity_passes_as_published() -> None:
     data = simulate(case).dataset.sel(Y=0.0, method="nearest")
     x, films = data["X"].values * case.scales.a * 1e6, data["H"].values * case.scales.film * 1e9
     for number, place in ((2, -101), (3, -46), (4, 20), (5, 110)):
-        published = curve(f"sim_{number}_h")
-        published = published[np.abs(published[:, 0]) < 130]
-        published = published[np.argsort(published[:, 0])]
+        published = np.array(CURVES[f"sim_{number}_h"])
         distance = [np.sqrt(np.mean((np.interp(published[:, 0], x, film) - published[:, 1]) ** 2)) for film in films]
         best = int(np.argmin(distance))
         assert distance[best] < 15

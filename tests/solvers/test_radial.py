@@ -30,8 +30,8 @@ from ertel.physics import geometry, hertz
 from ertel.physics.lubricant import Oil
 from ertel.physics.registry import VISCOSITY_LAWS
 from ertel.physics.scales import Parameters
-from ertel.results.result import Result
 from ertel.runs.drive import result_of, simulate
+from ertel.runs.result import Result
 from ertel.runs.stepping import TransientRun
 from ertel.solvers import radial
 from ertel.solvers.radial import RadialImpact
@@ -407,7 +407,7 @@ def alone(case: Case) -> Result:
 def compare(name: str, result: Result, own_error: float) -> None:
     """own_error: of our grid, step and domain, relative, on top of the reference's."""
     assert result.status is Status.CONVERGED
-    found, expected = result.summary["max_approach"], REFERENCE[name]
+    found, expected = result.summary, REFERENCE[name]
     assert found["H_c"] == pytest.approx(expected["H_c"], rel=0.003 + own_error)
     assert found["H_min"] == pytest.approx(expected["H_min"], rel=0.025 + own_error)
     assert found["X_min"] == pytest.approx(expected["X_min"], abs=0.005)
@@ -455,17 +455,14 @@ def test_without_viscosity_the_ball_comes_back_as_fast_as_it_went() -> None:
     for lambda_bar in (2e-3, 2e-4, 2e-5):
         result = simulate(isoviscous(lambda_bar, 301, tolerance=2e-4, until="rebound"))
         losses.append(1 - result.summary["restitution"])
-        assert abs(1 - result.summary["max_approach"]["Delta"]) < 2 * losses[-1]
+        assert abs(1 - result.summary["Delta"]) < 2 * losses[-1]
     assert losses[0] > 4 * losses[1] > 16 * losses[2] > 0
 
 
 def test_half_width_2_gives_what_8_gives() -> None:
     """The oil outside carries 1 % of the load here, and Delta would be off by as much without it."""
-    narrow, wide = (
-        simulate(roelands(200, 10, 201, half_width, tolerance=2e-4)).summary["max_approach"]
-        for half_width in (2.0, 8.0)
-    )
+    narrow, wide = (simulate(roelands(200, 10, 201, half_width, tolerance=2e-4)).summary for half_width in (2.0, 8.0))
     for name in ("Delta", "F", "H_c", "T"):
         assert narrow[name] == pytest.approx(wide[name], rel=1e-3), name
-    without = alone(roelands(200, 10, 201, 2.0, tolerance=2e-4)).summary["max_approach"]
+    without = alone(roelands(200, 10, 201, 2.0, tolerance=2e-4)).summary
     assert abs(without["Delta"] / wide["Delta"] - 1) > 8e-3

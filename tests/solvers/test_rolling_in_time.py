@@ -13,9 +13,11 @@ from cases import OIL, free_ball, rolled, steps_of
 from cases import march as levels_of
 
 from ertel.case.case import Case
-from ertel.case.sections import SOLVERS, Drive, Time
+from ertel.case.methods import METHODS
+from ertel.case.sections import Drive, Time
 from ertel.equations import contact
 from ertel.equations.flow import Rate
+from ertel.equations.outside import predicted
 from ertel.equations.state import State
 from ertel.physics.geometry import HERTZ_LOAD
 from ertel.physics.motion import Oscillation, Polyline, constant
@@ -31,7 +33,7 @@ TIGHT = 1e-8
 def rolling(
     drive: Drive | None = None, *features: Feature, nodes: int = 33, time: Time | None = None, **solver
 ) -> Case:
-    grid = replace(SOLVERS["transient"], **{"nodes": nodes, "tolerance": TIGHT, **solver})
+    grid = replace(METHODS["transient"].defaults, **{"nodes": nodes, "tolerance": TIGHT, **solver})
     return rolled(P20, OIL, grid, drive, *features, time=time)
 
 
@@ -85,7 +87,7 @@ def impact_on_a_track(speed: float) -> State:
 
 
 def impact_over(speed: float) -> Case:
-    solver = replace(SOLVERS["2d"], nodes=33, tolerance=TIGHT, fold=False)
+    solver = replace(METHODS["2d"].defaults, nodes=33, tolerance=TIGHT, fold=False)
     case = free_ball(P20, OIL, solver, Time(start_approach=-0.5))
     return replace(case, drive=Drive(entrainment=Polyline(((0.0, speed),))))
 
@@ -144,6 +146,21 @@ def test_the_load_is_balanced_at_every_step() -> None:
     for level in march(rolling(Drive(load=load)), 0.05, 10):
         F = (total_pressure(level) * (6 / 32) ** 2 + level.outside) / HERTZ_LOAD
         assert F == pytest.approx(load(level.T), abs=1e-8)
+
+
+def test_the_oil_outside_is_squeezed_by_the_speed_of_the_same_step() -> None:
+    """While the bodies come nearer and while they part."""
+    method = Transient2D(rolling(Drive(load=Oscillation(1.0, 0.3, 2.0))))
+    levels = levels_of(method, 0.05, 14)
+    for i in (0, 9):
+        new, T = levels[i], levels[i].T
+        motion = predicted(levels[i + 1 :], T, HERTZ_LOAD, 1.0)
+        motion = motion._replace(velocity=new.velocity, load_rate=0.3 * pi * np.cos(pi * T))
+        around, still = (method.outside.at(m) for m in (motion, motion._replace(velocity=0.0, load_rate=0.0)))
+        assert abs(around.load / still.load - 1) > 0.03
+        assert new.outside == pytest.approx(around.load, rel=3e-3)
+        edge = method.outside.is_edge
+        assert np.asarray(new.P)[edge] == pytest.approx(around.edge[edge], abs=3e-3 * around.edge.max())
 
 
 @pytest.mark.usefixtures("nothing_outside")
@@ -214,7 +231,8 @@ def shaken(halvings: int, periods: int = 2) -> dict[str, float]:
     """The end of a run under a load that oscillates quickly, with both tolerances halved so many times."""
     share = 0.5**halvings
     time = Time(until=0.1 * periods, tolerance=share * Time().tolerance)
-    case = rolling(Drive(load=Oscillation(1.0, 0.3, 0.1)), time=time, tolerance=share * SOLVERS["transient"].tolerance)
+    tolerance = share * METHODS["transient"].defaults.tolerance
+    case = rolling(Drive(load=Oscillation(1.0, 0.3, 0.1)), time=time, tolerance=tolerance)
     steps = steps_of(case, Transient2D(case))
     assert steps[-1].status.ok
     return {**steps[-1].record, "steps": len(steps)}

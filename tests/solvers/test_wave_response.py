@@ -11,7 +11,8 @@ import ripples
 from cases import OIL, march, rolled, steady_solver
 
 from ertel.case.case import Case
-from ertel.case.sections import SOLVERS, Drive
+from ertel.case.methods import METHODS
+from ertel.case.sections import Drive
 from ertel.equations import contact, discretise
 from ertel.equations.contact import Rate
 from ertel.inputs.python import rolling
@@ -102,7 +103,7 @@ def test_the_dense_matrix_has_the_same_solution() -> None:
 def test_time_steps_of_one_cell_come_to_the_same_film(slide: float) -> None:
     """(H(A) - H(-A))/(2 A) of runs from which the start has left: equal but for the square of the height A."""
     A, steps, h = 1e-3, 48, film().grid.spacing
-    solver = replace(SOLVERS["transient"], nodes=33, tolerance=1e-9)
+    solver = replace(METHODS["transient"].defaults, nodes=33, tolerance=1e-9)
 
     def after(height: float):
         feature = Feature(Waviness(height, WAVE, WAVE))

@@ -82,7 +82,7 @@ def _works() -> Iterator[list[str]]:
         result = simulate(case({"M": M, "L": 10}, nodes, until="rebound"))
         data, s = result.dataset, result.summary
         per_solve = data.krylov_iterations / data.newton_iterations
-        before = data.time < s["max_approach"]["T"]
+        before = data.time < s["T"]
         split = [float(per_solve[part].mean()) for part in (before, ~before)]
         yield [
             *(f"{M}", f"{nodes}²", f"{s['steps']}", f"{s['newton_iterations'] / s['steps']:.2f}"),
@@ -105,7 +105,7 @@ def orders() -> str:
     rows = []
     for name, results in runs.items():
         for quantity in ("Delta", "F", "H_c"):
-            rows.append([name, quantity, *observed([r.summary["max_approach"][quantity] for r in results])])
+            rows.append([name, quantity, *observed([r.summary[quantity] for r in results])])
         rows.append([name, "H, mean square over the contact", *observed([inner_film(r) for r in results])])
     return table(["refined in", "of", "order, coarse", "order, fine"], rows)
 
@@ -152,7 +152,7 @@ def _compared(stated: dict[str, Any], method: str, grids: tuple[int, int], half_
         for nodes, until in zip(grids, ends, strict=True)
     )
     for q in QUANTITIES:
-        a, b = coarse["max_approach"][q], fine["max_approach"][q]
+        a, b = coarse[q], fine[q]
         best, ref = b + (b - a) / 3, stated.get({"T": "T_max", "Delta": "Delta_max", "F": "F_max"}.get(q, q))
         if ref:
             errors = f"{best / ref - 1:+.2%}", f"{(b - a) / 3 / ref:+.2%}", f"{ACCURACY[q]:.2%}"

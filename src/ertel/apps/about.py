@@ -4,7 +4,6 @@ import json
 import os
 import platform
 from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
 from typing import Any
 
 import ertel
@@ -48,9 +47,8 @@ def about() -> dict[str, str]:
     }
 
 
-def of_run(directory: Path) -> dict[str, str]:
+def of_run(run: RunStore) -> dict[str, str]:
     """The case, versions and machine of a run, and its end, by name.  Raises StoreError where the run is damaged."""
-    run = RunStore.open(directory)
     attributes = run.dataset().attrs
     versions = json.loads(attributes["versions"])
     return {

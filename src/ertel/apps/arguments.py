@@ -100,10 +100,7 @@ def values_option(quantity: str, example: str) -> Any:
 
 
 CaseFile = Annotated[Path, path_argument("CASE.toml", "Case file; see examples/.", case_files)]
-OptionalCase = Annotated[
-    Path | None, path_argument("CASE.toml", "Case file; without one --set gives the contact.", case_files)
-]
-Moment = Annotated[str | None, option('A time, "60 us" or a number in t0, or max-approach or end.', "TIME|EVENT")]
+Moment = Annotated[str | None, option('A time, "60 us" from touch, a number in t0, max-approach or end.', "TIME|EVENT")]
 RunDirectory = Annotated[Path, path_argument("DIR", "Directory of a run.", run_directories)]
 SET_HELP = "Replace a value of the case, e.g. solver.nodes=129."
 Set = Annotated[list[str] | None, option(SET_HELP, "KEY=VALUE", settings, "--set")]
@@ -155,8 +152,9 @@ class RunOptions(Report):
 
 
 JOBS_HELP = "Number of processes; default one per core. 1: this process, with all cores."
-SCHEDULER_HELP = "Use the workers of a running dask scheduler. Who reaches it can run programs as you."
-TLS_HELP = "PEM file with certificate, key and authority, for a scheduler at tls://."
+SCHEDULER_HELP = (
+    "Use the workers of a running dask scheduler. Who reaches it can run programs as you, except at tls://."
+)
 
 
 @dataclass(frozen=True)
@@ -165,13 +163,9 @@ class EngineOptions:
 
     jobs: Annotated[int | None, option(JOBS_HELP, min=1)] = None
     scheduler: Annotated[str | None, option(SCHEDULER_HELP, "ADDRESS")] = None
-    scheduler_file: Annotated[Path | None, path_option("The same, by the file that the scheduler wrote.", "FILE")] = (
-        None
-    )
-    tls: Annotated[Path | None, path_option(TLS_HELP, "FILE")] = None
 
 
-ALIGN_HELP = "Unknown of a measurement: centre, offset, tilt, index of the oil."
+ALIGN_HELP = "Unknown of a measurement: start of its clock, centre, offset, tilt, index of the oil."
 COLUMN_HELP = "Unit of a column, such as x=um; where the header does not have it."
 INDEX_HELP = "Index of the oil; also that with which a film was computed."
 

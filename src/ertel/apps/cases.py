@@ -1,4 +1,4 @@
-"""Commands that need no run: `ertel params`, `film`, `new`, `schema`, `check` and `oils`."""
+"""Commands that need no run: `ertel check`, `new` and `oils`."""
 
 import json
 from pathlib import Path
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from ertel.apps.arguments import CaseFile, Json, OptionalCase, Set, path_argument
+from ertel.apps.arguments import Json, Set, case_files, path_argument
 from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, print_json, print_path, shown
 
 if TYPE_CHECKING:
@@ -16,65 +16,13 @@ if TYPE_CHECKING:
 WIDTH = 100
 
 
-def params(case_file: OptionalCase = None, set_: Set = None, as_json: Json = False) -> None:
-    """Print all parameters of a contact.
-
-    Give a case file, or the contact alone: --set contact.M=1000 --set contact.L=10, or quantities such as
-    --set "contact.radius=10 mm". Without a file the contact is an impact unless --set contact.kind=rolling, and its oil
-    follows the Barus law. A message names what is missing; ertel run --help-keys explains all keys.
-    """
-    from ertel.results.parameters import parameter_summary
-
-    case = _case_asked_for(case_file, set_, "impact")
-    content = parameter_summary(case)
-    if as_json:
-        print_json(content)
-    else:
-        from ertel.apps import tables
-
-        tables.print_parameters(content)
-
-
-def film(case_file: OptionalCase = None, set_: Set = None, as_json: Json = False) -> None:
-    """Compare the film thickness formulas for a rolling contact.
-
-    Give a case file, or the contact alone: --set contact.M=200 --set contact.L=10, see ertel params.
-    """
-    from ertel.apps import tables
-    from ertel.results.parameters import formula_films
-
-    case = _case_asked_for(case_file, set_, "rolling")
-    if case.starts_apart:
-        leave(BAD_INPUT, f'contact.kind = "{case.kind}": must be "rolling" for the film formulas')
-    films = formula_films(case, case.motion.load(0.0), case.motion.entrainment(0.0))
-    if as_json:
-        print_json(tables.films_as_data(case, films))
-    else:
-        tables.print_films(case, films)
-        tables.print_sources(films)
-
-
-def _case_asked_for(case_file: Path | None, settings: list[str] | None, kind: str) -> "Case":
-    """The same as `_case_given`, also of a contact that is too light for a run: the formulas know it."""
-    from ertel.case.records import ConfigError
-    from ertel.case.rules import TooLight
-
-    try:
-        return _case_given(case_file, settings, kind)
-    except ConfigError as error:
-        if not isinstance(error.__cause__, TooLight):
-            raise
-        case: Case = error.__cause__.case
-        return case
-
-
-def _case_given(case_file: Path | None, settings: list[str] | None, kind: str) -> "Case":
+def _case_given(case_file: Path | None, settings: list[str] | None) -> "Case":
     """The case of a file, or of settings alone, whose oil follows Barus and is incompressible unless they say more."""
     from ertel.inputs.case_files import apply_overrides, load_case, parse_case
 
     if case_file:
         return load_case(case_file, settings or [])
-    data = apply_overrides({"contact": {"kind": kind}, "lubricant": {}}, settings or [])
+    data = apply_overrides({"contact": {}, "lubricant": {}}, settings or [])
     contact, oil = data["contact"], data["lubricant"]
     if isinstance(contact, dict) and isinstance(oil, dict) and "oil" not in oil:
         isoviscous = 0 in (contact.get("L"), contact.get("alpha_bar"))
@@ -92,14 +40,27 @@ def on_track_of(directory: Path | None) -> list[str]:
         return [f"lubricant.layer={json.dumps(open_run(directory).track)}"]
 
 
+def print_schema(requested: bool) -> None:
+    """Print the JSON schema of case files, and end; the callback of --schema."""
+    if requested:
+        from ertel.inputs.templates import json_schema_text
+
+        print(json_schema_text(), end="")
+        raise typer.Exit
+
+
 def new(
     kind: Annotated[Literal["impact", "rolling"], typer.Argument(help="Kind of contact.")],
     file: Annotated[Path | None, path_argument("FILE", "New case file; default KIND.toml.")] = None,
+    schema: Annotated[
+        bool,
+        typer.Option("--schema", is_eager=True, callback=print_schema, help="Print the JSON schema of case files."),
+    ] = False,
 ) -> None:
     """Write a new case file that runs, with all keys and their meanings.
 
     Beside it the file ertel.schema.json is written, unless it is there: from it editors with TOML support show meanings
-    and complete keys.
+    and complete keys, and mark what is wrong. Units are checked by ertel check alone.
     """
     from ertel.inputs.templates import SCHEMA_FILE, json_schema_text, template
 
@@ -108,9 +69,9 @@ def new(
     if not _write_new(path, template(kind, in_shell(path))):
         leave(BAD_INPUT, f"{shown(path)} exists already and is left as it is; give another FILE")
     print_path(path)
-    schema = path.with_name(SCHEMA_FILE)
-    if _write_new(schema, json_schema_text()):
-        print_path(schema)
+    beside = path.with_name(SCHEMA_FILE)
+    if _write_new(beside, json_schema_text()):
+        print_path(beside)
 
 
 def _write_new(path: Path, text: str) -> bool:
@@ -121,20 +82,6 @@ def _write_new(path: Path, text: str) -> bool:
     except FileExistsError:
         return False
     return True
-
-
-def schema(
-    as_table: Annotated[bool, typer.Option("--table", help="Print the table of all keys, in Markdown.")] = False,
-) -> None:
-    """Print the JSON schema of case files, for editors and checkers.
-
-    With ertel schema > ertel.schema.json and the line #:schema ./ertel.schema.json at the head of a case file editors
-    show what keys mean, complete them, and mark what is wrong. Units are known to it in their usual spellings only.
-    """
-    from ertel.inputs.layout import places
-    from ertel.inputs.templates import json_schema_text, table
-
-    print(table(places()) if as_table else json_schema_text(), end="")
 
 
 def print_keys(requested: bool) -> None:
@@ -152,29 +99,39 @@ def print_keys(requested: bool) -> None:
     raise typer.Exit
 
 
-def check(case_file: CaseFile, set_: Set = None, as_json: Json = False) -> None:
+def check(
+    case_file: Annotated[
+        Path | None, path_argument("CASE.toml", "Case file; without one --set gives the contact.", case_files)
+    ] = None,
+    set_: Set = None,
+    as_json: Json = False,
+) -> None:
     """Check a case without running it: parameters, scales, film formulas, grid, memory, time, warnings.
+
+    Give a case file, or the contact alone: --set contact.M=1000 --set contact.L=10, or quantities such as
+    --set "contact.radius=10 mm". Without a file the contact is an impact unless --set contact.kind=rolling, and its oil
+    follows the Barus law. A message names what is missing; ertel run --help-keys explains all keys.
 
     The time is a rough estimate for one or two cores, within a factor of three.
     """
-    from ertel.inputs.case_files import load_case
+    from ertel.apps import tables
+    from ertel.case.records import ConfigError
+    from ertel.case.rules import TooLight
     from ertel.runs.outlook import outlook
 
-    case = load_case(case_file, set_ or [])
+    try:
+        case = _case_given(case_file, set_)
+    except ConfigError as error:
+        if isinstance(error.__cause__, TooLight) and not as_json:  # for a run; the formulas know such contacts
+            tables.print_formulas(error.__cause__.case)
+        raise
     content = outlook(case)
     if as_json:
-        print_json(content)
+        print_json({**content, "films": tables.films_as_data(case)})
         return
-    from ertel.apps import tables
-    from ertel.results.parameters import formula_films
-
     out = tables.console()
     out.print(f"{case.name or case.kind}: {case.kind}, {case.solver.method}", style="bold")
-    tables.print_parameters(content["parameters"])
-    formulas = formula_films(case, case.motion.load(0.0), case.motion.entrainment(0.0))
-    if formulas:
-        out.print()
-        tables.print_films(case, formulas)
+    tables.print_formulas(case)
     out.print()
     tables.print_names(tables.needs(content))
     for warning in content["warnings"]:

@@ -1,6 +1,6 @@
 """The command line.  It reads arguments, prints, and chooses exit codes; the work is done elsewhere.
 
-Commands import what they need inside, so that `ertel --help` and `ertel params` answer at once.
+Commands import what they need inside, so that `ertel --help` answers at once.
 
 Exit codes: 0 done; 1 failed, results so far are kept; 2 wrong input, nothing written; 130 interrupted, can be resumed
 (143 by SIGTERM, 129 by SIGHUP).
@@ -28,7 +28,6 @@ from ertel.apps.arguments import (
     option,
     path_argument,
     path_option,
-    run_directories,
     values_option,
 )
 from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, say
@@ -243,7 +242,7 @@ def warm_up(
     """
     from ertel.apps import running
     from ertel.inputs.case_files import load_case
-    from ertel.runs.batch import usual_cases
+    from ertel.runs.ahead import usual_cases
 
     if set_ and not files:
         leave(BAD_INPUT, f"--set {set_[0]}: needs a case file; without one the usual grids are compiled")
@@ -253,7 +252,7 @@ def warm_up(
 
 for command in (
     *(looking.show, looking.plot, looking.ls, looking.compare, looking.export),
-    *(cases.params, cases.film, cases.new, cases.check, cases.schema, cases.oils),
+    *(cases.new, cases.check, cases.oils),
 ):
     app.command(cls=PlotCommand if command is looking.compare else None)(command)
 
@@ -263,18 +262,16 @@ for command in (
 
 @app.command()
 def about(
-    directory: Annotated[Path | None, path_argument("DIR", "Directory of a run.", run_directories)] = None,
     cite: Annotated[bool, typer.Option("--cite", help="Print BibTeX entries of ertel and of the paper.")] = False,
 ) -> None:
-    """Print versions, devices and how to cite ertel; or the versions and the machine of a run, and how it ended."""
+    """Print versions, devices and how to cite ertel; ertel show --about prints those of a run."""
     from ertel import __version__
     from ertel.apps import about, tables
 
-    content = about.of_run(directory) if directory else {}
     if cite:
-        print(about.BIBTEX.format(version=content.get("ertel") or __version__), end="")
+        print(about.BIBTEX.format(version=__version__), end="")
     else:
-        tables.print_names(content or about.about())
+        tables.print_names(about.about())
 
 
 @app.command("app")

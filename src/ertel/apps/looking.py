@@ -62,17 +62,17 @@ def _as_data(run: "Listed", folder: Path) -> dict[str, Any]:
 
 def _print_runs(runs: "Sequence[Listed]", folder: Path) -> None:
     from ertel.apps.tables import print_rows
-    from ertel.results.numbers import SHOWN, shown_of
-    from ertel.results.variables import in_celsius, name_in_si, with_prefix
+    from ertel.results.variables import VARIABLES, in_celsius, name_in_si, stored_in, with_prefix
 
-    there = {name for run in runs for name in run.numbers}
-    names = ["M", "L", *(name for name in shown_of(SHOWN, there) if there & {name, name_in_si(name)})]
+    shown = {about for run in runs for about in stored_in(run.numbers, lambda variable: variable.shown).values()}
+    names = ["M", "L", *(name for name, about in VARIABLES.items() if about in shown)]
     rows = [["run", "case", "status", "written", *names]]
     for run in runs:
         case = f"{run.case.name or run.case.kind}, {run.case.solver.method}" if run.case else ""
         status = run.status if run.done >= 1 else f"{run.status} {run.done:.0%}"
         numbers = [run.numbers.get(name_in_si(name)) or run.numbers.get(name) for name in names]
-        texts = [with_prefix(*in_celsius(each.value, each.attributes["units"])) if each else "" for each in numbers]
+        known = [number and in_celsius(number.value, number.attributes["units"]) for number in numbers]
+        texts = [with_prefix(*each) if each else "" for each in known]
         rows.append([str(run.directory.relative_to(folder)), case, status, f"{run.written:%Y-%m-%d %H:%M}", *texts])
     print_rows(rows, left=4)
 
@@ -158,7 +158,8 @@ def _compare_measured(
     if as_json:
         columns = {name: getattr(found, name).tolist() for name in ("x", "measured", "computed", "difference")}
         quantity = found.measurement.quantity
-        print_json({"quantity": quantity, "at": found.where, "rms": found.rms, "shift": dict(found.shift), **columns})
+        told = {"rms": found.rms, "shift": dict(found.shift), "warnings": found.warnings}
+        print_json({"quantity": quantity, "at": found.where, **told, **columns})
     else:
         print(found)
     if plot:
@@ -195,14 +196,21 @@ def show(
     sigma: Annotated[
         str | None, option('Rms roughness of both surfaces, "20 nm, 60 nm", for the lambda ratio.', "LENGTHS")
     ] = None,
+    about: Annotated[
+        bool, typer.Option("--about", help="Print the versions and the machine, and how it ended.")
+    ] = False,
 ) -> None:
     """Print the summary of a run, also of an unfinished one."""
-    from ertel.apps import running
+    from ertel.apps import running, tables
+    from ertel.apps.about import of_run
     from ertel.runs.store import RunStore
 
     if sigma is not None and len(sigma.split(",")) > 2:
         leave(BAD_INPUT, f"--sigma {sigma}: must be one length or two, of the two surfaces")
     run = RunStore.open(directory)
+    if about:
+        tables.print_names(of_run(run))
+        return
     summary = run.summary() or run.summary_so_far()
     running.report(run, summary, Report(as_json), sigma.split(",") if sigma is not None else ())
 

@@ -183,16 +183,6 @@ def raised() -> Iterator[None]:
 
 
 @contextmanager
-def deferred() -> Iterator[None]:
-    """Signals wait for the end of this block, which must be short: what it starts is then whole and can be ended."""
-    came: list[int] = []
-    with _handled(lambda number, frame: came.append(number)):
-        yield
-    for number in came[:1]:
-        signal.raise_signal(number)
-
-
-@contextmanager
 def interruptible(advice: str) -> Iterator[Stop]:
     """An observer that stops the run after a signal; the current step or grid is finished first.
 
@@ -231,8 +221,17 @@ def _handled(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]
 # -- errors -----------------------------------------------------------------------------------------------------------
 
 
+MOVED = {"params": "check", "film": "check", "schema": "new --schema"}  # earlier commands
+
+
 class Commands(TyperGroup):
     """The commands; no error leaves them as a traceback."""
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Find the command; of an earlier one, tell what does its work."""
+        if args[0] in MOVED:
+            leave(BAD_INPUT, f"{args[0]}: ertel {MOVED[args[0]]} does this now")
+        return super().resolve_command(ctx, args)
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command; typer would end it with 130 and no message after any signal."""

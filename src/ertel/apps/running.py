@@ -13,14 +13,14 @@ from ertel.apps.process import Stop, interruptible
 from ertel.apps.terminal import BAD_INPUT, FAILED, bad_input, in_shell, leave, print_json, say, shown, writing_to
 from ertel.case.case import Case
 from ertel.case.status import Status
-from ertel.results.result import Result, verdict
 from ertel.results.summary import comparisons, with_error
 from ertel.runs import outlook, store
-from ertel.runs.batch import warm_up
+from ertel.runs.ahead import warm_up
 from ertel.runs.compile import cache_directory, prepare_jax
 from ertel.runs.directory import CASE, Taken
 from ertel.runs.drive import Recorder, Run, bars, drive, run_of, watch
 from ertel.runs.files import StoreError
+from ertel.runs.result import Result, verdict
 from ertel.runs.store import RunStore
 
 # -- commands ---------------------------------------------------------------------------------------------------------

@@ -14,7 +14,6 @@ from ertel.case.records import ConfigError
 from ertel.case.status import Status
 from ertel.inputs.studies import Study
 from ertel.results.numbers import aligned
-from ertel.results.study_result import StudyResult
 from ertel.runs import fit as fits
 from ertel.runs import studies as stored
 from ertel.runs import traction as curves
@@ -22,6 +21,7 @@ from ertel.runs.compile import prepare_jax
 from ertel.runs.directory import heeding_stop
 from ertel.runs.engine import Engine as Engine
 from ertel.runs.fit_problem import FitProblem
+from ertel.runs.study_result import StudyResult
 
 GOES_ON = "the same command continues"
 LISTED = 5  # failed runs that the last line names

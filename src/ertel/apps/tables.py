@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 
 from ertel.apps.terminal import capital, printable
+from ertel.case.methods import METHODS
 from ertel.case.records import ConfigError, show
 from ertel.inputs import materials, oils
 from ertel.physics.materials import Material, NamedOil, Sourced, celsius
 from ertel.physics.units import COMPLIANCE, KINEMATIC_VISCOSITY, TEMPERATURE, Unit, marks
-from ertel.results.numbers import IN_SI, Number, aligned, duration, moment, more_lines, numbers, shown_of, values_of
+from ertel.results.numbers import Number, aligned, duration, moment, more_lines, numbers, values_of
 from ertel.results.parameters import domain, formula_films, parameter_summary, rheology_of
-from ertel.results.variables import FILMS, WHOLE, values_in_si, with_prefix
+from ertel.results.variables import FILMS, values_in_si, with_prefix
 
 if TYPE_CHECKING:
     from ertel.case.case import Case
@@ -65,9 +66,7 @@ def print_parameters(content: Mapping[str, Any]) -> None:
 def needs(content: Mapping[str, Any]) -> dict[str, str]:
     """Oil, grid, memory and time of an outlook in words."""
     grid, memory, time = content["grid"], content["memory"], content["time"]
-    size = f"{grid['nodes']} nodes along the radius"
-    if content["method"] != "radial":
-        size = f"{grid['nodes']} x {grid['nodes_across']} nodes"
+    size = METHODS[content["method"]].space.in_words(grid["nodes"], grid["nodes_across"])
     in_si = f" = {with_prefix(grid['spacing_m'], 'm')}" if "spacing_m" in grid else ""
     there = f" of {memory['available'] / 1e9:.3g} GB" if memory["available"] else ""
     steps = f", {time['steps']} time steps" if time["steps"] else ""
@@ -125,11 +124,12 @@ def _print_values(out: PlainConsole, case: "Case", summary: Mapping[str, Any]) -
 
     With a section [thermal] film and traction are the warm ones; those without heat follow in a line.
     """
-    computed = {name: number for name, number in numbers(summary).items() if name in values_of(summary)}
+    table = numbers(summary)
+    computed = {name: table[name] for name in values_of(summary)}
     if computed:
-        heading = "at the last time" if "T" in summary else moment(summary)
-        table = numbers(summary)
-        print_rows(value_rows(heading, [table[name] for name in shown_of(computed, table)]), left=2)
+        heading = "at the last time" if "T" in summary and summary["kind"] == "rolling" else moment(summary)
+        values = {name: table.get(f"{name}_warm", number) for name, number in computed.items()}
+        print_rows(value_rows(heading, list(values.values())), left=2)
     else:
         out.print(f"{moment(summary).capitalize()}.")
     estimate = summary.get("error_estimate") or {}
@@ -138,7 +138,7 @@ def _print_values(out: PlainConsole, case: "Case", summary: Mapping[str, Any]) -
         out.print(f"The largest error is that of the {part} in {names}.")
     if estimate:
         out.print("Each error is the change that is expected if grid, time steps and domain are refined without end.")
-    whole = [number for name, number in numbers(summary).items() if name in WHOLE]
+    whole = [number for number in table.values() if number.about.of_impact]
     if whole:
         out.print()
         print_rows(value_rows("of the whole impact", whole), left=2)
@@ -167,9 +167,9 @@ def value_rows(heading: str, values: Sequence[Number]) -> list[list[str]]:
 
 
 def _with_si(number: Number, value: float, in_si: Sequence[str]) -> list[str]:
-    """A value in the unit of a number, and in SI if that is shown; a warm film is known in SI alone."""
-    factor, unit = 1.0 if number.factor is None else number.factor, number.about.si_units or number.unit
-    return ["" if number.unit in IN_SI else f"{value:.5g}", *(with_prefix(value * factor, unit) for _ in in_si)]
+    """A value in the unit of a number, and in SI if that is shown."""
+    unit = number.about.si_units or number.unit
+    return [f"{value:.5g}", *(with_prefix(number.to_si(value), unit) for _ in in_si)]
 
 
 # -- film formulas ----------------------------------------------------------------------------------------------------
@@ -218,22 +218,21 @@ def _deviation(film: float | None, computed: Number) -> str:
     return f"{film / computed.value - 1:+.1%}" if film is not None and computed.value and computed.known else ""
 
 
-def print_sources(films: "Sequence[FormulaFilm]") -> None:
-    """Sources and ranges of the formulas."""
-    sources: dict[str, list[str]] = {}
-    for f in films:
-        sources.setdefault(f.source, []).append(f"{f.name}: {f.valid}")
-    for source, formulas in sources.items():
-        console().print(f"\n{source}", *(f"  {line}" for line in formulas), sep="\n")
+def print_formulas(case: "Case") -> None:
+    """The parameters and scales of a case, and the films by the formulas at T = 0."""
+    print_parameters(parameter_summary(case))
+    if films := formula_films(case, case.motion.load(0.0), case.motion.entrainment(0.0)):
+        console().print()
+        print_films(case, films)
 
 
-def films_as_data(case: "Case", films: "Sequence[FormulaFilm]") -> dict[str, Any]:
-    """The parameters of a case and its film thicknesses by the formulas, as data for JSON."""
-    rows = [film._asdict() for film in films]
+def films_as_data(case: "Case") -> list[dict[str, Any]]:
+    """The films by the formulas at T = 0, with sources and ranges, as data for JSON."""
+    rows = [film._asdict() for film in formula_films(case, case.motion.load(0.0), case.motion.entrainment(0.0))]
     if case.scales:
         for row in rows:
             row["si"] = values_in_si({"H_c": row["central"], "H_min": row["minimum"]}, case.scales)
-    return {**parameter_summary(case), "films": rows}
+    return rows
 
 
 # -- oils and materials -----------------------------------------------------------------------------------------------

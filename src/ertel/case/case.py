@@ -12,22 +12,25 @@ from functools import cached_property
 from html import escape
 from typing import Any
 
-from ertel.case import records, rules, sections
+from ertel.case import records, rules
+from ertel.case.completion import solver_of, with_defaults
+from ertel.case.conditions import Conditions
 from ertel.case.definition import SECTIONS, Definition
 from ertel.case.height_map import NO_MAPS, HeightMap
 from ertel.case.reading import Reader, check_keys
-from ertel.case.records import ConfigError
-from ertel.case.sections import Output, Solver, Time
-from ertel.physics.units import plain
+from ertel.case.records import ConfigError, with_own_numbers
+from ertel.case.sections import Drive, Output, Solver, Thermal, Time
+from ertel.physics.lubricant import Oil
+from ertel.physics.surfaces import Feature
 
 SCHEMA = 1  # of the layout of case files
 READER = Reader()
 KEYS = ("schema", "name", "contact", "lubricant", "solver", "motion", "roughness", "time", "output", "thermal")
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, init=False)
 class Case(Definition):
-    """One contact, ready to be simulated.
+    """One contact, ready to be simulated: a definition, completed and checked.
 
     Amounts are numbers in the units of the case, or quantities in SI.
 
@@ -66,17 +69,25 @@ class Case(Definition):
     True
     """
 
-    def __post_init__(self) -> None:
-        for item in fields(self):
-            object.__setattr__(self, item.name, records.with_own_numbers(getattr(self, item.name)))
-        for name, section in SECTIONS.items():
-            if (record := getattr(self, section.field)) is not None:
-                records.checked(record, name)
-        rules.refuse(self, rules.GIVEN)
-        for number, feature in enumerate(self.roughness, 1):
-            records.checked(feature.shape, f"roughness[{number}]")
-        self._complete()
-        rules.refuse(self, rules.COMPLETE)
+    def __init__(
+        self,
+        contact: Conditions,
+        oil: Oil | None = None,
+        solver: Solver | None = None,
+        drive: Drive | None = None,
+        roughness: tuple[Feature, ...] = (),
+        time: Time | None = None,
+        output: Output | None = None,
+        name: str = "",
+        thermal: Thermal | None = None,
+    ) -> None:
+        given = Definition(contact, oil or Oil(), solver or Solver(), drive, roughness, time, output, name, thermal)
+        given = with_own_numbers(given)
+        rules.check_values(given)
+        rules.refuse(given, rules.GIVEN)
+        whole = with_defaults(given)
+        rules.refuse(whole, rules.COMPLETE)
+        super().__init__(**{item.name: getattr(whole, item.name) for item in fields(whole)})
         self.lubricant  # noqa: B018  # raises if its data give no law
 
     def __repr__(self) -> str:
@@ -97,24 +108,6 @@ class Case(Definition):
             return title, self.to_data()
         except ValueError:
             return title, {f.name: repr(getattr(self, f.name)) for f in fields(self) if getattr(self, f.name)}
-
-    def _complete(self) -> None:
-        """Fill in defaults, so that the record defines the case completely."""
-        if not self.contact.is_physical:
-            object.__setattr__(self, "oil", self.oil.completed())
-        if self.solver.inlet == self.solver.half_width:
-            object.__setattr__(self, "solver", replace(self.solver, inlet=None))
-        if self.solver.method != "radial":
-            across = sections.half_width_y(self.solver, self.geometry)
-            object.__setattr__(self, "solver", records.checked(replace(self.solver, half_width_y=across), "solver"))
-        if not self.is_steady:
-            given = self.time or Time()
-            layer = self.track.extremes[1] if self.track else 0.0
-            above = min(sections.START_APPROACH, -layer) if self.starts_apart else None
-            start = above if given.start_approach is None else given.start_approach
-            until = sections.ENDS[self.kind] if given.until is None else given.until
-            object.__setattr__(self, "time", replace(given, start_approach=start, until=until))
-            object.__setattr__(self, "output", self.output or Output())
 
     def on_half_grid(self) -> "Case":
         """The same case with twice the grid spacing, for the discretisation error estimate."""
@@ -179,8 +172,7 @@ class Case(Definition):
         given: dict[str, Any] = {each.field: reader.record(each.record, data[name], name) for name, each in sections}
         given["roughness"] = tuple(reader.feature(table, f"roughness[{i}]") for i, table in enumerate(roughness, 1))
         definition = Definition(name=data.get("name", ""), **given)
-        given["solver"] = _completed(definition, data.get("solver") or {})
-        return cls(name=definition.name, **given)
+        return cls(**vars(replace(definition, solver=solver_of(definition, data.get("solver") or {}))))
 
     @cached_property
     def digest(self) -> str:
@@ -189,35 +181,3 @@ class Case(Definition):
         data.pop("name", None)
         data["lubricant"].pop("reference", None)
         return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()[:16]
-
-
-def _completed(case: Definition, written: Mapping[str, Any]) -> Solver:
-    """The solver with what is not written filled in, an inlet of its default's share of the half width."""
-    written = {key: getattr(case.solver, key) for key, value in written.items() if value is not None}
-    method = written.get("method") or sections.METHODS[case.kind][0]
-    rules.refuse(replace(case, solver=Solver(method)), [rules.method_suits])
-    default = sections.SOLVERS[method]
-    half_width, inlet = default.half_width, default.inlet
-    if method == "transient" and _reverses(case):
-        half_width, inlet = sections.CENTRED_HALF_WIDTH, None
-    if "half_width" not in written:
-        rules.refuse(case, [rules.oil_is_complete])
-        p = case.parameters
-        wide = sections.half_width_at(case.kind, half_width, p.as_ball.M if case.starts_apart else p.M_BH)
-        half_width, inlet = wide, inlet and inlet * wide / half_width
-    default = replace(default, half_width=half_width, inlet=inlet)
-    if method != "radial":
-        default = sections.suited(default, case.geometry)
-    # not default.inlet itself, which may differ in the last bit and so in the digest
-    inlet = default.inlet and default.inlet * written.get("half_width", default.half_width) / default.half_width
-    return replace(default, **{"inlet": inlet, **written})
-
-
-def _reverses(case: Definition) -> bool:
-    """Whether the entrainment speed changes sign during a run in time."""
-    if case.drive is None or case.drive.entrainment is None:
-        return False
-    until = records.scaled(case.time or Time(), case.scales, "time").until
-    end = sections.ROLLING_UNTIL if until is None or isinstance(until, str) else plain(until)
-    least, most = case.motion.entrainment.range(end)
-    return least < 0 < most

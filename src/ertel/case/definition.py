@@ -10,13 +10,13 @@ from math import cbrt, floor, inf, log2, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ertel.case.conditions import Conditions, Kind
 from ertel.case.height_map import HeightMap
+from ertel.case.methods import METHODS, Method
 from ertel.case.records import ConfigError, named, scaled, scaled_all, show, with_unit
-from ertel.case.sections import SOLVERS, START_APPROACH, Drive, Output, Schedule, Solver, Thermal, Time
-from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry, nodes_across
+from ertel.case.sections import START_APPROACH, Drive, Output, Schedule, Solver, Thermal, Time
+from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
 from ertel.physics import film_formulas, hertz, surfaces
 from ertel.physics.film_formulas import IMPACT_EXPONENT, ROLLING_EXPONENT, starved_share
 from ertel.physics.geometry import CIRCLE, ContactMotion, Geometry, squeezed_film
@@ -27,9 +27,6 @@ from ertel.physics.surfaces import Feature
 from ertel.physics.units import marks
 
 CELLS_SHOWN, CELLS_OF_DETAIL = 16.0, 8.0  # least number in the contact's half width, in the finest detail of a surface
-EDGE = 1.0  # maximum radius of the dry contact: the grid is finest here, where the film is thinnest
-WIDENING_INSIDE = 1.5  # the spacing at distance d from the edge is 1 + widening * d times that at the edge
-WIDENING_OUTSIDE = 8.0
 LARGEST_NEWTONIAN_STRESS = 6e6  # Pa: the stress at which squalane begins to thin (Liu et al. 2023, see the library)
 _PLACES = np.polynomial.legendre.leggauss(64)
 
@@ -59,7 +56,7 @@ class Definition:
 
     contact: Conditions
     oil: Oil = field(default_factory=Oil)
-    solver: Solver = SOLVERS["2d"]
+    solver: Solver = field(default_factory=Solver)
     drive: Drive | None = None
     roughness: tuple[Feature, ...] = ()
     time: Time | None = None
@@ -80,9 +77,19 @@ class Definition:
         return self.contact.kind
 
     @property
+    def method(self) -> Method:
+        """The record of its method."""
+        return METHODS[self.solver.method]
+
+    @property
     def is_steady(self) -> bool:
         """Whether nothing changes in time."""
-        return self.solver.method == "steady"
+        return self.method.is_steady
+
+    @property
+    def spacing(self) -> float:
+        """The spacing of its grid in a; of a radial grid at the position where the front is judged."""
+        return self.method.space.spacing(self.solver)
 
     @property
     def starts_apart(self) -> bool:
@@ -190,13 +197,12 @@ class Definition:
 
 
 def grid_of(case: Definition) -> Grid:
-    """The grid of a case; the inlet is on the upstream side at T = 0."""
+    """The grid of a case on the plane; the inlet is on the upstream side at T = 0."""
     s = case.solver
-    nodes_y = nodes_across(s.nodes, (s.half_width_y or s.half_width) / s.half_width)
     centre = 0.0 if s.inlet is None else s.half_width - s.inlet
     upstream_is_left = case.motion.entrainment(0.0) >= 0
     centre_x = centre if upstream_is_left else -centre
-    return Grid(s.nodes, nodes_y, 2.0 * s.half_width / (s.nodes - 1), centre_x=centre_x, even=_symmetry(case, centre_x))
+    return Grid(s.nodes, case.method.space.across(s), case.spacing, centre_x, even=_symmetry(case, centre_x))
 
 
 def _symmetry(case: Definition, centre_x: float) -> Symmetry:
@@ -215,27 +221,6 @@ def coarsenings(case: Definition, spacing: float, most: int) -> int:
     finest = min((getattr(f.shape, "size", 0.0) for f in case.features), default=inf)
     widest = min(case.geometry.smaller / shown, finest / CELLS_OF_DETAIL)
     return min(most, max(0, floor(log2(widest / spacing) + 1e-9))) if widest > 0 else 0
-
-
-# -- along the radius -------------------------------------------------------------------------------------------------
-
-
-def radii(nodes: int, half_width: float) -> NDArray[np.float64]:
-    """Nodes from 0 to half_width, finest at the edge of the contact; the spacing grows linearly to both sides."""
-    s = np.linspace(-_evenly(EDGE, WIDENING_INSIDE), _evenly(half_width - EDGE, WIDENING_OUTSIDE), nodes)
-    inside = EDGE - np.expm1(-WIDENING_INSIDE * np.minimum(s, 0.0)) / WIDENING_INSIDE
-    r = inside + np.expm1(WIDENING_OUTSIDE * np.maximum(s, 0.0)) / WIDENING_OUTSIDE
-    r[0], r[-1] = 0.0, half_width  # free of round-off
-    return r
-
-
-def _evenly(distance: float, widening: float) -> float:
-    return float(np.log1p(widening * distance)) / widening
-
-
-def extent(half_width: float) -> float:
-    """The distance from 0 to half_width in units in which the nodes are evenly spaced."""
-    return _evenly(EDGE, WIDENING_INSIDE) + _evenly(half_width - EDGE, WIDENING_OUTSIDE)
 
 
 # -- estimates for layers of oil --------------------------------------------------------------------------------------

@@ -243,7 +243,7 @@ class Reader:
             name = "a name, or " if by_name else ""
             raise ValueError(f"must be {name}a table with a law and its data")
         law = laws[_known(data, "law", laws, place)]
-        return records.checked(self.record(law, data, place, ("law",)), place)
+        return self.record(law, data, place, ("law",))
 
     def feature(self, data: Any, place: str) -> Feature:
         """A feature, its shape by a registered name."""

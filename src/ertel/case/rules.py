@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from ertel.case.conditions import MOES_L, MOES_M, REDUCED
-from ertel.case.definition import Definition
-from ertel.case.records import ConfigError, show
-from ertel.case.sections import METHODS, WIDEST_HALF_WIDTH
-from ertel.numerics import grid
+from ertel.case.definition import SECTIONS, Definition
+from ertel.case.methods import Method, as_written, of_kind
+from ertel.case.records import ConfigError, checked, show
+from ertel.case.sections import WIDEST_HALF_WIDTH
 from ertel.physics.film_formulas import rigid_film
 from ertel.physics.geometry import CIRCLE, HERTZ_LOAD, ContactMotion, far_film
 from ertel.physics.lubricant import DowsonHigginson
@@ -25,8 +25,6 @@ MOST_STEPS = 1e7  # of a fixed length
 MOST_MAPS = 1e5
 LARGEST_OUTPUT = 1e11  # bytes of the maps, uncompressed
 FIELDS = 6  # pressure, film, oil, two components of the shear stress, power loss
-SMALLEST_RADIUS = 1.2  # of a radial grid: the contact grows to radius 1 and needs an inlet
-TRANSIENT = 'solver.method = "transient"'
 
 Complaints = Iterator[tuple[str, str]]  # the field, to which its value is added unless it is there; what is wrong
 Rule = Callable[[Definition], Complaints]
@@ -43,6 +41,14 @@ def refuse(case: Definition, rules: Iterable[Rule]) -> None:
     for rule in rules:
         for place, complaint in rule(case):
             raise ConfigError(f"{case.entry(place)}: {complaint}")
+
+
+def check_values(case: Definition) -> None:
+    """Raise ValueError unless every value is one that its field allows; [contact] checks itself when it is made."""
+    for name, section in SECTIONS.items():
+        record = getattr(case, section.field)
+        if record is not None and name != "contact":
+            checked(record, name)
 
 
 def _name(case: Definition) -> Complaints:
@@ -69,13 +75,15 @@ def _reference(case: Definition) -> Complaints:
 
 
 def method_suits(case: Definition) -> Complaints:
-    """Each kind of contact has its own methods; a radial grid has no inlet."""
-    methods = METHODS[case.kind]
-    if case.solver.method not in methods:
-        allowed = " or ".join(f'"{name}"' for name in methods)
+    """Each kind of contact has its own methods, and each method its own keys."""
+    methods = of_kind(case.kind)
+    if case.solver.method not in [method.name for method in methods]:
+        allowed = " or ".join(f'"{method.name}"' for method in methods)
         yield "solver.method", f'must be {allowed} with contact.kind = "{case.kind}"'
-    if case.solver.method == "radial" and case.solver.inlet is not None:
-        yield "solver.inlet", "a radial grid has none; leave it out"
+        return
+    for key in case.method.space.lacks:
+        if getattr(case.solver, key) is not None:
+            yield f"solver.{key}", f"{case.entry('solver.method')} has none; leave it out"
 
 
 def _shapes(case: Definition) -> Complaints:
@@ -83,6 +91,7 @@ def _shapes(case: Definition) -> Complaints:
         if not (is_dataclass(feature.shape) and hasattr(feature.shape, "heights")):
             name = type(feature.shape).__name__
             yield f"roughness[{number}].shape = {name}", "must be a dataclass with a method heights(X, Y)"
+        checked(feature.shape, f"roughness[{number}]")
 
 
 def oil_is_complete(case: Definition) -> Complaints:
@@ -93,16 +102,46 @@ def oil_is_complete(case: Definition) -> Complaints:
 
 
 def _rheology(case: Definition) -> Complaints:
-    """An oil that thins under shear has a stress in Pa, and flows on the 2-D grid only."""
-    if case.oil.is_newtonian:
-        return
-    given = f'lubricant.rheology = {{ law = "{FLUIDITY_LAWS.name_of(case.oil.fluidity_law)}", ... }}'
-    newtonian = 'lubricant.rheology = "newtonian"'
-    if case.scales is None:
-        yield given, f"has stresses in Pa, which a dimensionless case has not; give the contact in SI or {newtonian}"
-    if case.solver.method == "radial":
-        instead = f'use solver.method = "2d" or {newtonian}'
-        yield given, f'solver.method = "radial" is for Newtonian oils only; {instead}'
+    """An oil that thins under shear has a stress in Pa."""
+    if case.scales is None and not case.oil.is_newtonian:
+        no_stress = "has stresses in Pa, which a dimensionless case has not"
+        yield _law(case), f'{no_stress}; give the contact in SI or lubricant.rheology = "newtonian"'
+
+
+def _law(case: Definition) -> str:
+    return f'lubricant.rheology = {{ law = "{FLUIDITY_LAWS.name_of(case.oil.fluidity_law)}", ... }}'
+
+
+def _supported(case: Definition) -> Complaints:
+    """The method must be able to compute what the case asks for."""
+    supports, asked = case.method.supports, list(_asked(case))
+    for name, place, only in asked:
+        if not getattr(supports, name):
+            others = of_kind(case.kind, lambda method: all(getattr(method.supports, each) for each, _, _ in asked))
+            instead = f"use {as_written(others)}" if others else f"no method of {case.kind} supports it"
+            this = "" if place == "solver.method" else f"{case.entry('solver.method')} "
+            yield place, f"{this}is for {only}; {instead}"
+
+
+def computes(method: Method, case: Definition) -> bool:
+    """Whether a method computes all that a case asks for."""
+    return method.kind == case.kind and all(getattr(method.supports, name) for name, _, _ in _asked(case))
+
+
+def _asked(case: Definition) -> Iterator[tuple[str, str, str]]:
+    """What a case asks of its method: the field of `Supports`, the field of the case, and what others are for."""
+    if not case.oil.is_newtonian:
+        yield "thinning", _law(case), "Newtonian oils only"
+    if case.geometry is not CIRCLE:
+        yield "ellipse", "solver.method", f"circular contacts, this one has R_x/R_y = {case.contact.ratio:.6g}"
+    if any((*case.motion.load.range(inf), *case.motion.entrainment.range(inf))):
+        yield "motion", "motion", "a free ball on a track at rest"
+    if case.track is not None and len(case.track.points) > 1:
+        yield "track", "lubricant.layer", "a uniform layer"
+    if case.roughness:
+        yield "roughness", "roughness", "smooth surfaces"
+    if case.thermal is not None:
+        yield "thermal", "thermal", "contacts without [thermal]"
 
 
 def _scales(case: Definition) -> Complaints:
@@ -128,6 +167,11 @@ def _pressure_scale(case: Definition) -> Complaints:
         yield 'lubricant.density = "dowson-higginson"', f"{needs}; {allowed}"
 
 
+def _in_time(case: Definition) -> str:
+    """The methods in time of a kind of contact, as they are written."""
+    return as_written(of_kind(case.kind, lambda method: not method.is_steady))
+
+
 def _time(case: Definition) -> Complaints:
     """A steady contact has no time.  A rolling contact starts from its steady film and has no events."""
     time = case.time
@@ -135,7 +179,7 @@ def _time(case: Definition) -> Complaints:
         if section is not None:
             usual = vars(type(section)())
             other = next((f"{name}.{key}" for key, value in vars(section).items() if value != usual[key]), name)
-            yield other, f"a steady contact has no time; leave [{name}] out or use {TRANSIENT}"
+            yield other, f"a steady contact has no time; leave [{name}] out or use {_in_time(case)}"
     if case.starts_apart or time is None:
         return
     if time.start_approach is not None:
@@ -163,41 +207,16 @@ def _drive(case: Definition) -> Complaints:
 
 
 def _geometry(case: Definition) -> Complaints:
-    """The radial method is for circular contacts; an angle needs something that is entrained."""
+    """An angle needs something that is entrained."""
     if case.contact.entrainment_angle is not None and not case.motion.flows:
         instead = "leave it out, or give motion.entrainment or contact.mean_speed"
         yield "contact.entrainment_angle", f"nothing is entrained; {instead}"
-    if case.solver.method != "radial":
-        return
-    if case.geometry is not CIRCLE:
-        this = f"this one has R_x/R_y = {case.contact.ratio:.6g}"
-        yield "solver.method", f'is for circular contacts, {this}; use solver.method = "2d"'
-    if case.solver.half_width_y is not None:
-        yield "solver.half_width_y", "a radial grid has none; leave it out"
 
 
 def _grid(case: Definition) -> Complaints:
     """A grid must be large enough, contain the contact, and be one that can be coarsened."""
-    solver = case.solver
-    if solver.method == "radial":
-        if solver.half_width < SMALLEST_RADIUS:
-            yield "solver.half_width", f"must be at least {SMALLEST_RADIUS}"
-        return
-    try:
-        across = grid.nodes_across(solver.nodes, (solver.half_width_y or solver.half_width) / solver.half_width)
-        grid.check_coarsening(grid.Grid(solver.nodes, across, 1.0))
-    except ValueError as error:
-        entry, _, complaint = str(error).partition(": ")
-        yield f"solver.{entry}", complaint
-    along_x, along_y = case.geometry.extent
-    inside = "so that the contact lies inside the grid"
-    if not solver.half_width > along_x:
-        yield "solver.half_width", f"must be greater than {along_x:g}, {inside}"
-    if solver.half_width_y is not None and not solver.half_width_y > along_y:
-        yield "solver.half_width_y", f"must be greater than {along_y:g}, {inside}"
-    most = 2 * solver.half_width - along_x
-    if solver.inlet is not None and not along_x < solver.inlet < most:
-        yield "solver.inlet", f"must be above {along_x:g} and below {most:g} = 2 half_width - {along_x:g}, {inside}"
+    for key, complaint in case.method.space.complaints(case.solver, case.geometry):
+        yield f"solver.{key}", complaint
 
 
 def _layer(case: Definition) -> Complaints:
@@ -211,9 +230,6 @@ def _layer(case: Definition) -> Complaints:
         away = f"at slide_to_roll = {motion.slide_to_roll:g} one surface takes its oil out of the inlet"
         instead = "give layer, the oil that enters per area at the entrainment speed"
         yield "lubricant.layer_1, layer_2", f"{away}; {instead}"
-    if solver.method == "radial" and len(case.track.points) > 1:
-        instead = 'use solver.method = "2d" or one thickness'
-        yield "lubricant.layer", f'solver.method = "radial" takes a uniform layer; {instead}'
     thinnest, thickest = case.track.extremes
     for number, feature in enumerate(case.features, 1):
         for key in ("amplitude", "rms"):
@@ -245,7 +261,7 @@ def _schedule(case: Definition) -> Complaints:
         least = f"must be at least {end / MOST_STEPS:.3g} t0, for {MOST_STEPS:g} steps at most"
         yield "time.step", f"needs {end / step:.3g} steps; {least}"
     maps = end / case.schedule.interval
-    nodes = case.solver.nodes if case.solver.method == "radial" else case.solver.nodes**2
+    nodes = case.solver.nodes ** len(case.method.axes)
     size = maps * FIELDS * 8 * nodes  # in double precision
     if maps > MOST_MAPS or size > LARGEST_OUTPUT:
         allowed = f"at most {MOST_MAPS:g} and {LARGEST_OUTPUT / 1e9:g} GB are allowed"
@@ -254,10 +270,8 @@ def _schedule(case: Definition) -> Complaints:
 
 
 def _motion(case: Definition) -> Complaints:
-    """The method must be able to compute the motion, and a solution must exist."""
+    """A solution must exist, and a steady film needs a motion that does not change in time."""
     load, entrainment = case.motion.load, case.motion.entrainment
-    if case.solver.method == "radial" and any((*load.range(inf), *entrainment.range(inf))):
-        yield "motion", 'the radial method is for a free ball on a track at rest; use solver.method = "2d"'
     until = inf if case.is_steady else case.schedule.until
     if until == "rebound" and load.range(inf)[1] > 0:
         yield "time.until", "a ball under a load may never leave; give a time, in units t0"
@@ -266,7 +280,7 @@ def _motion(case: Definition) -> Complaints:
     for name, signal in {"load": load, "entrainment": entrainment}.items() if case.is_steady else ():
         least, most = signal.range(inf)
         if least != most:
-            yield f"motion.{name}", f"varies in time from {least:g} to {most:g}; use {TRANSIENT}"
+            yield f"motion.{name}", f"varies in time from {least:g} to {most:g}; use {_in_time(case)}"
     if entrainment(0.0) == 0:
         needs = "where a rolling contact needs a film; must not be zero there, a small speed will do"
         yield "motion.entrainment", f"is 0 at T = 0, {needs}"
@@ -290,7 +304,7 @@ def _outside(case: Definition) -> Complaints:
     if needed > WIDEST_HALF_WIDTH:
         beyond = f"reaches beyond the largest domain (half_width = {WIDEST_HALF_WIDTH:g})"
         in_si = f" = {rigid_film(p.M) * case.scales.film * 1e6:.3g} um" if case.scales else ""
-        film = f"the film is a rigid ball's, {rigid_film(p.M):.3g} a^2/R{in_si}; ertel film has the formulas"
+        film = f"the film is a rigid ball's, {rigid_film(p.M):.3g} a^2/R{in_si}; ertel check prints the formulas"
         error = TooLight(f"contact: M = {p.M:.3g} is too low: the oil that carries the load {beyond}; {film}")
         error.case = case
         raise error
@@ -300,13 +314,11 @@ def _outside(case: Definition) -> Complaints:
 
 
 def _roughness(case: Definition) -> Complaints:
-    """The radial method needs smooth surfaces; a steady film needs roughness that does not change in time."""
-    if case.solver.method == "radial" and case.roughness:
-        yield "roughness", 'the radial method is for smooth surfaces; use solver.method = "2d"'
+    """A steady film needs roughness that does not change in time."""
     for number, feature in enumerate(case.features, 1):
         moves = case.motion.travel(feature.surface, 1.0) != 0
         if case.is_steady and moves and not getattr(feature.shape, "is_ridges_along_x", False):
-            instead = f"use {TRANSIENT}, or a slide_to_roll at which it is at rest (surface 1: -2, surface 2: 2)"
+            instead = f"use {_in_time(case)}, or a slide_to_roll at which it is at rest (surface 1: -2, surface 2: 2)"
             place = f"roughness[{number}].surface = {feature.surface}"
             yield place, f"moves, so that its film is not steady; {instead}"
 
@@ -316,10 +328,6 @@ def _thermal(case: Definition) -> Complaints:
     thermal, scales, eta0 = case.thermal, case.scales, case.oil.eta0
     if thermal is None:
         return
-    if not case.is_steady:
-        this, steady = f"and this one has {case.entry('solver.method')}", 'solver.method = "steady"'
-        instead = f"leave the section [thermal] out, or use a rolling contact with {steady}"
-        yield "thermal", f"is for a steady contact, {this}; {instead}"
     if scales is None or eta0 is None:
         yield "thermal", "needs a contact in SI; give radius, load, ... or leave the section [thermal] out"
         return
@@ -343,6 +351,7 @@ COMPLETE = (  # rules for a case with its defaults, in the order in which they a
     _pressure_scale,
     _time,
     _drive,
+    _supported,
     _geometry,
     _grid,
     _layer,

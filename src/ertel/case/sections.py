@@ -1,26 +1,18 @@
 """The sections solver, time, output, motion and thermal of a case.  All defaults of ertel are here."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from math import ceil
 from typing import Annotated, Literal, NamedTuple
 
-from ertel.case.conditions import Given, Kind
-from ertel.numerics.grid import allowed_nodes, nodes_across
+from ertel.case.conditions import Given
 from ertel.physics import hertz, thermal, units
-from ertel.physics.geometry import CIRCLE, Geometry
 from ertel.physics.motion import Signal
 from ertel.physics.units import Amount, Bounds, Meaning, Quantity, explained
 
-Method = Literal["2d", "radial", "steady", "transient"]
 Stop = Literal["max-approach", "rebound"]
 Start = Literal["undeformed"]
-METHODS: Mapping[Kind, tuple[Method, ...]] = {"impact": ("2d", "radial"), "rolling": ("steady", "transient")}
-ROLLING_UNTIL = 6.0  # t0: the surfaces roll through a domain of the default length for M >= 5
 FEWEST_NODES, MOST_NODES, WIDEST_HALF_WIDTH = 17, 4097, 1000.0
 NODES = Bounds(ge=FEWEST_NODES, le=MOST_NODES, whole=True)
 HALF_WIDTH = Bounds(gt=0, le=WIDEST_HALF_WIDTH)
-CENTRED_HALF_WIDTH = 4.5  # half width of a grid for reversing flow
 
 
 @explained
@@ -31,11 +23,12 @@ class Solver:
     The tolerance of a time step is a film thickness in units of the expected film thickness (`Case.film_scale`), and
     20 time.tolerance at most.  The residual left by one step is corrected in the next, so it does not add up.  For a
     steady contact it is the residual of the Reynolds equation; 0.03 takes less than half the work and leaves at most
-    about a tenth of the grid's own error in H_c and H_min.  The defaults follow the size of an ellipse, see `suited`.
+    about a tenth of the grid's own error in H_c and H_min.  The defaults are those of the method (`methods.METHODS`);
+    they follow the size of an ellipse.
     """
 
     method: Annotated[
-        Method,
+        str,
         Meaning("an impact is computed on a square grid (2d) or along the radius (radial), rolling steady or in time"),
     ] = "2d"
     nodes: Annotated[
@@ -63,67 +56,6 @@ class Solver:
     half_width_y: Annotated[
         Given, HALF_WIDTH, Meaning("half_width along y; left out: the edge is as far from the contact as along x", 3.0)
     ] = None
-
-
-SOLVERS: Mapping[Method, Solver] = {  # the defaults
-    "2d": Solver(),
-    "radial": Solver("radial", half_width=4.0),  # graded: the outer half costs few nodes
-    "steady": Solver("steady", half_width=3.0, inlet=4.5, tolerance=1e-8),
-    "transient": Solver("transient", half_width=3.0, inlet=4.5),
-}
-
-
-# The default domain is wider by (below/M)^exponent where M is below that value, and by the widest at most
-WIDENING: Mapping[Kind, tuple[float, float, float]] = {"impact": (100.0, 2 / 3, 4.0), "rolling": (5.0, 4 / 3, 200.0)}
-
-
-def half_width_at(kind: Kind, half_width: float, M: float) -> float:
-    """The default half width: wide for a low load, where the oil far away carries much of it.
-
-    lambda_bar goes as M^(-4/3), and that share as lambda_bar/half_width^2 in an impact, as lambda_bar/half_width in
-    rolling.  Up to the widest, Delta and the load of an impact are within 0.2 % of a far wider domain, and the oil
-    outside a rolling contact carries 23 % of the load at most.
-    """
-    below, exponent, widest = WIDENING[kind]
-    factor: float = min(max(1.0, (below / M) ** exponent), widest)
-    return ceil(4 * half_width * factor - 1e-6) / 4  # M = 100 itself, free of round-off
-
-
-PARTS = 16  # of the length; the contact's centre ends one, so that it is a node of this grid and of the coarser ones
-
-
-def suited(circular: Solver, geometry: Geometry) -> Solver:
-    """The default solver of a circular contact, with half width, inlet and nodes for another geometry.
-
-    On every side the edge has the same distance from the contact, in units of its smaller half width, and the spacing
-    has the same size in these units.
-    """
-    if geometry is CIRCLE:
-        return circular
-    reach, unit = geometry.extent[0], geometry.smaller
-    length, spacing = 2 * (reach + (circular.half_width - 1) * unit), 2 * circular.half_width / (circular.nodes - 1)
-    inlet = circular.inlet
-    if inlet is not None:
-        upstream = reach + (inlet - 1) * unit
-        share = round(PARTS * upstream / length) / PARTS
-        length = max(upstream / share, (length - upstream) / (1 - share))
-        inlet = share * length
-    nodes = allowed_nodes(length / (spacing * unit) * (1 - 1e-9) + 1)
-    return replace(circular, half_width=length / 2, inlet=inlet, nodes=nodes)
-
-
-def half_width_y(solver: Solver, geometry: Geometry) -> float | None:
-    """The half width along y in effect, a little more than asked for so that multigrid can coarsen.
-
-    Left out, the edge has the same distance from the contact along y as along x.  None: left out, and as along x.
-    """
-    along_x, along_y = geometry.extent
-    default = solver.half_width + along_y - along_x
-    widths = solver.half_width_y or default, default
-    nodes, usual = (nodes_across(solver.nodes, width / solver.half_width) for width in widths)
-    if nodes == usual == solver.nodes:
-        return None
-    return solver.half_width * (nodes - 1) / (solver.nodes - 1)
 
 
 @explained
@@ -163,7 +95,6 @@ class Time:
 
 
 START_APPROACH = -1.0
-ENDS: Mapping[Kind, Stop | float] = {"impact": "max-approach", "rolling": ROLLING_UNTIL}
 
 
 @explained
@@ -269,10 +200,10 @@ class Thermal:
     ] = "houpert"
     inlet_factor: Annotated[thermal.InletName, Meaning("formula of the film with inlet shear heating")] = "gupta"
 
-    def __post_init__(self) -> None:
-        for name in ("temperature_1", "temperature_2"):
-            if getattr(self, name) is None:
-                object.__setattr__(self, name, self.temperature)
+    def completed(self) -> "Thermal":
+        """The same with the temperature of the oil for a body whose own is left out."""
+        first, second = (T or self.temperature for T in (self.temperature_1, self.temperature_2))
+        return replace(self, temperature_1=first, temperature_2=second)
 
     @property
     def bodies(self) -> tuple[thermal.Solid, thermal.Solid]:
@@ -283,8 +214,8 @@ class Thermal:
     @property
     def warmer(self) -> tuple[float, float]:
         """By how much the bodies are warmer than the oil in the inlet (K)."""
-        assert self.temperature_1 is not None and self.temperature_2 is not None  # `__post_init__`
-        return self.temperature_1 - self.temperature, self.temperature_2 - self.temperature
+        T = self.temperature
+        return (self.temperature_1 or T) - T, (self.temperature_2 or T) - T
 
     def viscosity_of(self, eta0: float) -> thermal.WarmViscosity:
         """The law of the warm oil's viscosity.  Raises ValueError for an eta0 (Pa s) for which it has no meaning."""

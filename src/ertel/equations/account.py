@@ -10,6 +10,7 @@ oil m that is there, rho H less the void of a cavity:
     d/dT [integral of m] + outflow - inflow = cavity source
 
 * outflow, inflow: the integrals of rho q.n + U m n_x along the edge, where it points outwards and where inwards.
+* A source of oil in the surfaces (`PressureFlow.source`) counts as inflow, a leak as outflow.
 * cavity source: the oil that a cavity would make as it grows.  A check: it is zero, because the cavity keeps its void.
 
 Energy: the Reynolds equation times the enthalpy h(P) = integral of dP/rho, integrated over the grid.  The film
@@ -29,7 +30,8 @@ symmetric, so
   the hydrodynamic rolling resistance) and by roughness that moves relative to the flow.  Where the gap closes the film
   takes power from the surfaces, where it opens it gives most of it back.
 * outside power: what goes to the oil outside the grid, V times its load less the uplift times the rate of the load on
-  the grid, and with the flow through the edge, integral of h rho q.n + U (rho h - P) H n_x.
+  the grid, and with the flow through the edge, integral of h rho q.n + U (rho h - P) H n_x; and
+  with oil that leaks into the surfaces, h of its mass.
 
 With the kinetic energy of the ball, inertia V dV/dT = (w - F) V, the work of the applied load w and of the surfaces is
 stored, dissipated, or lost to the outside.  Energies are in units F* a^2/R, powers in F* a^2/(R t0).  Mass is in
@@ -59,7 +61,7 @@ In a steady contact the power loss is what the surfaces spend, sliding speed tim
 times the resistance of both, less the energy that flows out through the edge of the grid.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import jax
@@ -70,17 +72,11 @@ from jax import Array
 from ertel.case.status import Status
 from ertel.equations.contact import Contact, Details
 from ertel.equations.outside import Surroundings
-from ertel.equations.state import State, StepSolution, Work
+from ertel.equations.state import State, StepNumbers, StepSolution, Work, unpacked
 from ertel.numerics.integrals import Plane, Space
 from ertel.numerics.programs import ANY_SIZE, Program, exportable
 from ertel.numerics.stencils import FloatLike, Pair, inside
 from ertel.physics.lubricant import Lubricant
-
-MASSES = ("mass", "inflow", "outflow", "cavity_source")
-ENERGIES = ("elastic_energy", "oil_energy", "dissipation", "power_from_surfaces", "power_to_surfaces", "outside_power")
-FRICTION = ("mu_sliding", "mu_sliding_y", "mu_rolling", "power_loss")
-TERMS = (*MASSES, *ENERGIES, "load", *FRICTION)
-
 
 # -- friction ----------------------------------------------------------------------------------------------------------
 
@@ -134,9 +130,10 @@ def shear_force(plane: Plane, stress: Array) -> Array:
 
 
 def numbers_of(friction: Friction) -> dict[str, Array]:
-    """The numbers of `FRICTION` by name: forces over the load in a/R, the power loss in F* a^2/(R t0)."""
-    numbers = friction.sliding[0], friction.sliding[1], friction.rolling[0], friction.power
-    return dict(zip(FRICTION, numbers, strict=True))
+    """The numbers of a friction by name: forces over the load in a/R, the power loss in F* a^2/(R t0)."""
+    sliding = friction.sliding
+    others = {"mu_rolling": friction.rolling[0], "power_loss": friction.power}
+    return {"mu_sliding": sliding[0], "mu_sliding_y": sliding[1], **others}
 
 
 def coefficients(friction: Friction) -> dict[str, float]:
@@ -145,7 +142,7 @@ def coefficients(friction: Friction) -> dict[str, float]:
 
 
 def whole_maps(whole: Callable[..., Any], level: Mapping[str, Any], friction: Friction) -> dict[str, np.ndarray]:
-    """Pressure, film, oil, stress and power loss on the whole plane, by name.  whole: as `Method.whole`.
+    """Pressure, film, oil, stress and power loss on the whole plane, by name.  whole: as `Stepper.whole`.
 
     level: the fields P, H and mass.  A void has ambient pressure, so the oil beside it has its ambient density.
     """
@@ -167,7 +164,7 @@ class Film(NamedTuple):
 
     P, H, eps: pressure, film thickness, mobility.  oil, passing: what is there and what passes with the flow, as mass.
     heat: - rho q.grad h at the nodes.  deformation: of the solids.  growth: the rate of the oil + div(Poiseuille
-    flux), which vanishes.  U: entrainment.  gap_change: DG/DT.
+    flux) - source, which vanishes.  U: entrainment.  gap_change: DG/DT.  source: as from `PressureFlow`.
     """
 
     P: Array
@@ -180,6 +177,7 @@ class Film(NamedTuple):
     growth: Array
     U: FloatLike
     gap_change: FloatLike
+    source: FloatLike = 0.0
 
 
 class Moment(NamedTuple):
@@ -205,63 +203,62 @@ def account(
     oil: what is there, as mass.  passing: what passes with the flow.  change: the rate of the oil, following the flow.
     """
     details = c.flow.details(c, P, H, m.sliding, space)
-    growth = change - inside(details.gain, c.even)
-    film = Film(P, H, oil, passing, details.mobility, details.heat, H + m.approach - c.gap, growth, m.U, m.gap_change)
+    source = inside(jnp.broadcast_to(c.flow.source(c, P, H), P.shape), c.even)
+    growth, deformed = change - inside(details.gain, c.even) - source, H + m.approach - c.gap
+    film = Film(P, H, oil, passing, details.mobility, details.heat, deformed, growth, m.U, m.gap_change, source)
     forces = friction_of_details(space, details, P, H, m.sliding, m.load, m.hertz_load)
-    return account_terms(space, c.lubricant, film, forces), forces
+    return account_terms(space, c.lubricant, film, forces, m.hertz_load), forces
 
 
-def account_terms(space: Space, oil: Lubricant, film: Film, friction: Friction) -> dict[str, Array]:
-    """The numbers of `TERMS` by name: the balances on the grid, "load", the double integral of P, and the friction."""
-    P, H, eps, U = film.P, film.H, film.eps, film.U
+def account_terms(
+    space: Space, oil: Lubricant, film: Film, friction: Friction, hertz_load: FloatLike
+) -> dict[str, Array]:
+    """The terms of the balances on the grid by name, "load", the double integral of P, and the numbers of the friction.
+
+    hertz_load: F* in a^2 p_h.
+    """
+    P, H, eps, U, source = film.P, film.H, film.eps, film.U, jnp.zeros_like(film.P) + film.source
     mass, enthalpy, compressed = film.oil, oil.enthalpy(P), oil.compression(P) * H
     squeezed_out = space.flow_out(eps, P)
     out = squeezed_out + U * space.along_x(film.passing)
     energy_out = squeezed_out * space.edge(enthalpy) + U * space.along_x(compressed)
     return {
         "mass": space.total(mass),
-        "inflow": space.around(jnp.maximum(-out, 0.0)),
-        "outflow": space.around(jnp.maximum(out, 0.0)),
+        "inflow": space.around(jnp.maximum(-out, 0.0)) + space.total(jnp.maximum(source, 0.0)),
+        "outflow": space.around(jnp.maximum(out, 0.0)) + space.total(jnp.maximum(-source, 0.0)),
         "cavity_source": space.total(jnp.where(P > 0.0, 0.0, film.growth)),
-        "elastic_energy": space.total(P * film.deformation) / 2,
-        "oil_energy": space.total(compressed),
-        "dissipation": space.total(film.heat),
-        "power_from_surfaces": space.total(P * jnp.maximum(-film.gap_change, 0.0)),
-        "power_to_surfaces": space.total(P * jnp.maximum(film.gap_change, 0.0)),
-        "outside_power": space.around(energy_out),
+        "elastic_energy": space.total(P * film.deformation) / 2 / hertz_load,
+        "oil_energy": space.total(compressed) / hertz_load,
+        "dissipation": space.total(film.heat) / hertz_load,
+        "power_from_surfaces": space.total(P * jnp.maximum(-film.gap_change, 0.0)) / hertz_load,
+        "power_to_surfaces": space.total(P * jnp.maximum(film.gap_change, 0.0)) / hertz_load,
+        "outside_power": (space.around(energy_out) - space.total(source * enthalpy)) / hertz_load,
         "load": space.total(P),
         **numbers_of(friction),
     }
 
 
-def in_units(
-    values: Mapping[str, Any], velocity: Any, around: Surroundings, hertz_load: FloatLike, load_rate: FloatLike = 0.0
+def with_outside(
+    terms: Mapping[str, Any], velocity: Any, around: Surroundings, hertz_load: FloatLike, load_rate: FloatLike = 0.0
 ) -> dict[str, Any]:
-    """`MASSES`, `ENERGIES` and `FRICTION` in their units, with what the oil outside adds; traceable by JAX.
+    """The numbers of the account by name, with what the oil outside adds; traceable by JAX.
 
-    values: from `account_terms`.  load_rate: the rate of change of the load on the grid.
+    terms: from `account_terms`.  load_rate: the rate of change of the load on the grid.
     """
-    complete = {name: values[name] / (hertz_load if name in ENERGIES else 1.0) for name in RECORD}
-    complete["elastic_energy"] += around.uplift * values["load"] / 2 / hertz_load
-    complete["outside_power"] += (velocity * around.load - around.uplift * load_rate) / hertz_load
-    return complete
+    numbers = dict(terms)
+    load = numbers.pop("load")
+    numbers["elastic_energy"] += around.uplift * load / 2 / hertz_load
+    numbers["outside_power"] += (velocity * around.load - around.uplift * load_rate) / hertz_load
+    return numbers
 
 
 # -- a step in time ----------------------------------------------------------------------------------------------------
 
-RECORD = (*MASSES, *ENERGIES, *FRICTION)
-NUMBERS = ("approach", "velocity", "load", "outside", "error", "converged", "newton", "krylov")  # of a step, first
 
-
-def step_numbers(values: Sequence[Any], record: Mapping[str, Any]) -> Array:
-    """The numbers of a step in one array: those of `NUMBERS` and others, and the record."""
-    return jnp.stack([jnp.asarray(value, float) for value in (*values, *record.values())])
-
-
-def new_level(T: float, solution: StepSolution, others: Sequence[str] = ()) -> State:
-    """The state after a step, with its numbers by name as its record.  others: the names of those before `RECORD`."""
-    approach, velocity, load, outside, error, converged, newton, krylov, *rest = np.asarray(solution.numbers).tolist()
-    record = dict(zip((*others, *RECORD), rest, strict=True))
-    status = Status.CONVERGED if converged else Status.NEWTON_STALLED  # stalled too if NaN
-    work = Work(int(newton), int(krylov))
-    return State(T, approach, velocity, solution.fields, status, work, outside, load, error, record)
+def new_level(T: float, solution: StepSolution) -> State:
+    """The state after a step; its record has the numbers of the film by name."""
+    record = unpacked(solution.numbers)
+    n = StepNumbers(*(record.pop(name) for name in StepNumbers._fields))
+    status = Status.CONVERGED if n.converged else Status.NEWTON_STALLED  # stalled too if NaN
+    work = Work(int(n.newton), int(n.krylov))
+    return State(T, n.approach, n.velocity, solution.fields, status, work, n.outside, n.load, n.error, record)

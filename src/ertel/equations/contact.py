@@ -21,7 +21,7 @@ import jax.numpy as jnp
 from jax import Array
 from jax.tree_util import register_dataclass
 
-from ertel.equations.flow import OilContent, Rate, downstream, flow_aligned, kinked_at, upstream_of, void_downstream
+from ertel.equations.flow import OilContent, Rate, downstream, flow_aligned, upstream_of, void_downstream
 from ertel.numerics import halfspace
 from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
 from ertel.numerics.integrals import Plane
@@ -70,6 +70,14 @@ class PressureFlow:
     def gain(self, contact: "Contact", P: Array, H: Array) -> Array:
         """- div(Poiseuille flux): what the flow brings to each node; without meaning on the edge.  Shape (n, n)."""
         return diffusion(Pair(mobility(contact, P, H)), P, contact.even) / contact.spacing**2
+
+    def source(self, contact: "Contact", P: Array, H: Array) -> FloatLike:
+        """The oil that comes to each node through the surfaces, as mass per area and time: none, unless overridden."""
+        return 0.0
+
+    def supply(self, contact: "Contact", P: Array, H: Array) -> Array:
+        """All oil that comes to each node: by the pressure gradient and through the surfaces.  Shape (n, n)."""
+        return self.gain(contact, P, H) + self.source(contact, P, H)
 
     def mobilities(self, contact: "Contact", P: Array, H: Array) -> Mobilities:
         """The mobilities at the nodes; the gradient itself is held when they are differentiated."""
@@ -149,7 +157,7 @@ def residual(contact: Contact, P: Array, H: Array, rate: Rate) -> Array:
     """
     r = _of_a_full_gap(contact, P, H, rate)
     if rate.layer is not None and rate.wedge is not None:
-        void = _void(contact, P, H, rate.wedge, rate.layer, r)
+        void = _void(contact, P, H, rate, r)
         r = r + rate.wedge / contact.spacing * upstream_of(void)
     return inside(r, contact.even)
 
@@ -160,29 +168,31 @@ def steady_oil(contact: Contact, P: Array, H: Array, rate: Rate) -> OilContent:
     In a cavity the oil is what passes, or where that would fill the gap, what the void leaves of it.
     """
     assert rate.wedge is not None
-    turned, speed = partial(flow_aligned, rate), jnp.abs(rate.wedge)
+    turned, entrainment, speed = partial(flow_aligned, rate), rate.wedge, jnp.abs(rate.wedge)
     P, H = turned(P), turned(H)
-    full, kinked = mass(contact, P, H), rate.kinked(P)
-    r = _of_a_full_gap(contact, P, H, rate._replace(wedge=speed))
-    void = _void(contact, P, H, speed, rate.layer, r)
+    rate = rate._replace(wedge=speed, held=turned(rate.held))
+    full, kinked, r = mass(contact, P, H), rate.kinked(P), _of_a_full_gap(contact, P, H, rate)
+    void = _void(contact, P, H, rate, r)
     passing = jnp.where(P > 0.0, full, downstream(full, kinked) - void)
     oil = jnp.where(passing < full, passing, full - void)  # void = 0 where P > 0
     oil, full, void, passing = map(turned, (oil, full, void, passing))
-    return OilContent(oil, full, void, passing, rate.wedge, None if kinked is None else turned(kinked))
+    return OilContent(oil, full, void, passing, entrainment, turned(kinked))
 
 
 def _of_a_full_gap(contact: Contact, P: Array, H: Array, rate: Rate) -> Array:
     """The residual of a gap that is full of oil; on the edge only the rate of change following the flow."""
     change = rate.of(mass(contact, P, H), contact.spacing, rate.kinked(P))
-    return change - inside(contact.flow.gain(contact, P, H), contact.even)
+    return change - inside(contact.flow.supply(contact, P, H), contact.even)
 
 
-def _void(contact: Contact, P: Array, H: Array, speed: FloatLike, layer: FloatLike | None, r: Array) -> Array:
-    """The void of a steady film.  layer: the oil that enters, None where the inlet is full.  X points downstream."""
-    inlet = P[:, :2]
-    full = downstream(mass(contact, inlet, H[:, :2]), kinked_at(inlet))
-    first = 0.0 if layer is None else (full[:, :1] - layer)[:, 0]
-    return void_downstream(P, r, first, speed, contact.spacing)
+def _void(contact: Contact, P: Array, H: Array, rate: Rate, r: Array) -> Array:
+    """The void of a steady film, of which X points downstream."""
+    assert rate.wedge is not None
+    first: FloatLike = 0.0
+    if (kinked := rate.kinked(P)) is not None:
+        full = downstream(mass(contact, P[:, :2], H[:, :2]), kinked[:, :2])
+        first = (full[:, :1] - jnp.asarray(rate.layer))[:, 0]
+    return void_downstream(P, r, first, rate.wedge, contact.spacing)
 
 
 # -- oil laws as JAX pytrees; the laws themselves do not depend on JAX ------------------------------------------------

@@ -42,12 +42,14 @@ class Rate(NamedTuple):
     new: weight of the mass at the node now.  past: the known part, from the earlier masses, shape (n, n) or a number.
     wedge: the entrainment speed U >= 0 where the film is steady, so that its past is the film upstream; else None.
     layer: the oil per area that enters a steady contact, a number or of shape (n, 1); None where the inlet is full.
+    held: where a steady starved film is kinked, whatever P is (see `kinked_at`); None where P tells it.
     """
 
     new: FloatLike
     past: FloatLike
     wedge: FloatLike | None = None
     layer: FloatLike | None = None
+    held: Array | None = None
 
     def of(self, mass: Array, spacing: FloatLike, kinked: Array | None = None) -> Array:
         """The rate of a mass, shape (n, n); kinked: as from `kinked_at`, for a starved film."""
@@ -55,8 +57,10 @@ class Rate(NamedTuple):
         return in_time if self.wedge is None else in_time + self.wedge * slope_of_full(mass, spacing, kinked)
 
     def kinked(self, P: Array) -> Array | None:
-        """`kinked_at` of a steady starved film, None of any other."""
-        return None if self.layer is None or self.wedge is None else kinked_at(P)
+        """Where a steady starved film is kinked, None of any other film."""
+        if self.layer is None or self.wedge is None:
+            return None
+        return kinked_at(P) if self.held is None else self.held
 
 
 def steady_rate(entrainment: FloatLike, layer: FloatLike | None = None) -> Rate:
@@ -81,9 +85,9 @@ class OilContent(NamedTuple):
     kinked: Array | None = None
 
     @classmethod
-    def without_void(cls, mass: Array) -> "OilContent":
-        """A gap that is full, or a uniform layer."""
-        return cls(mass, mass, jnp.zeros_like(mass), mass, 1.0)
+    def without_void(cls, mass: Array, kinked: Array | None = None) -> "OilContent":
+        """A gap that is full, or a layer that does not change along X, which is nowhere kinked."""
+        return cls(mass, mass, jnp.zeros_like(mass), mass, 1.0, kinked)
 
 
 class Flow(NamedTuple):
@@ -174,8 +178,8 @@ def wedge(content: OilContent, entrainment: FloatLike, spacing: FloatLike) -> Ar
 
 
 def flow_aligned(rate: Rate, field: Any) -> Any:
-    """A field with X in the direction of entrainment; the same reversal undoes it.  A number is not changed."""
-    if rate.wedge is None or jnp.ndim(field) < 2:
+    """A field with X in the direction of entrainment; the same reversal undoes it.  None or a number is not changed."""
+    if rate.wedge is None or field is None or jnp.ndim(field) < 2:
         return field
     return jnp.where(rate.wedge >= 0, field, field[..., ::-1])
 
@@ -194,7 +198,7 @@ def kinked_at(P: Array) -> Array:
     """Whether a node lies beside a meniscus in the inlet: the last that is not full, and the first full one.
 
     X points downstream.  A line through two nodes upstream would there cross the kink in the film.  Without it the oil
-    that passes does not jump when a node fills.
+    that passes jumps less when a node fills.
     """
     meniscus = (P[:, :-1] <= 0.0) & (P[:, 1:] > 0.0)
     return jnp.pad(meniscus, ((0, 0), (0, 1))) | jnp.pad(meniscus, ((0, 0), (1, 0)))

@@ -91,7 +91,7 @@ def linear_film(c: Contact, P: Array, H: Array) -> LinearFilm:
 
 def flux_change(c: Contact, P: Array, H: Array) -> Callable[[Array, Array], Array]:
     """The exact derivative of - div(Poiseuille flux), of every oil, for complex changes of P and H."""
-    _, gain = jax.linearize(partial(c.flow.gain, c), P, H)
+    _, gain = jax.linearize(partial(c.flow.supply, c), P, H)
 
     def change(dP: Array, dH: Array) -> Array:
         parts = jax.vmap(gain)(*(jnp.stack([d.real, d.imag]) for d in (dP, dH)))

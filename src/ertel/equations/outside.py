@@ -18,6 +18,7 @@ Floats = NDArray[np.float64]
 # Gauss points from 0 to 1 and their weights, along each piece of the edge and outwards
 _points, _weights = np.polynomial.legendre.leggauss(8)
 PLACES, WEIGHTS = (_points + 1) / 2, _weights / 2
+SMALL_SPEED = 1e-3  # difference of V, by which the change with V is found
 NEWEST = 2  # levels from which the motion of the new level is predicted: with more, the oil outside overshoots
 
 
@@ -31,6 +32,9 @@ class Surroundings(NamedTuple):
     edge: Any
     load: Any
     uplift: Any
+
+
+UNCHANGED = Surroundings(0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -55,6 +59,11 @@ class Outside:
         edge, outside = np.zeros(self.is_edge.shape), areas.shape[1]
         edge[nodes] = P[:-outside]
         return Surroundings(edge, *(areas @ P[-outside:]).tolist())
+
+    def change(self, motion: ContactMotion) -> Surroundings:
+        """The change of the oil around the grid per change of V."""
+        ends = (self.at(motion._replace(velocity=motion.velocity + more)) for more in (0.0, SMALL_SPEED))
+        return Surroundings(*((there - here) / SMALL_SPEED for here, there in zip(*ends, strict=True)))
 
     def at_first(self, motion: ContactMotion) -> Floats:
         """P on the grid while the surfaces are apart."""

@@ -1,8 +1,8 @@
-"""The state at one time, the key values of its film, and the interface of a solution method."""
+"""The state at one time, the key values of its film, and the two interfaces of methods: in time, and steady."""
 
-from collections.abc import Callable, Generator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, Protocol, TypeVar
+from typing import Any, NamedTuple, Protocol
 
 import jax
 import jax.numpy as jnp
@@ -15,12 +15,10 @@ from ertel.numerics import bdf
 from ertel.numerics.grid import Grid
 from ertel.numerics.integrals import Plane
 from ertel.numerics.programs import ANY_SIZE, Program, exportable
-from ertel.numerics.stencils import total
+from ertel.numerics.stencils import FloatLike, total
 
 Field = Any  # an array of NumPy or of JAX
-Outcome = TypeVar("Outcome")
 TIE = 1e-6  # relative difference of two extremes that mirror each other
-KEY_VALUES = ("H_c", "H_min", "X_min", "Y_min", "P_c", "P_max", "X_P_max", "Y_P_max", "P_fall", "load")
 
 
 class Work(NamedTuple):
@@ -37,7 +35,7 @@ class State:
 
     The fields are P, H and others that a method needs to go on.  load, outside: the double integral of P on the grid
     and outside it.  status, work, error, record: of the step that made this state: its outcome, its work, how far the
-    film is from its prediction (relative), and its numbers by name (those of `Method.measure` and of
+    film is from its prediction (relative), and its numbers by name (those of `Stepper.measure` and of
     `account`).
     """
 
@@ -98,7 +96,7 @@ def measure(grid: Grid, P: Array, H: Array) -> dict[str, float]:
     much lower the mean of the four next nodes is, as a share of it.  load: integral of P.  Of two extremes that mirror
     each other about an axis, the one on its positive side is named.
     """
-    return dict(zip(KEY_VALUES, np.asarray(_numbers(Plane.of(grid), P, H)).tolist(), strict=True))
+    return unpacked(_numbers(Plane.of(grid), P, H))
 
 
 def lowest_point(r: NDArray[np.float64], H: NDArray[np.float64]) -> tuple[float, float]:
@@ -110,8 +108,8 @@ def lowest_point(r: NDArray[np.float64], H: NDArray[np.float64]) -> tuple[float,
     return float(r[i] - slope / (2 * curvature)), float(value - slope**2 / (4 * curvature))
 
 
-def key_values(plane: Plane, P: Array, H: Array) -> Array:
-    """The values of `KEY_VALUES` in one array; traceable by JAX."""
+def key_values(plane: Plane, P: Array, H: Array) -> dict[str, Array]:
+    """The values of `measure`; traceable by JAX."""
     pressed = jnp.where((P > 0.0) | (P.max() <= 0.0), H, jnp.inf)
     H_min, P_max = pressed.min(), P.max()
     negative = TIE * ((plane.y < 0).astype(P.dtype) + (plane.x < 0))
@@ -119,9 +117,10 @@ def key_values(plane: Plane, P: Array, H: Array) -> Array:
     around = sum(_beside(*line) for line in zip((P[:, high[1]], P[high[0]]), high, plane.even, strict=True)) / 4
     fall = jnp.where(P_max > 0, 1 - around / P_max, 0.0)
     (X_min, Y_min), (X_P_max, Y_P_max) = ((plane.x[j], plane.y[i, 0]) for i, j in (thin, high))
-    H_c, P_c = H.ravel()[plane.centre], P.ravel()[plane.centre]
+    films = {"H_c": H.ravel()[plane.centre], "H_min": H_min, "X_min": X_min, "Y_min": Y_min}
+    peak = {"P_max": P_max, "X_P_max": X_P_max, "Y_P_max": Y_P_max, "P_fall": fall}
     load = total(P, plane.even) * plane.spacing**2
-    return jnp.stack([H_c, H_min, X_min, Y_min, P_c, P_max, X_P_max, Y_P_max, fall, load])
+    return {**films, "P_c": P.ravel()[plane.centre], **peak, "load": load}
 
 
 def _lowest(field: Array) -> tuple[Array, Array]:
@@ -137,35 +136,46 @@ def _beside(line: Array, node: Array, even: bool) -> Array:
     return before[node] + p[node + 2]
 
 
-_numbers = Program(jax.jit(key_values), ANY_SIZE)
+def packed(numbers: Mapping[str, FloatLike]) -> dict[str, Array]:
+    """The numbers as one array under all their names, so that the host reads the device once; traceable by JAX."""
+    return {" ".join(numbers): jnp.stack([jnp.asarray(number, float) for number in numbers.values()])}
 
 
-# -- the interface of a solution method -------------------------------------------------------------------------------
+def unpacked(numbers: Mapping[str, Array]) -> dict[str, float]:
+    """The numbers on the host by name, from `packed`."""
+    [(names, values)] = numbers.items()
+    return dict(zip(names.split(), np.asarray(values).tolist(), strict=True))
+
+
+_numbers = Program(jax.jit(lambda plane, P, H: packed(key_values(plane, P, H))), ANY_SIZE)
+
+
+# -- the interfaces of methods ----------------------------------------------------------------------------------------
+
+
+class StepNumbers(NamedTuple):
+    """The numbers of a step that a `State` has beside its record."""
+
+    approach: Any
+    velocity: Any
+    load: Any
+    outside: Any
+    error: Any
+    converged: Any
+    newton: Any
+    krylov: Any
 
 
 @exportable
 class StepSolution(NamedTuple):
-    """The new fields, and all numbers of the step in one array, those of `account.NUMBERS` first."""
+    """The new fields, and all numbers of the step, `packed`: `StepNumbers` and those of the film by their names."""
 
     fields: Mapping[str, Array]
-    numbers: Array
+    numbers: Mapping[str, Array]
 
 
-Stepping = Generator[Any, Any, State]  # yields the problems of a step, is sent their solutions, returns the new state
-
-
-def solved(course: Generator[Any, Any, Outcome], solve: Callable[[Any], Any]) -> Outcome:
-    """The return value of a generator of problems, with each problem solved when it is yielded."""
-    try:
-        problem = next(course)
-        while True:
-            problem = course.send(solve(problem))
-    except StopIteration as end:
-        return end.value
-
-
-class Method(Protocol):
-    """A way to step a contact forward in time.
+class Stepper(Protocol):
+    """A method that steps a contact forward in time, made of a case.
 
     coordinates: axes of the fields in order, by name, in units a*.
     """
@@ -175,15 +185,8 @@ class Method(Protocol):
     def start(self) -> State:
         """The state at T = 0."""
 
-    def attempt(self, levels: Sequence[State], step: float) -> Stepping:
-        """One step on from one to three levels, newest first; the new state has its error and its record."""
-
-    def solve(self, problem: Any) -> StepSolution:
-        """The solution of a problem that `attempt` yields."""
-
     def advance(self, levels: Sequence[State], step: float) -> State:
-        """One step on from one to three levels, newest first, its problems solved by this method."""
-        return solved(self.attempt(levels, step), self.solve)
+        """One step on from one to three levels, newest first; the new state has its error and its record."""
 
     def measure(self, level: State) -> dict[str, float]:
         """F (in units of the Hertz load F*) and the key values of `measure`.
@@ -199,3 +202,23 @@ class Method(Protocol):
 
         odd: whether the field changes its sign at the axis Y = 0.
         """
+
+
+class SteadySolver(Protocol):
+    """A method that finds a steady contact on one grid after the other, made of a case.
+
+    grids: coarsest first, each with its `coordinates` and its number of `nodes`; the last one is that of the case.  A
+    solution on a grid has P, H and its history of residuals, its plain numbers and its status as
+    `solvers.steady.GridSolution`, all of which are stored, and its `record` and `maps`, which are shown.
+    """
+
+    grids: Sequence[Any]
+
+    def compile_ahead(self) -> None:
+        """Compile what the grids need, or load it, in the background."""
+
+    def solve(self, done: Sequence[Any]) -> Any:
+        """The solution on the next grid, after those that are done."""
+
+    def restored(self, number: int, stored: Mapping[str, Any]) -> Any:
+        """The solution on a grid, by its number, from what was stored of it."""

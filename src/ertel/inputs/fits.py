@@ -1,6 +1,7 @@
 """Fits: the numbers of a case that are to be found from measurements, and the file that says so.
 
     case = "ball.toml"                          # beside this file
+    laws = ["roelands", "barus"]                # of viscosity: a fit under each; may be left out
 
     [unknowns]
     "lubricant.eta0" = { bounds = ["5 mPa*s", "1 Pa*s"] }
@@ -33,7 +34,7 @@ What is left out is as in `optics.Rig`.  Other metals, glass, surfaces and lamps
 
 from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, isnan, nan, sqrt
 from os import PathLike
 from pathlib import Path
@@ -58,10 +59,12 @@ from ertel.inputs.quantities import marked_value, parse_quantity, plain_data, sp
 from ertel.optics import CHROMIUM, SILICA, Constant, Interferometer, Layer, Light, Monochromatic, Rig, TwoBeams, White
 from ertel.optics.light import GREEN
 from ertel.optics.rig import COATINGS, OIL_INDEX
+from ertel.physics.registry import VISCOSITY_LAWS
 from ertel.physics.units import FINITE, Unit
 
 KEYS = {"case": (str, '"ball.toml"'), "unknowns": (dict, "[unknowns]"), "measurements": (list, "[[measurements]]")}
 
+LAWS = "laws"
 COMPUTATION = ("solver", "time", "output")  # sections that conditions leave as they are
 
 Settings = Mapping[str, Any]  # values of a case by their paths, "contact.speed"
@@ -89,20 +92,20 @@ class Unknown:
 
 def load_fit(
     path: str | Path, overrides: Sequence[str] = ()
-) -> tuple["WrittenCase", list[tuple[str, dict[str, Any]]], Any]:
-    """The case of a fit in a TOML file, the tables of its measurements with their places, and its unknowns as written.
+) -> tuple["WrittenCase", list[tuple[str, dict[str, Any]]], Any, Any]:
+    """The case of a fit in a TOML file, the tables of its measurements with their places, its unknowns and its laws.
 
     overrides: of the case, "solver.nodes=65".  Raises ConfigError.
     """
     path = path_of("fit", path, "the file of a fit")
     data = read_toml(path)
-    check_keys(data, tuple(KEYS))
+    check_keys(data, (*KEYS, LAWS))
     for key, (kind, example) in KEYS.items():
         if not isinstance(data.get(key), kind):
             raise ConfigError(f"{key} = {show(data.get(key, ''))}: must be given, as {example}")
     places = [(f"measurements[{number}]", item) for number, item in enumerate(data["measurements"], 1)]
     tables = [(place, table) for place, item in places for table in _one_by_one(place, item)]
-    return WrittenCase.of(path.parent / data["case"], overrides), tables, data["unknowns"]
+    return WrittenCase.of(path.parent / data["case"], overrides), tables, data["unknowns"], data.get(LAWS, ())
 
 
 def _one_by_one(place: str, table: Any) -> Iterator[dict[str, Any]]:
@@ -209,6 +212,13 @@ class WrittenCase:
                 put(data, field.split("."), plain_data(value))
             return parse_case(data, self.folder)
 
+    def with_law(self, law: str) -> "WrittenCase":
+        """The case with another law of viscosity.  Raises ConfigError."""
+        data = None if self.data is None else deepcopy(dict(self.data))
+        if data is not None:
+            put(data, ["lubricant", "viscosity"], law)
+        return replace(self, case=self.under({"lubricant.viscosity": law}), data=data)
+
     def has(self, field: str, value: Any) -> bool:
         """Whether this is the value at a path of the case, as it is written or stored."""
         if not isnan(_number(self.case.to_data(), field)[0]):
@@ -217,6 +227,14 @@ class WrittenCase:
         for part in field.split("."):
             data = data.get(part) if isinstance(data, Mapping) else None
         return bool(data == plain_data(value))
+
+
+def laws_of(given: Any) -> list[str]:
+    """The names of the laws of viscosity under which a fit is made.  Raises ConfigError."""
+    laws, known = list(given) if isinstance(given, list | tuple) else [given], tuple(VISCOSITY_LAWS)
+    if wrong := [law for law in laws if law not in known]:
+        raise ConfigError(f"laws = {show(wrong[0])}: {hint_for(str(wrong[0]), known)}")
+    return laws
 
 
 def with_settings(case: Case, settings: Settings) -> Case:

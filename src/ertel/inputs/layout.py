@@ -9,12 +9,13 @@ from inspect import getdoc
 from math import isfinite
 from typing import Annotated, Any, Literal, NamedTuple, get_args
 
-from ertel.case.conditions import Conditions
+from ertel.case.conditions import Conditions, Kind
 from ertel.case.definition import SECTIONS
 from ertel.case.height_map import HeightMap, Measured
+from ertel.case.methods import METHODS, of_kind
 from ertel.case.reading import LAWS, Reader
 from ertel.case.records import choices_of, hints_of, show
-from ertel.case.sections import ENDS, METHODS, SOLVERS, START_APPROACH, Solver, Thermal, Time
+from ertel.case.sections import START_APPROACH, Solver, Thermal, Time
 from ertel.inputs.quantities import parse_quantity
 from ertel.physics import units
 from ertel.physics.lubricant import Oil
@@ -228,7 +229,8 @@ def keys_of(record: Any) -> tuple[Key, ...]:
     for item in fields(record):
         meaning = texts.get(item.name, Meaning(""))
         default = _default(record, item, meaning)
-        keys.append(Key(item.name, meaning, hints[item.name], kinds.get(item.name), default))
+        hint = Literal[*METHODS] if (record, item.name) == (Solver, "method") else hints[item.name]
+        keys.append(Key(item.name, meaning, hint, kinds.get(item.name), default))
     return tuple(keys)
 
 
@@ -240,9 +242,10 @@ def able_names(laws: Registry) -> tuple[str, ...]:
 def _default(record: Any, item: Any, meaning: Meaning) -> str:
     """The value that holds where the key is left out, as it is written."""
     if record is Solver:
-        return _by_owner({method: getattr(solver, item.name) for method, solver in SOLVERS.items()}, item.name)
+        return _by_owner({name: getattr(method.defaults, item.name) for name, method in METHODS.items()}, item.name)
     if record is Time and item.name in ("start_approach", "until"):
-        return show(START_APPROACH) if item.name == "start_approach" else _by_owner(ENDS, item.name)
+        ends = {method.kind: method.end for method in METHODS.values() if not method.is_steady}
+        return show(START_APPROACH) if item.name == "start_approach" else _by_owner(ends, item.name)
     if item.default is MISSING and item.default_factory is MISSING:
         return "" if record is Thermal else NEEDED  # a named oil and named materials complete it
     value = item.default
@@ -255,7 +258,7 @@ def _default(record: Any, item: Any, meaning: Meaning) -> str:
 def _by_owner(values: Mapping[Any, Any], name: str) -> str:
     """Defaults that differ between methods or kinds of contact, each with those that have it."""
     if name == "method":
-        return ", ".join(f'"{methods[0]}" ({kind})' for kind, methods in METHODS.items())
+        return ", ".join(f'"{of_kind(kind)[0].name}" ({kind})' for kind in get_args(Kind))
     groups: dict[str, list[str]] = {}
     for owner, value in values.items():
         if value is not None:

@@ -27,6 +27,7 @@ from typing import Any
 
 from ertel.case.case import Case
 from ertel.case.definition import LARGEST_NEWTONIAN_STRESS, newtonian_stress
+from ertel.case.methods import METHODS, as_written
 from ertel.case.records import ConfigError, data_of, law_fields, named, oil_data, show, with_unit
 from ertel.case.sections import Thermal
 from ertel.inputs import oils
@@ -70,7 +71,8 @@ def _only_newtonian(data: Mapping[str, Any]) -> str:
     contact, solver = _tables(data, "contact", "solver")
     if any(key in contact for key in DIMENSIONLESS):
         return "because a dimensionless case has no stresses in Pa"
-    return 'because solver.method = "radial" takes no other oils' if solver.get("method") == "radial" else ""
+    method = METHODS.get(str(solver.get("method")))
+    return f"because {as_written([method])} takes no other oils" if method and not method.supports.thinning else ""
 
 
 def _lubricant(written: Mapping[str, Any], data: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,39 +1,35 @@
-"""Texts made of the layout: new case files that explain all keys, the table of all keys, and their JSON schema."""
+"""Texts made of the layout: new case files that explain all keys, and their JSON schema."""
 
 import json
-import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from functools import cache
+from collections.abc import Iterator, Mapping
 from textwrap import wrap
 from typing import Any
 
 from ertel.case.conditions import FOREIGN, Kind
 from ertel.case.definition import SECTIONS
+from ertel.case.methods import NEW, of_kind
 from ertel.case.records import inner_laws, show
-from ertel.case.sections import ENDS, SOLVERS
 from ertel.inputs import layout
 from ertel.inputs.layout import Key, Place
 from ertel.inputs.names import OF_OILS
 from ertel.inputs.quantities import LONGEST
 from ertel.physics.motion import Oscillation, Polyline, Signal, Track
 from ertel.physics.registry import SHAPES, Registry
-from ertel.physics.units import FINITE, TEMPERATURE, Bounds, Mark, Unit
+from ertel.physics.units import FINITE, Bounds, Mark
 
 SCHEMA_FILE = "ertel.schema.json"
 WIDTH, MEANING_FROM = 120, 36  # columns
 STEEL = {"E1": "210 GPa", "nu1": 0.3, "E2": "210 GPa", "nu2": 0.3}
 OIL = {"eta0": "20 mPa*s", "alpha": "20 / GPa"}
-GIVEN: Mapping[Kind, Mapping[str, Mapping[str, Any]]] = {  # what a new case file gives
+GIVEN: Mapping[Kind, Mapping[str, Mapping[str, Any]]] = {  # what a new case file gives, besides its [solver]
     "impact": {
         "[contact]": {"kind": "impact", "radius": "10 mm", "ball_density": "7850 kg/m^3", "speed": "0.1 m/s", **STEEL},
         "[lubricant]": OIL,
-        "[solver]": {"method": "radial", "nodes": 401},
         "[time]": {"until": "max-approach"},
     },
     "rolling": {
         "[contact]": {"kind": "rolling", "radius": "10 mm", "load": "40 N", "mean_speed": "0.5 m/s", **STEEL},
         "[lubricant]": OIL,
-        "[solver]": {"method": "steady", "nodes": 257},
     },
 }
 ABOUT: Mapping[Kind, str] = {"impact": "A ball hits an oiled surface.", "rolling": "A ball rolls on an oiled surface."}
@@ -52,7 +48,7 @@ def template(kind: Kind, name: str) -> str:
         "# Keys in comments are optional; some exclude others, see ertel check. Quantities have a unit, any",
         "# that you like; amounts without one are in the units of the case: lengths a, heights a^2/R, times t0.",
     ]
-    given = GIVEN[kind]
+    given = {**GIVEN[kind], "[solver]": {"method": NEW[kind].name, "nodes": NEW[kind].new_nodes}}
     for place in layout.places():
         is_told = place.title.startswith("[") or place.title == f'shape = "{SHAPE}"'
         if is_told and not _is_of_other(place.text, kind):
@@ -88,9 +84,8 @@ def _written(key: Key, values: Mapping[str, Any], examples: Mapping[str, str]) -
 def _examples(title: str, kind: Kind) -> Mapping[str, str]:
     """Examples that depend on the kind of contact: the defaults of its method, and its end."""
     if title == "[solver]":
-        usual = SOLVERS[GIVEN[kind][title]["method"]]
-        return {name: show(value) for name, value in vars(usual).items() if value is not None}
-    return {"until": show(ENDS[kind])} if title == "[time]" else {}
+        return {name: show(value) for name, value in vars(NEW[kind].defaults).items() if value is not None}
+    return {"until": show(next(each.end for each in of_kind(kind) if each.end))} if title == "[time]" else {}
 
 
 def _line(text: str, meaning: str) -> Iterator[str]:
@@ -103,30 +98,10 @@ def _line(text: str, meaning: str) -> Iterator[str]:
         yield text
 
 
-# -- the table of all keys --------------------------------------------------------------------------------------------
-
-
-def table(sections: Iterable[Place]) -> str:
-    """The table of the keys of some places in Markdown."""
-    lines = ["| section | key | value | meaning | default |", "| --- | --- | --- | --- | --- |"]
-    for title, text, keys in sections:
-        lines.append(f"| `{title}` | | | {_cell(text)} | |")
-        for key in keys:
-            default = key.default if key.default in ("", layout.NEEDED) or "(" in key.default else f"`{key.default}`"
-            lines.append(f"| | `{key.name}` | {key.kind} | {_cell(key.meaning.text)} | {default} |".replace("  ", " "))
-    return "\n".join(lines) + "\n"
-
-
-def _cell(text: str) -> str:
-    """A text in a table, where a line between bars would end its cell."""
-    return text.replace("|", "\\|")
-
-
 # -- the JSON schema --------------------------------------------------------------------------------------------------
 #
-# For editors and checkers: keys, kinds of values, meanings, examples.  It takes every file that ertel takes, as far as
-# units are spelled as in SPELLINGS.  It does not tell which keys belong together: that is in the rules of the case, and
-# `ertel check` says it.
+# For editors and checkers: keys, kinds of values, meanings, examples.  It takes every file that ertel takes.  It cannot
+# tell which units fit, nor which keys belong together: that is in the rules of the case, and `ertel check` says it.
 
 Schema = dict[str, Any]
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -211,44 +186,7 @@ def _law_schema(laws: Registry, by_name: bool) -> Schema:
 
 # -- numbers and quantities -------------------------------------------------------------------------------------------
 
-SPELLINGS: Mapping[str, Sequence[str]] = {  # by the SI unit; a prefix of SI may stand in place of ~
-    "m": ("~m", "~meter", "~metre", "inch", "in", "ft", "thou"),
-    "s": ("~s", "~second", "minute", "min", "hour", "h"),
-    "kg": ("~g", "gram", "tonne", "t", "lb", "oz"),
-    "N": ("~N", "newton", "kgf", "lbf", "kg*m/s^2"),
-    "m/s": ("~m/s", "~m/min", "km/h", "in/s", "ft/s", "ft/min", "mph", "kph"),
-    "kg/m^3": ("~g/~m^3", "~g/~L", "~g/~l", "lb/ft^3", "lb/in^3"),
-    "Pa": ("~Pa", "bar", "mbar", "kbar", "psi", "ksi", "atm", "~N/~m^2", "kgf/mm^2", "kgf/cm^2"),
-    "1/Pa": ("1/~Pa", "/~Pa", "~Pa^-1", "~m^2/~N", "1/bar", "/bar", "1/psi", "/psi"),
-    "Pa*s": ("~Pa*~s", "P", "cP", "mP", "poise", "~N*~s/~m^2", "~g/(~m*s)", "~g/~m/s", "reyn"),
-    "m^2/s": ("~m^2/s", "St", "cSt", "mSt"),
-    "K": ("K", "kelvin", "degC", "degF", "celsius"),
-    "1/K": ("1/K", "/K", "K^-1", "1/delta_degC", "/delta_degC"),
-    "deg": ("deg", "degree", "degrees", "~rad", "radian"),
-    "W/(m*K)": ("~W/(~m*K)", "~W/~m/K"),
-    "J/(kg*K)": ("~J/(~g*K)", "~J/~g/K"),
-}
-PREFIX = "(?:[TGMkhdcmunpµμ]|nano|micro|milli|centi|kilo|mega|giga)?"
-DIGITS = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?(?![0-9])"
-ABOVE_ZERO = "(?=[0.]*[1-9])"  # a digit that is not zero follows
-
-
-@cache
-def pattern(unit: Unit) -> str:
-    """A regular expression (ECMA 262) for quantities in a unit, as they are usually written.
-
-    ertel itself takes every unit of the right dimension that pint knows; the pattern takes the spellings above only.
-    """
-    any_sign = unit.signed or unit == TEMPERATURE  # 0 degC is above zero
-    number = rf"[+-]?{DIGITS}" if any_sign else rf"\+?{ABOVE_ZERO}{DIGITS}"
-    spelled = "|".join(_expression(text) for text in SPELLINGS.get(unit.unit, (unit.unit,)))
-    return rf"^ *{number} *(?:{spelled}) *$"
-
-
-def _expression(spelling: str) -> str:
-    """One spelling of a unit, with the ways in which products and powers are written."""
-    ways = {"~": PREFIX, "*": "(?: *[*·] *| +)", "/": " */ *", "^": r" *(?:\^|\*\*) *"}
-    return "".join(ways.get(part) or re.escape(part) for part in re.split(r"([~*/^])", spelling) if part)
+QUANTITY = "^ *[-+]?[.0-9].*[A-Za-zµμ]"  # a number and a unit; ertel itself says which units it takes
 
 
 def _marked_schema(mark: Mark) -> Schema:
@@ -257,7 +195,7 @@ def _marked_schema(mark: Mark) -> Schema:
         names = {"gt": "exclusiveMinimum", "ge": "minimum", "lt": "exclusiveMaximum", "le": "maximum"}
         limits = {name: getattr(mark, key) for key, name in names.items() if getattr(mark, key) is not None}
         return {"type": "integer" if mark.whole else "number", **limits}
-    quantity = {"type": "string", "pattern": pattern(mark), "maxLength": LONGEST, "examples": [mark.example]}
+    quantity = {"type": "string", "pattern": QUANTITY, "maxLength": LONGEST, "examples": [mark.example]}
     if not mark.scale:
         return quantity
     least: Schema = {} if mark.signed else {"exclusiveMinimum": 0}

@@ -86,6 +86,11 @@ class Grid:
         """Y of the nodes, shape (nodes_y,)."""
         return _axis(self.nodes_y, self.spacing, self.centre_y)
 
+    @property
+    def coordinates(self) -> dict[str, NDArray[np.float64]]:
+        """The axes of a field on the whole plane in order, by name."""
+        return {"Y": self.y, "X": self.x}
+
     def middle(self) -> "Grid":
         """The nodes in the middle of this grid: half as many cells a side, of the same size (`stencils.middle`)."""
         nodes_x, nodes_y = ((nodes - 1) // 2 + 1 for nodes in (self.nodes_x, self.nodes_y))

@@ -46,7 +46,8 @@ class Border(NamedTuple):
 
     s: the first guess.  tolerance: bound of the misfit.  weight: least weight of the misfit, relative to the field's
     residual, in the norm that the Krylov iteration reduces.  A misfit of one counts at least as much as the residual of
-    all nodes: on the wide domain of a very light contact that is large, and the search would ignore the load.
+    all nodes: on the wide domain of a very light contact that is large, and the search would ignore the load.  dP_ds:
+    the change with s of a P that is given (r = 0 there).
     """
 
     s: Array | float
@@ -54,6 +55,7 @@ class Border(NamedTuple):
     misfit: Callable[[Array, Array], Array]
     tolerance: Array | float
     weight: Array | float
+    dP_ds: Array | float = 0.0
 
 
 NO_BORDER = Border(0.0, 0.0, lambda P, s: s, 1.0, 1.0)
@@ -138,7 +140,7 @@ class NewtonKrylov:
         # all nodes by the same share: where the few of a spike alone are held back, their neighbours lose their balance
         largest = jnp.maximum(jnp.max(jnp.abs(dP)), jnp.abs(ds) / jnp.maximum(jnp.min(it.H), 1.0))
         share = jnp.minimum(1.0, self.options.largest_change / jnp.maximum(largest, jnp.finfo(dP.dtype).tiny))
-        P, s = jnp.maximum(it.P + share * dP, 0.0), it.s + share * ds
+        P, s = jnp.maximum(it.P + share * self.change_of_P((dP, ds)), 0.0), it.s + share * ds
         H = it.H + self.change_of_H((P - it.P, s - it.s))
         shared, count = self.shared(P, H, it.shared), it.newton + 1
         left = self.residual(P, H, shared)
@@ -146,6 +148,9 @@ class NewtonKrylov:
         history = it.history.at[it.newton].set(size).at[count].set(reached)
         forcing = _forcing(self.options, reached / size, reached)
         return Solution(P, H, s, left, shared, reached, count, it.krylov + krylov, history, forcing)
+
+    def change_of_P(self, d: _Pair) -> Array:
+        return d[0] + self.border.dP_ds * d[1]
 
     def change_of_H(self, d: _Pair) -> Array:
         return self.partner_change(d[0]) + self.border.dH_ds * d[1]
@@ -158,10 +163,11 @@ class NewtonKrylov:
         misfit, change_of_misfit = jax.linearize(self.border.misfit, it.P, it.s)
 
         def jacobian(d: _Pair) -> _Pair:
-            return free * change_of_r(d[0], self.change_of_H(d)), weight * change_of_misfit(*d)
+            dP = self.change_of_P(d)
+            return free * change_of_r(dP, self.change_of_H(d)), weight * change_of_misfit(dP, d[1])
 
         inverse = self.preconditioner(it.P, it.H, free, it.shared)
-        column = free * change_of_r(jnp.zeros_like(it.P), jnp.full_like(it.H, self.border.dH_ds))
+        column = free * change_of_r(jnp.full_like(it.P, self.border.dP_ds), jnp.full_like(it.H, self.border.dH_ds))
 
         def direction(k: Array, r: _Pair) -> _Pair:
             """Search direction k: first a change of s with the field's response, then changes of the field alone."""

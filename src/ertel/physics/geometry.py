@@ -179,20 +179,24 @@ class Geometry:
         wedge = entrainment * c * x / (3 + 2 * D) + entrainment * s * D * y / (2 + 3 * D)
         return velocity / (2 * (1 + D)) - wedge
 
-    def ruptured_flow(self, velocity: Floats, entrainment: float, X: Floats, Y: Floats, constant: Floats) -> Floats:
+    def ruptured_flow(
+        self, velocity: Floats, entrainment: float, X: Floats, Y: Floats, constant: Floats, held: bool = False
+    ) -> Floats:
         """The same where the oil ruptures behind the contact, not above zero there.
 
-        constant: the gap less the parabola.
+        constant: the gap less the parabola.  held: whether V leaves the rupture in its place; at rest (U = 0) it is
+        where it was while U was above zero.
         """
-        flow = self.far_flow(velocity, entrainment, X, Y)
-        if entrainment == 0.0:
+        flow = self.far_flow(0.0 if held else velocity, entrainment, X, Y)
+        if entrainment == 0.0 and not held:
             return flow
         from ertel.physics.rupture import rupture  # imports SciPy, which an impact does not need
 
         (x, y), (c, s), r = self._axes(X, Y), self._direction, np.hypot(X, Y)
-        speed, back = abs(entrainment), 0.0 if entrainment > 0.0 else pi  # seen from the other side
-        table, across = rupture(self.radius_ratio, c, s), speed * r
-        return flow + across * table.correction(velocity / across, np.arctan2(y, x) + back, constant / r**2)
+        angle = np.arctan2(y, x) + (0.0 if entrainment >= 0.0 else pi)  # seen from the other side
+        table, across, k = rupture(self.radius_ratio, c, s), abs(entrainment) * r, constant / r**2
+        flow += across * table.correction(np.zeros_like(r) if held else velocity / across, angle, k)
+        return table.squeezed(np.maximum(flow, 0.0), velocity, angle) if held else flow
 
     def _axes(self, X: Array, Y: Array) -> tuple[Array, Array]:
         """Coordinates along the principal axes."""
@@ -230,12 +234,16 @@ SHARE_OF_DEFORMATION = 8.0 / 5.0  # weight of a rate of H that falls as 1/r: 1/H
 
 
 class ContactMotion(NamedTuple):
-    """Delta, V = dDelta/dT, the load in units F*, and U: all of a contact that matters to the oil far away."""
+    """Delta, V = dDelta/dT, the load in units F*, and U: all of a contact that matters to the oil far away.
+
+    load_rate: the rate of the load in rolling, where V leaves the rupture in its place; None in an impact.
+    """
 
     approach: float
     velocity: float
     load: float
     entrainment: float
+    load_rate: float | None = None
 
 
 def far_film(X: Floats, Y: Floats, motion: ContactMotion, geometry: Geometry = CIRCLE) -> Floats:
@@ -247,12 +255,15 @@ def far_film(X: Floats, Y: Floats, motion: ContactMotion, geometry: Geometry = C
 def squeeze(r: Floats, motion: ContactMotion, geometry: Geometry = CIRCLE) -> Floats:
     """The speed of approach that acts at a distance: V less the rate of the deformation there, weighted.
 
-    The deformation is that of a dry contact at this Delta: its load, proportional to Delta^(3/2), as a point force.
+    The deformation is that by the load as a point force.  In an impact the load is that of a dry contact at this Delta,
+    proportional to Delta^(3/2).
     """
+    per_load = geometry.compliance * geometry.hertz_load / r
+    if motion.load_rate is not None:
+        return motion.velocity - SHARE_OF_DEFORMATION * motion.load_rate * per_load
     full = geometry.dry_approach(1.0)
     radius = (max(motion.approach, 0.0) / full) ** 0.5
-    rate = 1.5 * radius / full * geometry.compliance * geometry.hertz_load / r  # of the deformation, per V
-    return motion.velocity * (1 - SHARE_OF_DEFORMATION * rate)
+    return motion.velocity * (1 - SHARE_OF_DEFORMATION * 1.5 * radius / full * per_load)
 
 
 def far_pressure(X: Floats, Y: Floats, motion: ContactMotion, lambda_bar: float, geometry: Geometry = CIRCLE) -> Floats:
@@ -263,7 +274,7 @@ def far_pressure(X: Floats, Y: Floats, motion: ContactMotion, lambda_bar: float,
     X, Y = np.broadcast_arrays(X, Y)
     film = far_film(X, Y, motion, geometry)
     velocity, constant = squeeze(np.hypot(X, Y), motion, geometry), film - geometry.gap(X, Y)
-    flow = geometry.ruptured_flow(velocity, motion.entrainment, X, Y, constant)
+    flow = geometry.ruptured_flow(velocity, motion.entrainment, X, Y, constant, held=motion.load_rate is not None)
     return np.maximum(lambda_bar * flow / film**2, 0.0)
 
 

@@ -14,6 +14,14 @@ constant.  The constant C adds k F_1 with k = C/r^2,
 
     (g^3 F_1')' - 5 g^3 F_1 = -3 ((g^2 F_0')' - 3 g^2 F_0).
 
+In rolling in time V changes, but a cavity does not fill or empty at once, and a film that ends elsewhere outside the
+grid would make oil or lose it.  So the rays stay where V = 0 puts them, and a small V adds V F_V/r to F,
+
+    (g^3 F_V')' - 8 g^3 F_V = -1,   F_V = 0 on the rays.
+
+This is the derivative of the solution of the complementarity problem by V at V = 0: the pressure of the film that the
+rays would sweep is of second order.
+
 For a circle and V = 0 the rays lie 18.4 degrees downstream of the middle, tan(t_c) = -3 tanh(3 t_c) from the direction
 upstream, and F_0 = (4/5) U A cosh(3 t) with A = 0.002164.
 """
@@ -37,12 +45,13 @@ class Rupture(NamedTuple):
     """Corrections of f/(U r) by the rupture, on a table of V/(U r) and of the angle, both in equal steps.
 
     first, in_k: F_0 g^2 and the factor of k in F g^2, shape (speeds, angles + 1).  full: V/(U r) from which the gap is
-    full all around.
+    full all around.  in_V: F_V g^2 where V = 0 puts the rays, shape (angles + 1,).
     """
 
     full: float
     first: Floats
     in_k: Floats
+    in_V: Floats
 
     def correction(self, ratio: Floats, angle: Floats, k: Floats) -> Floats:
         """Return what is added to f/(U r); ratio: V/(U r), angle: from the axis x, k: C/r^2; arrays of one shape."""
@@ -55,6 +64,11 @@ class Rupture(NamedTuple):
             return (1 - u) * low + u * high
 
         return np.where(ratio < self.full, between(self.first) + k * between(self.in_k), 0.0)
+
+    def squeezed(self, flow: Floats, velocity: Floats, angle: Floats) -> Floats:
+        """The flow f >= 0 of V = 0 with a small V, to first order; above zero in the same places."""
+        change = velocity * np.interp(angle % (2 * pi), np.linspace(0.0, 2 * pi, ANGLES + 1), self.in_V)
+        return flow + np.where(change < 0.0, change * flow / (flow - np.minimum(change, 0.0) + 1e-300), change)
 
 
 def _place(position: Floats, cells: int) -> tuple[NDArray[np.int64], Floats]:
@@ -70,15 +84,15 @@ def rupture(radius_ratio: float, c: float, s: float) -> Rupture:
     g = (np.cos(t) ** 2 + D * np.sin(t) ** 2) / 2
     wedge = c * np.cos(t) / (3 + 2 * D) + s * D * np.sin(t) / (2 + 3 * D)
     full = 2 * (1 + D) * float(np.max(wedge))
-    pairs = [_corrections(g, ratio * full / (2 * (1 + D)) - wedge) for ratio in SPEEDS]
-    first, in_k = (np.append(table, table[:, :1], axis=1) for table in map(np.stack, zip(*pairs, strict=True)))
-    return Rupture(full, first, in_k)
+    sets = [_corrections(g, ratio * full / (2 * (1 + D)) - wedge) for ratio in SPEEDS]
+    first, in_k, in_V = (np.append(table, table[:, :1], axis=1) for table in map(np.stack, zip(*sets, strict=True)))
+    return Rupture(full, first, in_k, in_V[np.searchsorted(SPEEDS, 0.0)])
 
 
-def _corrections(g: Floats, f: Floats) -> tuple[Floats, Floats]:
-    """F_0 g^2 and the factor of k, at all angles; f: over U r."""
+def _corrections(g: Floats, f: Floats) -> tuple[Floats, Floats, Floats]:
+    """F_0 g^2, the factor of k and F_V g^2, at all angles; f: over U r."""
     if f.min() >= 0.0:
-        return 0.0 * f, 0.0 * f
+        return 0.0 * f, 0.0 * f, 0.0 * f
     turn = -int(np.argmin(f / g**2))  # a dry ray comes first
     g, f = np.roll(g, turn), np.roll(f, turn)
     F, wet = _pressure(g, f)
@@ -86,7 +100,8 @@ def _corrections(g: Floats, f: Floats) -> tuple[Floats, Floats]:
     by_C = 3.0 * _product(_bands(g**2, 3.0), F_0)
     F_1 = _solve(_bands(g**3, 5.0), -by_C, np.where(wet, 0.0, 2 * f / g**3), wet)
     in_k = np.where(wet, g**2 * F_1 + 2 * g * F_0, 0.0)
-    return np.roll(F_0 * g**2, -turn), np.roll(in_k, -turn)
+    in_V = g**2 * _solve(_bands(g**3, 8.0), np.ones_like(f), np.zeros_like(f), wet)
+    return np.roll(F_0 * g**2, -turn), np.roll(in_k, -turn), np.roll(in_V, -turn)
 
 
 def _pressure(g: Floats, f: Floats) -> tuple[Floats, NDArray[np.bool_]]:

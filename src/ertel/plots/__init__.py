@@ -213,7 +213,7 @@ def _compare(axes: Axes, views: tuple[View, View], names: Sequence[str], x: str,
     """Draw one variable of two runs over another."""
     scales = [view.scale(y, view.largest(y, lambda each: float(_curve(each, y).max()))) for view in views]
     for view, z, name, (colour, line) in zip(views, scales, names, LOOKS, strict=True):
-        axes.plot(_curve(view, x) * view.scale(x).factor, _curve(view, y) * z.factor, line, color=colour, label=name)
+        axes.plot(view.scale(x).shown(_curve(view, x)), _curve(view, y) * z.factor, line, color=colour, label=name)
     view, z = views[0], scales[0]
     axes.set(xlabel=view.scale(x).label, ylabel=z.label)
     if y == "H":  # far outside the film is much thicker than in the middle

@@ -51,12 +51,17 @@ class NoFigure(ValueError):
 
 @dataclass(frozen=True)
 class Scale:
-    """The factor and the label under which a variable is shown.  unit: "" of a plain number."""
+    """The factor and the label under which a variable is shown.  unit: "" of a plain number.  zero: the T at t = 0."""
 
     factor: float
     symbol: str
     unit: str
     long_name: str
+    zero: float = 0.0
+
+    def shown(self, T: Any) -> Any:
+        """Times as they are shown, from t = 0."""
+        return (T - self.zero) * self.factor
 
     @classmethod
     def of(cls, variable: xr.DataArray, largest: float = 1.0, kind: str = "") -> "Scale":
@@ -73,7 +78,7 @@ class Scale:
             base = unit_of(kind, base) if kind else base
             return cls(factor, symbol, unit_text(base), long_name)
         one, shown = WRITTEN.get(unit) or prefixed(unit, largest * factor)
-        return cls(factor / one, symbol, shown, long_name)
+        return cls(factor / one, symbol, shown, long_name, about.get("si_zero", 0.0))
 
     @property
     def label(self) -> str:

@@ -209,13 +209,13 @@ def _draw_profiles(axes: Axes, view: View, name: str, z: Scale, top: float) -> b
     T, x, loaded = view.dataset["frame"].values, view.x * view.across.factor, _loaded(view)
     time = view.scale("time")
     shown = loaded[:: max(1, round(len(loaded) / MOST_PROFILES))]
-    first = -view.largest("time", lambda each: -float(each.dataset["frame"].values[_loaded(each)[0]]))
-    end = view.largest("time", lambda each: float(each.dataset["frame"].values[_loaded(each)[-1]]))
+    first = -view.largest("time", lambda each: -_since_zero(each, 0))
+    end = view.largest("time", lambda each: _since_zero(each, -1))
     colours = ScalarMappable(Normalize(first * time.factor, end * time.factor), ORDERED_COLOURS)
     last = events_of(view.dataset).get("max-approach", len(T)) + 1  # a run until then may have one map after it
     for frame in shown[shown != view.frame]:
         style, width = ("--", 0.8) if frame > last else ("-", 1.2)
-        colour = colours.to_rgba(T[frame] * time.factor)
+        colour = colours.to_rgba(time.shown(T[frame]))
         axes.plot(x, values[frame], color=colour, linestyle=style, linewidth=width)
     axes.plot(x, values[view.frame], color="black", linewidth=2.0, label=view.moment)
     if shown[-1] > last:
@@ -226,6 +226,11 @@ def _draw_profiles(axes: Axes, view: View, name: str, z: Scale, top: float) -> b
     axes.set(xlim=(-side, min(side, x[-1])), xlabel=view.axis_label("x"), ylabel=z.label)
     axes.figure.colorbar(colours, ax=axes, label=time.label)
     return rough
+
+
+def _since_zero(view: View, number: int) -> float:
+    """The time of one of the maps that carry load, in t0 from t = 0."""
+    return float(view.dataset["frame"].values[_loaded(view)[number]]) - view.scale("time").zero
 
 
 def _loaded(view: View) -> NDArray[np.intp]:

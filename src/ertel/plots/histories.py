@@ -22,12 +22,12 @@ Look = tuple[str, str, str]  # label, colour and style of a line
 def _draw_series(axes: Axes, view: View, lines: Iterable[tuple[Values, Look]], factor: float = 1.0) -> None:
     """Draw lines over time, and a dotted one at the moment that the maps show."""
     time = view.scale("time")
-    T = view.dataset["time"].values * time.factor
+    T = time.shown(view.dataset["time"].values)
     for values, (label, colour, style) in lines:
         axes.plot(T, values * factor, color=colour, linestyle=style, label=label)
     if view.moment != LAST:
-        axes.axvline(view.time * time.factor, color="black", linewidth=0.8, linestyle=":")
-    axes.set(xlabel=time.label, xlim=(0.0, T[-1]) if T[-1] > 0 else None)
+        axes.axvline(time.shown(view.time), color="black", linewidth=0.8, linestyle=":")
+    axes.set(xlabel=time.label, xlim=(time.shown(0.0), T[-1]) if T[-1] > time.shown(0.0) else None)
 
 
 def _integral(values: Values, T: Values) -> Values:
@@ -110,8 +110,8 @@ def draw_front_speed(axes: Axes, view: View) -> None:
     z, time = view.scale("U", usual), view.scale("time")
     T = np.linspace(front.T[0], front.T[-1], 400)
     dry = np.gradient(_dry_edge(view, T), T)
-    axes.plot(T * time.factor, dry * z.factor, color=GREY, linestyle="--", label="edge of the dry contact")
-    axes.plot(front.T * time.factor, front.speed * z.factor, color=GREEN, label="front")
+    axes.plot(time.shown(T), dry * z.factor, color=GREY, linestyle="--", label="edge of the dry contact")
+    axes.plot(time.shown(front.T), front.speed * z.factor, color=GREEN, label="front")
     _draw_series(axes, view, [])
     axes.set(ylabel=f"speed ({z.unit})", ylim=(0.0, 3.0 * usual * z.factor))  # the first touch is faster without end
     axes.legend(loc="upper right", edgecolor="none", fontsize="small")
@@ -154,30 +154,30 @@ def draw_film_through_time(axes: Axes, view: View) -> None:
     z = view.scale("H", top / 2)
     film = np.where(loaded, view.midlines("H"), np.nan) * z.factor
     x, shades = view.x * across.factor, Normalize(0.0, top * z.factor)
-    image = axes.pcolormesh(x, T * time.factor, film, cmap="YlGnBu_r", norm=shades, rasterized=True)
+    image = axes.pcolormesh(x, time.shown(T), film, cmap="YlGnBu_r", norm=shades, rasterized=True)
     axes.figure.colorbar(image, ax=axes, label=z.label, extend="max")
     if data.attrs["kind"] == "impact":
         edge, names = _dry_edge(view, history) * across.factor, ["edge of the dry contact", "_"]
-        axes.plot(np.transpose([edge, -edge]), history * time.factor, "k--", linewidth=0.8, label=names)
+        axes.plot(np.transpose([edge, -edge]), time.shown(history), "k--", linewidth=0.8, label=names)
     moved = _integral(data["U"].values, history)
     if np.any(moved):
         starts = np.arange(-WIDEST - moved.max(), WIDEST - moved.min(), 0.5) * across.factor
         paths = starts + moved[:, None] * across.factor
         names = ["path with the mean speed", *["_"] * (len(starts) - 1)]
-        axes.plot(paths, history * time.factor, "k:", linewidth=0.8, label=names)
+        axes.plot(paths, time.shown(history), "k:", linewidth=0.8, label=names)
     if axes.get_legend_handles_labels()[0]:
         axes.legend(loc="lower left", fontsize="small")
     if view.moment != LAST:
-        axes.axhline(view.time * time.factor, color="black", linewidth=0.4)
+        axes.axhline(time.shown(view.time), color="black", linewidth=0.4)
     side = view.extent(view.x, P.max(axis=0)) * across.factor
-    span = T[loaded.any(axis=1)][[0, -1]] * time.factor
+    span = time.shown(T[loaded.any(axis=1)][[0, -1]])
     axes.set(xlim=(-side, side), ylim=span, xlabel=view.axis_label("x"), ylabel=time.label)
     axes.set_title("Film along the middle through time")
 
 
 def draw_pressure_history(axes: Axes, view: View) -> None:
     """Central and maximum pressure through time; the last spike of a rebound, of the grid, is cut off."""
-    data, T = view.dataset, view.dataset["time"].values * view.scale("time").factor
+    data, T = view.dataset, view.scale("time").shown(view.dataset["time"].values)
     end = _end(data)
     top = float(data["P_max"][:end].max())
     z = view.scale(

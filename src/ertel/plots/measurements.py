@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from ertel.optics import Interferometer
 from ertel.plots.drawing import BLUE, ORANGE, NoFigure, Panel, Scale, Sheet, SheetOptions, Values, compose
 from ertel.plots.view import View
-from ertel.results.alignment import INTENSITY, QUANTITIES, Comparison
+from ertel.results.alignment import INTENSITY, QUANTITIES, Comparison, with_start
 from ertel.results.dataset import largest_of
 from ertel.results.measurements import Measurement
 from ertel.results.profiles import At
@@ -61,7 +61,9 @@ def measured_view(
         if each.kind != "profile" or each.quantity not in shown:
             what = f"{each.name} is a {each.kind} of {each.quantity}"
             raise NoFigure(f"measured: {what}; this picture shows profiles of {' and '.join(shown)}")
-    view = View.of(dataset, next((each.at for each in several if each.at is not None), None) if at is None else at)
+    run = View(dataset)
+    several = [with_start([each], run)[0] if "start" in each.align else each for each in several]
+    view = View.of(dataset, next((each.moment for each in several if each.at is not None), None) if at is None else at)
     own = {"at": None if view.frame is None else view.time, "optics": optics}
     missing = [{name: value for name, value in own.items() if getattr(each, name) is None} for each in several]
     filled = [replace(each, **more) for each, more in zip(several, missing, strict=True)]
@@ -147,7 +149,7 @@ def measured(dataset: xr.Dataset, comparison: Comparison, **sheet: Unpack[SheetO
         _draw_difference(axes, x, comparison.difference * dz.factor, f"difference {dz.in_brackets}")
         axes.set(**place)
 
-    heading = [part for part in (View(dataset).title[0], comparison.where, comparison.text) if part]
+    heading = [part for part in (View(dataset).title[0], comparison.where, comparison.text, comparison.aligned) if part]
     return compose(comparison, [[draw_values, draw_difference]], heading, Sheet(**sheet))
 
 
@@ -157,7 +159,7 @@ def measured(dataset: xr.Dataset, comparison: Comparison, **sheet: Unpack[SheetO
 def fit_figure(dataset: xr.Dataset, sheet: Sheet) -> Figure:
     """The data with their fitted curves, and below the residuals in standard deviations.
 
-    dataset: see `results.fit_result.fit_dataset`.  Each profile and each history has a column; all numbers share one.
+    dataset: see `runs.fit_result.fit_dataset`.  Each profile and each history has a column; all numbers share one.
     """
     indices, is_number = dataset["measurement"].values, np.isnan(dataset["x"].values)
     parts = [dataset.isel(datum=indices == index) for index in np.unique(indices[~is_number])[:MOST_CURVES]]
@@ -180,7 +182,8 @@ def _draw_fitted(axes: Axes, dataset: xr.Dataset, part: xr.Dataset) -> None:
     variable = QUANTITIES[str(part["quantity"].values[0])]
     y = _scale(variable, part["measured"], variable.si_units or "1")
     _draw_values(axes, (x, measured * y.factor), sigma * y.factor, (x, predicted * y.factor), ("measured", "fit"))
-    axes.set(ylabel=y.label, title=str(part["conditions"].values[0]))
+    about = [str(part[name].values[0]) for name in ("conditions", "aligned") if name in part]
+    axes.set(ylabel=y.label, title="\n".join(filter(None, about)))
 
 
 def _draw_residuals(axes: Axes, dataset: xr.Dataset, part: xr.Dataset) -> None:

@@ -1,8 +1,9 @@
-"""Pictures of studies and of traction curves: Dataset of `results.study_result` -> matplotlib Figure."""
+"""Pictures of studies and of traction curves: Dataset of `results.study_table` -> matplotlib Figure."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import cycle, product
+from operator import attrgetter
 from typing import Any, Literal, Unpack
 
 import numpy as np
@@ -15,7 +16,6 @@ from matplotlib.ticker import MaxNLocator, NullFormatter
 
 from ertel.plots.drawing import (
     BLUE,
-    GREEN,
     GREY,
     ORANGE,
     ORDERED_COLOURS,
@@ -33,15 +33,9 @@ from ertel.plots.measurements import fit_figure
 from ertel.plots.view import case_of, conditions_in_si, name_of
 from ertel.results.convergence import SEEN, limits_of
 from ertel.results.dataset import largest_of
-from ertel.results.numbers import shown_of
-from ertel.results.variables import CELSIUS, in_celsius, name_in_si, with_prefix
+from ertel.results.variables import CELSIUS, THICKNESS, Variable, in_celsius, stored_in, with_prefix
 
-PANELS = (  # numbers that are drawn together, in SI or not
-    ("h_c", "h_min", "H_c", "H_min"),
-    ("p_max", "P_max"),
-    ("mu_sliding",),
-    ("restitution",),
-)
+PANEL = attrgetter("panel")
 FACES = (None, "white", None, "white")  # of the markers: filled for the first number of a panel, hollow for the second
 LineStyle = Literal["-", "--", "-.", ":"]
 LOOKS: Sequence[tuple[str, LineStyle]] = (  # marker and line
@@ -68,8 +62,8 @@ def figure(dataset: xr.Dataset, **options: Unpack[SheetOptions]) -> Figure:
     others = {"chi_square": fit_figure, "varies": _traction_figure, "assumed_order": _convergence_figure}
     for attribute in others.keys() & dataset.attrs.keys():
         return others[attribute](dataset, sheet)
-    shown = [_there(dataset, names) for names in PANELS]
-    panels: list[Panel[xr.Dataset]] = [partial(_draw, names=names) for names in shown if names]
+    drawn = panels_of(dataset, PANEL).values()
+    panels: list[Panel[xr.Dataset]] = [partial(_draw, names=names) for names in drawn]
     if not panels:
         raise NoFigure("dataset: no run has any numbers yet, there is nothing to draw")
     picture = compose(dataset, [panels], [str(dataset.attrs["title"]).replace("_", " ")], sheet)
@@ -89,13 +83,13 @@ def _add_legend(picture: Figure, entries: Sequence[Any], width: float, sheet: Sh
         picture.set_figheight(picture.get_figheight() + 0.1 + 1.7 * letters / 72.0 * -(-len(entries) // columns))
 
 
-def _there(dataset: xr.Dataset, names: Sequence[str]) -> list[str]:
-    """The names of numbers that the runs have; the warm ones where there are any."""
-    return [name for name in shown_of(names, dataset) if _has_numbers(dataset, name)]
-
-
-def _has_numbers(dataset: xr.Dataset, name: str) -> bool:
-    return name in dataset and largest_of(dataset[name]) > 0
+def panels_of(dataset: xr.Dataset, panel: Callable[[Variable], str], cold: bool = False) -> dict[str, list[str]]:
+    """The numbers that the runs have, by their panel, which a function tells.  cold: as of `stored_in`."""
+    panels: dict[str, list[str]] = {}
+    for name, about in stored_in(dataset, panel, cold).items():
+        if largest_of(dataset[name]) > 0:
+            panels.setdefault(panel(about), []).append(name)
+    return panels
 
 
 def _draw(axes: Axes, dataset: xr.Dataset, names: list[str]) -> None:
@@ -134,7 +128,7 @@ def _lines(dataset: xr.Dataset, along: xr.DataArray) -> Iterator[tuple[Place, An
     shades = ORDERED_COLOURS(np.linspace(0.0, 1.0, len(of_colour))) if len(of_colour) > 1 else [BLUE]
     for one, shade in zip(of_colour, shades, strict=True):
         for other, look in zip(of_look, cycle(LOOKS), strict=False):
-            if any(_there(dataset.isel({**one, **other}), names) for names in PANELS):
+            if panels_of(dataset.isel({**one, **other}), PANEL):
                 yield {**one, **other}, shade, look
 
 
@@ -147,7 +141,7 @@ def _legend(dataset: xr.Dataset) -> list[Line2D]:
         of_look[_values_text(dataset, place, looks)] = Line2D(
             [], [], color=GREY, marker=marker, linestyle=line, markersize=3.5
         )
-    films = _there(dataset, PANELS[0])
+    films = panels_of(dataset, PANEL).get(THICKNESS, [])
     of_film = {
         mathtext(name): Line2D([], [], color="black", marker="o", markersize=3.5, markerfacecolor=face)
         for name, face in zip(films, FACES, strict=False)
@@ -181,37 +175,29 @@ def _value_text(value: xr.DataArray) -> str:
 
 # -- traction curves --------------------------------------------------------------------------------------------------
 
-CURVE_PANELS: Mapping[str, Mapping[str, str]] = {  # title: variables with their colours; some with [thermal] only
-    "Traction": {"mu_sliding": BLUE, "mu_isothermal": GREY, "mu_rolling": ORANGE},
-    "Film": {"H_c": BLUE, "H_min": ORANGE},
-    "Power loss": {"power_loss": GREEN},
-    "Maximum shear stress": {"tau_max": PURPLE},
-    "Temperature": {"T_film_max": PURPLE, "T_1_max": BLUE, "T_2_max": ORANGE},
-    "Inlet factor": {"phi_T": GREEN},
-}
+COLOURS = (BLUE, ORANGE, PURPLE)  # of the numbers of a panel; those without heat are grey beside those with it
 
 
 def _traction_figure(dataset: xr.Dataset, sheet: Sheet) -> Figure:
     """Traction coefficient, film thickness, power loss and shear stress along a traction curve."""
-    if not np.isfinite(dataset["mu_rolling"]).any():
+    drawn = panels_of(dataset, attrgetter("curve_panel"), cold=True)
+    if not drawn:
         raise NoFigure("dataset: has no points yet, there is nothing to draw")
-    panels: list[Panel[xr.Dataset]] = []
-    for title, names in CURVE_PANELS.items():
-        stored = {name if name in dataset else name_in_si(name): colour for name, colour in names.items()}
-        if shown := {name: colour for name, colour in stored.items() if name in dataset}:
-            panels.append(partial(_draw_curve, title=title, names=shown))
+    panels: list[Panel[xr.Dataset]] = [partial(_draw_curve, title=title, names=names) for title, names in drawn.items()]
     half = len(panels) // 2
     return compose(dataset, [panels[:half], panels[half:]], _heading(dataset), sheet)
 
 
-def _draw_curve(axes: Axes, dataset: xr.Dataset, title: str, names: Mapping[str, str]) -> None:
+def _draw_curve(axes: Axes, dataset: xr.Dataset, title: str, names: Sequence[str]) -> None:
     """Some variables of one unit over what varies."""
     x, label = _x(axes, dataset[dataset.attrs["varies"]])
     variables = [_in_celsius(dataset[name]) for name in names]
     largest = max(largest_of(values) for values in variables)
-    for colour, values in zip(names.values(), variables, strict=True):
+    colours = iter(COLOURS)
+    for name, values in zip(names, variables, strict=True):
         z = _scale(values, largest, dataset.attrs["kind"])
-        axes.plot(x, values * z.factor, "o-", color=colour, markersize=3.5, label=z.long_name)
+        colour, line = (GREY, "o--") if f"{name}_warm" in names else (next(colours), "o-")
+        axes.plot(x, values * z.factor, line, color=colour, markersize=3.5, label=z.long_name)
     if title != "Temperature":
         axes.axhline(0.0, color="black", linewidth=0.5)
     axes.set(xlabel=label, ylabel=f"{title.lower()} {z.in_brackets}".rstrip(), title=title)

@@ -22,7 +22,7 @@ from ertel.results.alignment import NOT_FULL, Comparison
 from ertel.results.dataset import maps_of
 from ertel.results.numbers import plus_minus
 from ertel.results.profiles import At, is_without_moments, mirrored, moment_of
-from ertel.results.variables import FILMS, FRICTION, with_prefix
+from ertel.results.variables import COEFFICIENT, FILMS, names_where, with_clock, with_prefix
 
 MARGIN, WIDEST = 1.3, 2.0  # of what is shown round the contact, at most so many half widths from its centre
 LOADED = 0.02  # of the maximum pressure or load: with less the film carries nothing
@@ -88,6 +88,9 @@ class View:
     measured: tuple[Comparison, ...] = ()
     limits: Limits | None = None
     beside: "View | None" = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "dataset", with_clock(self.dataset))
 
     @classmethod
     def of(cls, dataset: xr.Dataset, at: At = None) -> "View":
@@ -215,17 +218,15 @@ class View:
     def clock(self) -> str:
         """The time of the map, as t = 60 µs."""
         time = self.scale("time")
-        return f"{time.symbol} = {self.time * time.factor:.4g} {time.unit}"
+        return f"{time.symbol} = {time.shown(self.time):.4g} {time.unit}"
 
     @property
     def friction(self) -> list[str]:
         """The coefficients of friction of a steady contact that are not zero, and its power loss."""
-        last = {name: float(self.dataset[name][-1]) for name in FRICTION}
-        return [
-            f"{self.dataset[name].attrs['long_name']} {self.with_unit(name, value)}"
-            for name, value in last.items()
-            if name == "power_loss" or abs(value) > NO_FRICTION
-        ]
+        coefficients = names_where(lambda variable: variable.scale == COEFFICIENT and variable.over == "step")
+        last = {name: float(self.dataset[name][-1]) for name in (*coefficients, "power_loss")}
+        shown = {name: each for name, each in last.items() if name == "power_loss" or abs(each) > NO_FRICTION}
+        return [f"{self.dataset[name].attrs['long_name']} {self.with_unit(name, each)}" for name, each in shown.items()]
 
     def _film_with_error(self, name: str) -> str:
         """A film, extrapolated, as h_c = 146 ± 10 nm: as many digits as the error deserves."""
@@ -267,7 +268,8 @@ class View:
     @cached_property
     def _now(self) -> xr.Dataset:
         """The maps at the moment; those of other moments stay on the disk where the Dataset was opened so."""
-        maps = self.dataset[[name for name, each in self.dataset.items() if {"Y", "r"} & set(each.dims)]]
+        axis = self.dataset["P"].dims[-1]
+        maps = self.dataset[[name for name, each in self.dataset.items() if axis in each.dims]]
         return (maps if self.frame is None else maps.isel(frame=self.frame)).load()
 
     @property
@@ -282,7 +284,7 @@ class View:
     @cached_property
     def _along_x(self) -> xr.Dataset:
         fields = self.dataset[["H", "P"]]
-        return (fields if self.is_radial else fields.sel(Y=0.0, method="nearest")).load()
+        return (fields.sel(Y=0.0, method="nearest") if "Y" in fields.dims else fields).load()
 
     def midline(self, name: str) -> Values:
         """A variable along the mid-line at the moment."""
@@ -293,6 +295,8 @@ class View:
         """A variable over the surface, (Y, X); a radial profile is turned round the centre."""
         values, data = self.values(name), self.dataset
         if not self.is_radial:
+            if "Y" not in data.coords:
+                raise NoFigure(f"{name}: a run along one axis has profiles, and no maps")
             return field(data["X"].values, data["Y"].values, values)
         r = np.asarray(data["r"].values)
         x = np.linspace(-r[-1], r[-1], 601)

@@ -9,8 +9,8 @@ with the unknown parts for which the squares of the differences from the measure
 the gain of an intensity, or n/n_assumed of a film that was computed with an assumed index of the oil.
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -18,11 +18,14 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ertel.results.numbers import IN_SI
-from ertel.results.variables import OUTCOME, VARIABLES, Variable, with_prefix
+from ertel.results.variables import VARIABLES, Variable, names_where, shifted, with_clock, with_prefix
 
 Values = NDArray[np.float64]
 FACTORS, LEVELS = ("index", "gain"), ("offset", "background")  # one of each, by the quantity
 SHIFTS = 401  # of the centre that are tried before the best is refined
+START = "start"
+STARTS = 21  # of a clock, the same
+FAR = 0.5  # of the half width of the contact: a centre that is farther from where it is expected is doubted
 LEAST = 1e-3  # of the ratio of measured to computed values: a factor is above zero, or fringes would be inverted
 PLACES = 8001  # along a line, where its light is computed: fringes are finer than the grid
 NOT_FULL = 0.01  # void, as a share of the gap, from which on the gap is not full
@@ -74,19 +77,45 @@ def best_centre(measured: Any, there: Values, values: Values) -> float:
     def shown(centre: float) -> Values:
         return as_shown(measured, np.interp(measured.x - centre, there, values))[1]
 
-    return best(measured, shown, np.linspace(low, high, SHIFTS))
+    return best(lambda centre: squares(measured, shown(centre)), np.linspace(low, high, SHIFTS))
 
 
-def best(measured: Any, shown: Callable[[float], Values], tried: Values) -> float:
-    """The number, one of those that are tried or beside it, whose shown values leave the smallest squares."""
+def squares(measured: Any, shown: Values) -> float:
+    """The sum of the squares that shown values leave, in standard deviations where these are known."""
+    return float(np.sum((measured.weight * (measured.values - shown)) ** 2))
+
+
+def best(squares: Callable[[float], float], tried: Values) -> float:
+    """The number, one of those that are tried or beside it, that leaves the smallest squares."""
     from scipy.optimize import minimize_scalar
-
-    def squares(number: float) -> float:
-        return float(np.sum((measured.weight * (measured.values - shown(number))) ** 2))
 
     least = int(np.argmin([squares(number) for number in tried]))
     bounds = tried[max(least - 1, 0)], tried[min(least + 1, len(tried) - 1)]
     return float(minimize_scalar(squares, bounds=bounds, options={"xatol": 1e-6 * (tried[1] - tried[0])}).x)
+
+
+def with_start(measured: Sequence[Any], result: Any) -> list[Any]:
+    """Measurements of one clock with its start, which leaves the smallest squares of all of them together.
+
+    Raises ValueError where the run is shorter than what is measured, or has no time.
+    """
+    if "frame" not in result.dataset.dims:
+        raise ValueError(f"{measured[0].name}: has a clock to align, and a steady contact has no time")
+    maps = with_clock(result.dataset)["frame"]
+    first, last = (shifted(float(T), maps.attrs) for T in (maps[0], maps[-1]))
+    moments = [moment for each in measured for moment in each.moments()]
+    low, high = max(moments) - last, min(moments) - first
+    if low > high:
+        ends = [with_prefix(moment, "s") for moment in (min(moments), max(moments), first, last)]
+        raise ValueError("{}: reaches from {} to {}, and the maps only from {} to {}".format(measured[0].name, *ends))
+
+    def on(start: float) -> list[Any]:
+        return [replace(m, start=start, align=[name for name in m.align if name != "start"]) for m in measured]
+
+    def left(start: float) -> float:
+        return sum(squares(m, m.predicted(result)) for m in on(start))
+
+    return on(best(left, np.linspace(low, high, STARTS)))
 
 
 # -- beside a run ------------------------------------------------------------------------------------------------------
@@ -94,7 +123,7 @@ def best(measured: Any, shown: Callable[[float], Values], tried: Values) -> floa
 INTENSITY = "intensity"
 QUANTITIES: Mapping[str, Variable] = {  # by the names of the SI Dataset and of the summary
     **{variable.si_name or name: variable for name, variable in VARIABLES.items()},
-    **{name: VARIABLES[name] for name in OUTCOME},
+    **{name: VARIABLES[name] for name in names_where(lambda variable: not variable.over)},
     INTENSITY: Variable("intensity", "I"),
 }
 
@@ -122,8 +151,8 @@ class Comparison:
     shown : array (n,)
         The values of the run as the instrument shows them, beside the measured ones as they were given.
     shift : mapping
-        What the alignment took off: "centre" (m or s) of x, "offset" or "background" and "tilt" (per m or s) of the
-        values; and their "gain", or the "index" of the oil that fits best.
+        What the alignment took off: "start" (s) of the clock, "centre" (m or s) of x, "offset" or "background" and
+        "tilt" (per m or s) of the values; and their "gain", or the "index" of the oil that fits best.
     line : DataArray or None
         All that the run has along the line or through time, its attribute `moment` in words; None of a number.
     sigma : array (n,) or None
@@ -160,10 +189,32 @@ class Comparison:
         share = self.rms / float(np.abs(self.computed).mean() or 1.0)
         return f"rms difference {with_prefix(self.rms, si_unit(self.measurement.quantity))} ({share:.1%} of the mean)"
 
+    @property
+    def aligned(self) -> str:
+        """The values that the alignment took off, in words: "centre 5 µm; offset 20 nm"."""
+        unit, along = si_unit(self.measurement.quantity), si_unit(self.measurement.axis)
+        units = {"start": "s", "centre": along, "offset": unit, "tilt": f"{unit}/{along}"}
+        return "; ".join(f"{name} {with_prefix(value, units.get(name, '1'))}" for name, value in self.shift.items())
+
+    @property
+    def warnings(self) -> list[str]:
+        """The sentence on a centre that is far both from the zero of x and from the middle of what is measured."""
+        m, centre = self.measurement, self.shift.get("centre", 0.0)
+        if m.kind != "profile" or self.line is None:
+            return []
+        far, middle = FAR * self.line.attrs.get("a_m", np.inf), (m.x.min() + m.x.max()) / 2
+        if min(abs(centre), abs(centre - middle)) <= far:
+            return []
+        off = f"more than {with_prefix(far, 'm')}, half of the contact's half width,"
+        where = f"{off} from the zero of {m.axis} and from the middle of the measured places"
+        return [f"{m.name}: the centre {with_prefix(centre, 'm')} is {where}: doubt the case, its oil first"]
+
+    @property
+    def in_words(self) -> str:
+        """The comparison in a line: where, the difference, and what the alignment took off."""
+        m, where = self.measurement, f", {self.where}" if self.where else ""
+        about = f"{m.name}: {QUANTITIES[m.quantity].long_name}{where}: {self.text}, {len(self.x)} values"
+        return f"{about}; {self.aligned}" if self.aligned else about
+
     def __repr__(self) -> str:
-        m = self.measurement
-        unit, along = si_unit(m.quantity), si_unit(m.axis)
-        units = {"centre": along, "offset": unit, "tilt": f"{unit}/{along}"}
-        shift = "".join(f"; {name} {with_prefix(value, units.get(name, '1'))}" for name, value in self.shift.items())
-        where = f", {self.where}" if self.where else ""
-        return f"{m.name}: {QUANTITIES[m.quantity].long_name}{where}: {self.text}, {len(self.x)} values{shift}"
+        return "\n".join([self.in_words, *(f"warning: {warning}" for warning in self.warnings)])

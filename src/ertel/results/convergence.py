@@ -16,7 +16,7 @@ import numpy as np
 import xarray as xr
 
 from ertel.numerics.grid import extrapolate
-from ertel.results.variables import ESTIMATED, name_in_si
+from ertel.results.variables import stored_in
 
 ORDER = 2.0  # that is assumed
 SEEN = (1.5, 2.5)  # observed orders at which it is
@@ -61,8 +61,8 @@ def with_limits(dataset: xr.Dataset) -> xr.Dataset:
 
 def limits_of(dataset: xr.Dataset) -> dict[str, Limit]:
     """The limits of the numbers that all runs of a series have and that differ, by their name in it."""
-    names = [name for each in ESTIMATED for name in dict.fromkeys((each, name_in_si(each))) if name in dataset]
-    values = {name: _on_grid(dataset, name).values.tolist() for name in names}
+    there = stored_in(dataset, lambda variable: variable.has_error)
+    values = {name: _on_grid(dataset, name).values.tolist() for name in there}
     return {name: limit(each) for name, each in values.items() if all(each) and np.ptp(each) > 0.0}
 
 

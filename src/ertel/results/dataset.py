@@ -20,11 +20,17 @@ import xarray as xr
 
 from ertel.case.case import Case
 from ertel.case.height_map import HeightMap
-from ertel.numerics.grid import Grid
 from ertel.physics.scales import Scales
 from ertel.results import variables
 from ertel.results.parameters import parameters_of, scale_values
-from ertel.results.variables import FIELDS, is_steady, named_with_unit, variable_attributes, with_coefficients
+from ertel.results.variables import (
+    Variable,
+    is_steady,
+    named_with_unit,
+    names_where,
+    variable_attributes,
+    with_coefficients,
+)
 from ertel.version import installed_version
 
 Arrays = dict[str, tuple[tuple[str, ...], Any]]  # dimensions and values by the name of the variable
@@ -41,10 +47,17 @@ class Frame(NamedTuple):
 
 
 def columns(records: Sequence[Mapping[str, float]], scales: Scales | None) -> dict[str, np.ndarray]:
-    """Step records as arrays by variable name, T as `time`; coefficients as `with_coefficients` says."""
-    keys = {"time": "T", **{name: name for name in variables.SCALARS}}
-    arrays = {name: np.array([record[key] for record in records], dtype=float) for name, key in keys.items()}
+    """Step records as arrays by variable name, T as `time`; coefficients as `with_coefficients` says.
+
+    What a method does not have is nan.
+    """
+    keys = {"time": "T", **{name: name for name in names_where(lambda variable: variable.over == "step")}}
+    arrays = {name: np.array([each.get(key, np.nan) for each in records], dtype=float) for name, key in keys.items()}
     return with_coefficients(arrays, scales)
+
+
+def _is_map(variable: Variable) -> bool:
+    return variable.over == "map"
 
 
 def maps(frames: Sequence[Frame]) -> dict[str, np.ndarray]:
@@ -52,7 +65,7 @@ def maps(frames: Sequence[Frame]) -> dict[str, np.ndarray]:
     return {
         "frame": np.array([frame.T for frame in frames], dtype=float),
         "event": np.array([variables.EVENTS.index(frame.event) for frame in frames], dtype=np.int8),
-        **{name: np.array([frame.fields[name] for frame in frames], dtype=float) for name in FIELDS},
+        **{name: np.array([frame.fields[name] for frame in frames], dtype=float) for name in names_where(_is_map)},
     }
 
 
@@ -68,30 +81,32 @@ def assemble(
     shape = len(frames), *(len(axis) for axis in space.values())  # which no maps at all have, too
     arrays: Arrays = {name: (("time",), values) for name, values in columns(records, case.scales).items()}
     for name, values in maps(frames).items():
-        arrays[name] = (("frame", *space), values.reshape(shape)) if name in FIELDS else (("frame",), values)
+        arrays[name] = (
+            (("frame", *space), values.reshape(shape)) if _is_map(variables.VARIABLES[name]) else (("frame",), values)
+        )
     arrays |= {name: ((name,), axis) for name, axis in space.items()}
     return _dataset(case, arrays)
 
 
-def assemble_steady(case: Case, grid: Grid, solutions: Sequence[SteadyGrid]) -> xr.Dataset:
+def assemble_steady(case: Case, grid: Any, solutions: Sequence[SteadyGrid]) -> xr.Dataset:
     """The steady contact as a Dataset: fields on the finest grid, scalars and residuals over `grid`.
 
-    grid: that of the fields, of the last solution, or of the case as long as there is none.  solutions: coarsest first;
-    the coordinate `grid` has their numbers of nodes a side.  One that is not solved has its work only.
+    grid: that of the fields, of the last solution, or of the case as long as there is none, with its `coordinates`.
+    solutions: coarsest first; the coordinate `grid` has their numbers of nodes a side.  One that is not solved has
+    its history only.
     """
-    fields = FIELDS if case.thermal is None else {**FIELDS, **variables.TEMPERATURES}
-    nothing = np.full((len(grid.y), len(grid.x)), np.nan)
+    fields = names_where(lambda variable: variable.over in ("map", "heated map" if case.thermal else "map"))
+    space: Mapping[str, Any] = grid.coordinates
+    nothing = np.full([len(axis) for axis in space.values()], np.nan)
     maps = solutions[-1].maps if solutions and solutions[-1].status.is_solved else dict.fromkeys(fields, nothing)
-    work = ("residual", "newton_iterations", "krylov_iterations", "convolutions")
-    names = (*variables.MEASURED, *variables.BUDGET, *variables.FRICTION, *work)
     rows = [(with_coefficients(s.record, case.scales), s.status.is_solved) for s in solutions]
+    there = [n for n in names_where(lambda v: v.over in ("step", "grid")) if all(n in row for row, _ in rows)]
     histories = list(zip_longest(*(s.history for s in solutions), fillvalue=np.nan))
     arrays: Arrays = {
-        **{name: (("Y", "X"), maps[name]) for name in fields},
-        **{n: (("grid",), np.array([row[n] if ok or n in work else np.nan for row, ok in rows], float)) for n in names},
+        **{name: (tuple(space), maps[name]) for name in fields},
+        **{name: ((name,), axis) for name, axis in space.items()},
+        **{n: (("grid",), np.array([row[n] if ok else np.nan for row, ok in rows], dtype=float)) for n in there},
         "history": (("grid", "iteration"), np.reshape(histories, (len(histories), len(solutions))).T),
-        "Y": (("Y",), grid.y),
-        "X": (("X",), grid.x),
         "grid": (("grid",), np.array([s.grid.nodes for s in solutions], dtype=np.int64)),
         "iteration": (("iteration",), np.arange(len(histories))),
     }
@@ -101,7 +116,7 @@ def assemble_steady(case: Case, grid: Grid, solutions: Sequence[SteadyGrid]) -> 
 def _dataset(case: Case, arrays: Arrays) -> xr.Dataset:
     """The Dataset of a run from its arrays, with the attributes of its variables and its own."""
     described = {name: (*indexed(name, *each), variable_attributes(name, case.scales)) for name, each in arrays.items()}
-    axes = {name: described.pop(name) for name in variables.AXES if name in described}
+    axes = {name: described.pop(name) for name in names_where(lambda v: v.over == "axis") if name in described}
     return xr.Dataset({**described, **variables_of(case)}, axes, provenance(case))
 
 
@@ -131,6 +146,7 @@ def provenance(case: Case) -> dict[str, object]:
         "method": case.solver.method,
         **parameters_of(case),
         **scale_values(case),
+        **({variables.START_APPROACH: case.schedule.start_approach} if case.starts_apart else {}),
     }
 
 
@@ -224,10 +240,10 @@ def to_vtk(dataset: xr.Dataset, directory: Path) -> list[Path]:
         raise ValueError('maps for ParaView need pyevtk: pip install "ertel[paraview]"') from error
     if dataset.sizes.get("frame", 1) == 0:
         raise ValueError("the run has no maps yet; export it later")
-    if "r" in dataset.dims:
-        raise ValueError("maps for ParaView: a run by the radial method has profiles only; use netcdf or csv")
     Y, X = ("Y", "X") if "Y" in dataset.dims else ("y", "x")
     names = [str(name) for name, values in dataset.data_vars.items() if values.dims[-2:] == (Y, X)]
+    if not names:
+        raise ValueError(f"maps for ParaView: a {dataset.attrs['method']} run has profiles only; use netcdf or csv")
     x, y = (dataset[axis].values.tolist() for axis in (X, Y))  # of NumPy they would be written as np.float64(...)
     origin, spacing = (x[0], y[0], 0.0), (x[1] - x[0], y[1] - y[0], 1.0)
     moments = dataset.sizes.get("frame", 1)

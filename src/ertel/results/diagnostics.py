@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ertel.case.case import Case
-from ertel.case.definition import grid_of, radii
 from ertel.case.height_map import Measured
+from ertel.case.methods import as_written, of_kind
+from ertel.case.rules import computes
 from ertel.case.sections import MOST_NODES, WIDEST_HALF_WIDTH
+from ertel.case.spaces import FRONT_POSITION
 from ertel.numerics.grid import Extrapolation, allowed_nodes, on_grids
 from ertel.physics import hertz
 from ertel.physics.lubricant import Barus
@@ -25,7 +27,6 @@ if TYPE_CHECKING:
 
 CELLS_IN_FRONT = 10.0  # wanted across the length of the front's pressure sweep, `sweep_length`
 ISOVISCOUS_SWEEP = 2.0  # that length over (lambda_bar dA/dT)^{2/5} where the oil is isoviscous
-FRONT_POSITION = 0.9  # where the front is looked at: the films of interest lie inside
 SWEEP_ALPHA_BAR = 10.0  # least alpha_bar in that length for rolling
 GAP_SHARE = 3.0  # initial gap in units of the trapped film, below which the shape depends on it
 OUTSIDE_SHARE = 0.25  # of the load of a rolling contact that the oil outside the domain may carry
@@ -151,19 +152,10 @@ def sweep_length(case: Case, speed: float = 0.0) -> float:
     return float(max(np.sqrt(p.alpha_bar * viscous), ISOVISCOUS_SWEEP * viscous**0.4))
 
 
-def spacing_of(case: Case) -> float:
-    """The spacing of the grid in a; of a radial grid at the position where the front is judged."""
-    if case.solver.method != "radial":
-        return grid_of(case).spacing
-    r = radii(case.solver.nodes, case.solver.half_width)
-    near = int(np.abs(r - FRONT_POSITION).argmin())
-    return float(r[near + 1] - r[near])
-
-
 def _cells(case: Case, speed: float) -> tuple[float, str]:
     """The number of cells across the pressure sweep, and the same in words."""
     length = sweep_length(case, speed)
-    cells = length / spacing_of(case)
+    cells = length / case.spacing
     sweep = f"sqrt(alpha_bar lambda_bar U) = {length:.3g} a"
     if case.starts_apart:
         sweep = f"of {length:.3g} a* at X = {FRONT_POSITION}"
@@ -176,7 +168,7 @@ def _resolve(case: Case, cells: float) -> str:
     The gap of a ball, X^2, leaves the line between two nodes by up to a quarter of the spacing squared.  A layer of oil
     that is thinner than this is not seen, on the largest grid perhaps.
     """
-    nodes = 1 + (case.solver.nodes - 1) * max(CELLS_IN_FRONT / cells, spacing_of(case) / sqrt(4 * (case.layer or inf)))
+    nodes = 1 + (case.solver.nodes - 1) * max(CELLS_IN_FRONT / cells, case.spacing / sqrt(4 * (case.layer or inf)))
     return _use(nodes) if nodes < 8 * MOST_NODES else "the film is too thin for any grid"  # also on a smaller domain
 
 
@@ -268,8 +260,7 @@ def _grid(case: Case, solutions: "Sequence[SteadyGrid]") -> Iterator[str]:
             finer = _use(2 * case.solver.nodes - 1)
             yield f"{worst} is uncertain by about {shares[worst]:.0%} on this grid; {finer}"
     else:
-        nodes = solutions[-2].grid.nodes
-        yield f"there is no error estimate, because the grid of {nodes} x {nodes} nodes did not converge"
+        yield f"there is no error estimate, because the grid of {solutions[-2].grid.nodes} nodes did not converge"
     if abs(fine["P_max"] - coarse["P_max"]) > LARGE_ERROR * fine["P_max"]:
         yield (
             f"the pressure spike is not resolved: P_max changes from {coarse['P_max']:.3g} to {fine['P_max']:.3g} "
@@ -385,9 +376,10 @@ def _domain(case: Case, data: "xr.Dataset") -> Iterator[str]:
     share = uncertain_momentum(case, data) if data.sizes["frame"] else 0.0
     if share > UNCERTAIN_MOMENTUM:
         needed = needed_half_width(case, share)
-        radial = ' with solver.method = "radial"' if case.solver.method == "2d" and case.is_axisymmetric else ""
+        able = of_kind(case.kind, lambda method: len(method.axes) < len(case.method.axes) and computes(method, case))
+        cheaper = f" with {as_written(able)}" if able else ""
         yield (
             "the momentum that the oil outside the domain takes is uncertain by about "
             f"{min(share, 1.0):.1%} of the ball's: approach, load and restitution are off by about as much; "
-            f"use solver.half_width >= {needed:g}{radial}"
+            f"use solver.half_width >= {needed:g}{cheaper}"
         )

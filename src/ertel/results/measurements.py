@@ -17,21 +17,23 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ertel.case.reading import hint_for
-from ertel.physics.units import Quantity, Unit, si_numbers
-from ertel.results.alignment import INTENSITY, QUANTITIES, Comparison, as_shown, best, best_centre, light_along, si_unit
+from ertel.physics.units import Quantity, Unit, in_si, si_numbers
+from ertel.results import alignment
+from ertel.results.alignment import INTENSITY, QUANTITIES, Comparison, si_unit, squares
 from ertel.results.columns import Columns
 from ertel.results.numbers import IN_SI, numbers
 from ertel.results.profiles import At, moment_text, profile
-from ertel.results.variables import to_si, with_prefix
+from ertel.results.variables import to_si, with_clock, with_prefix
 
 Values = NDArray[np.float64]
 Size = float | str | Quantity  # in SI, or with a unit
 Kind = Literal["profile", "history", "number"]
 PLACES, TIME, SIGMA = ("x", "y", "r"), "t", "sigma"
-READ = ("at", "along", "align", "sigma", "columns", "index")  # what a file takes beside units, and a number
+READ = ("at", "start", "along", "align", "sigma", "columns", "index")  # what a file takes beside units, and a number
+CLOCK = Unit("s", "60 us", signed=True)
 NUMBER = ("quantity", "value", "sigma")
 USUAL = {"profile": "h", "history": "h_c"}  # quantities, of a file with several
-ALIGNMENTS = ("centre", "offset", "tilt", "index")
+ALIGNMENTS = ("start", "centre", "offset", "tilt", "index")
 ALWAYS_ALIGNED = ("gain", "background")  # of an intensity
 INDICES = np.linspace(0.95, 1.05, 41)  # over that of the rig, which are tried
 FILMS = ("h", "h_c", "h_min", "h_oil")  # that can have an index
@@ -56,18 +58,20 @@ class Measurement:
     sigma : float or array, optional
         Standard error of the values.
     at : float, str or Quantity, optional
-        The moment of a profile, "60 us" or "max-approach", see `results.profiles.moment_of`.
+        The moment of a profile, "60 us" from the first touch or "max-approach", see `results.profiles.moment_of`.
     along : "x" or "y"
         The direction of a profile.
     align : sequence of str
-        What is not known: "centre", a shift in place or time; "offset" of the values; "tilt", a slope of the values;
-        "index" of the oil, of an intensity within 5 % of that of its rig.  Its "gain" and "background" are never known.
+        What is not known: "start" of the clock; "centre", a shift in place or time; "offset" of the values; "tilt", a
+        slope of them; "index" of the oil, of an intensity within 5 %.  Its "gain" and "background" are never known.
     name : str
         For messages and pictures.
     index : float, optional
         The index of the oil with which films were computed from fringes; to align "index".
     optics : Interferometer, optional
         The rig and the light of an intensity: `ertel.optics.Interferometer(rig, light)`.
+    start : float, str or Quantity
+        The reading of the instrument's clock at the first touch, t = 0 of a run in SI.
 
     Raises
     ------
@@ -86,6 +90,7 @@ class Measurement:
     name: str = "measurement"
     index: float | None = None
     optics: Any = None
+    start: Any = 0.0
 
     def __post_init__(self) -> None:
         si_unit(self.quantity)
@@ -97,10 +102,11 @@ class Measurement:
         )
         if self.sigma is not None:
             object.__setattr__(self, "sigma", _in_si(self.quantity, self.sigma))
+        object.__setattr__(self, "start", float(_in_si(TIME, self.start)))
         sigma = np.asarray(1.0 if self.sigma is None else self.sigma, dtype=np.float64)
         align = (self.align,) if isinstance(self.align, str) else tuple(self.align)
         light = self.quantity == INTENSITY
-        possible = ("centre", "tilt", "index", *ALWAYS_ALIGNED) if light else ALIGNMENTS
+        possible = ("start", "centre", "tilt", "index", *ALWAYS_ALIGNED) if light else ALIGNMENTS
         if unknown := [name for name in align if name not in possible]:
             raise ValueError(f"align = {unknown[0]!r}: {hint_for(unknown[0], possible)}")
         align = (*align, *(name for name in ALWAYS_ALIGNED if light and name not in align))
@@ -129,6 +135,8 @@ class Measurement:
         object.__setattr__(self, "x", None if self.x is None else x)
         object.__setattr__(self, "align", align)
         object.__setattr__(self, "at", moment_text(self.at))
+        if self.start or "start" in align:
+            self.moments()  # raises where it has no clock
 
     @classmethod
     def number(cls, quantity: str, value: Size, sigma: Size | None = None) -> "Measurement":
@@ -168,6 +176,7 @@ class Measurement:
         columns: Mapping[str, str] | None = None,
         index: float | None = None,
         optics: Any = None,
+        start: Any = 0.0,
         **units: str,
     ) -> "Measurement":
         """A profile or a history from a file of columns: `Measurement.read("film.csv", x="um", h="nm", at="60 us")`.
@@ -180,7 +189,7 @@ class Measurement:
         ----------
         path : str or Path
             The file, see `results.columns`.
-        at, along, align, index, optics
+        at, along, align, index, optics, start
             As of `Measurement`.
         sigma : float, str or Quantity, optional
             Standard error, in SI or with a unit.  A column "sigma" goes before; without a unit it has that of the
@@ -228,7 +237,7 @@ class Measurement:
         x, values, *errors = whole[:, np.argsort(whole[0], kind="stable")]
         error = errors[0] if errors else None if sigma is None else _in_si(name, sigma)
         along = "y" if axis == "y" else along
-        return cls(kind, name, values, x, error, at, along, align, file.file, index, optics)
+        return cls(kind, name, values, x, error, at, along, align, file.file, index, optics, start)
 
     # -- beside a run -------------------------------------------------------------------------------------------------
 
@@ -265,17 +274,23 @@ class Measurement:
         if self.x is None:
             value = np.array([self._number(result)])
             return Comparison(self, np.zeros(1), self.values, value, value)
+        if "start" in self.align:
+            return replace(alignment.with_start([self], result)[0].compared(result), measurement=self)
+        if self.start:
+            x = self.x - self.start if self.kind == "history" else self.x
+            found = replace(self, x=x, at=self.moment, start=0.0).compared(result)
+            return replace(found, measurement=self, shift={"start": self.start, **found.shift})
         if self.quantity == INTENSITY and self.optics and "index" in self.align:
             return self._with_best_index(result)
         line = self._line(result)
         there, values = line[self.axis].values, line.values
-        shift = {"centre": best_centre(self, there, values)} if "centre" in self.align else {}
+        shift = {"centre": alignment.best_centre(self, there, values)} if "centre" in self.align else {}
         x = self.x - shift.get("centre", 0.0)
         if x.min() < there[0] or x.max() > there[-1]:
             ends = [with_prefix(end, si_unit(self.axis)) for end in (x.min(), x.max(), there[0], there[-1])]
             raise ValueError("{}: reaches from {} to {}, and the run only from {} to {}".format(self.name, *ends))
         computed = np.interp(x, there, values)
-        parts, shown = as_shown(self, computed)
+        parts, shown = alignment.as_shown(self, computed)
         factor = parts.get("index", 1.0)
         if "gain" in parts:  # an intensity stays in the units in which it was measured
             computed, line = (parts["gain"] * each + parts["background"] for each in (computed, line))
@@ -293,9 +308,25 @@ class Measurement:
             optics = replace(self.optics, rig=replace(self.optics.rig, oil_index=index))
             return replace(self, optics=optics, align=[each for each in self.align if each != "index"]).compared(result)
 
-        index = best(self, lambda index: compared(index).shown, self.optics.rig.oil_index * INDICES)
+        index = alignment.best(lambda n: squares(self, compared(n).shown), self.optics.rig.oil_index * INDICES)
         found = compared(index)
         return replace(found, measurement=self, shift={**found.shift, "index": index})
+
+    def moments(self) -> tuple[float, float]:
+        """The first and the last time (s) by its clock.  Raises ValueError where it has none."""
+        if self.kind == "history":
+            return float(np.min(self.x)), float(np.max(self.x))  # type: ignore[arg-type]
+        try:
+            moment = float(in_si(self.at if isinstance(self.at, str) else "", CLOCK))
+        except ValueError as error:
+            wanted = "needs a moment at = with a unit, such as 60 us, by the instrument's clock"
+            raise ValueError(f"start: {self.name}, at = {self.at!r}, {wanted}") from error
+        return moment, moment
+
+    @property
+    def moment(self) -> At:
+        """The moment of a profile by the clock of the run, as far as the start is known."""
+        return f"{self.moments()[0] - self.start!r} s" if self.start and self.kind == "profile" else self.at
 
     @property
     def weight(self) -> Values:
@@ -316,7 +347,7 @@ class Measurement:
         number = table[self.quantity]
         if number.factor is None and number.unit not in ("1", *IN_SI):
             raise ValueError(f"{self.quantity}: the case is dimensionless, and the measurement is in SI")
-        return number.value * (1.0 if number.factor is None else number.factor)
+        return number.in_si.value
 
     def _line(self, result: Any) -> xr.DataArray:
         """The quantity along the line of a profile, or through time, in SI."""
@@ -325,7 +356,7 @@ class Measurement:
             data = profile(data, self.at, self.along)
         elif "time" in data.dims:
             data = data.drop_dims([name for name in data.dims if name != "time"])
-            data = _from_the_start(to_si(data)) if "si_factor" in data["time"].attrs else data
+            data = to_si(_from_the_start(with_clock(data))) if "si_factor" in data["time"].attrs else data
         else:
             raise ValueError(f"{self.name}: is a history, and a steady contact has none")
         if self.axis not in data.coords:
@@ -333,10 +364,14 @@ class Measurement:
         if self.kind == "profile" and self.quantity == INTENSITY:
             if self.optics is None:
                 raise ValueError(f"{self.name}: is an intensity; give optics=ertel.optics.Interferometer(rig, light)")
-            data = light_along(data, result.case, self.optics).to_dataset(name=INTENSITY).assign_attrs(data.attrs)
+            data = (
+                alignment.light_along(data, result.case, self.optics)
+                .to_dataset(name=INTENSITY)
+                .assign_attrs(data.attrs)
+            )
         if self.quantity not in data:
             raise ValueError(f"{self.quantity}: the run has no such {self.kind}; it has {', '.join(map(str, data))}")
-        return data[self.quantity].assign_attrs(moment=data.attrs.get("moment", ""))
+        return data[self.quantity].assign_attrs(moment=data.attrs.get("moment", ""), a_m=data.attrs.get("a_m", np.inf))
 
 
 def _check_possible(name: str, quantity: str, values: Values, align: Sequence[str], lines: Sequence[int] = ()) -> None:
@@ -349,9 +384,9 @@ def _check_possible(name: str, quantity: str, values: Values, align: Sequence[st
 
 
 def _from_the_start(history: xr.Dataset) -> xr.Dataset:
-    """The history of a run, in SI, from the start: before the first step it is as after it."""
-    start = history.isel(t=[0]).assign_coords(t=[0.0])
-    return xr.concat([start, history], "t", combine_attrs="no_conflicts") if float(history["t"][0]) > 0 else history
+    """The history of a run from its start: before the first step it is as after it."""
+    start = history.isel(time=[0]).assign_coords(time=("time", [0.0], history["time"].attrs))
+    return xr.concat([start, history], "time") if float(history["time"][0]) > 0 else history
 
 
 def _in_si(quantity: str, value: Any) -> Any:

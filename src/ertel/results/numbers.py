@@ -5,45 +5,45 @@ versions.  Below it are the outcome as text and as HTML for a notebook.  This mo
 """
 
 from base64 import b64encode
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from html import escape
 from io import BytesIO
 from math import floor, isfinite, log10
 from typing import Any, NamedTuple
 
+from ertel.case.methods import METHODS
 from ertel.case.status import Status
 from ertel.physics.scales import Scales
 from ertel.physics.temperature_laws import ZERO_CELSIUS
 from ertel.results.variables import (
     COEFFICIENT,
     FILMS,
-    FRICTION,
-    MEASURED,
+    KELVIN,
+    THICKNESS,
+    TOUCH,
     VARIABLES,
     Variable,
     in_celsius,
+    names_where,
+    stored_in,
     unit_of,
     with_prefix,
 )
 
 Outcome = Mapping[str, Any]  # of a run, as `results.summary` and `summary.json` have it
 
-KEY = ("H_c", "H_min", "P_max")
-SHOWN = (*KEY, *FRICTION, "restitution", "T_film_max_warm")  # in a table of many runs
-WARM_OF = {name: f"{name.lower()}_warm" for name in (*FILMS, "mu_sliding")}  # shown in their place where they are known
 UNKNOWN = 0.5  # error of a film over its value, above which the film is not known
-WARM = ("h_c_m", "h_min_m", "mu_sliding", "T_1_max_K", "T_2_max_K", "T_film_max_K", "phi_T")  # those under `thermal`
-WORK = {"newton_iterations": "newton_iterations", "krylov_iterations": "krylov_iterations", "wall_s": "wall_time"}
-IN_SI = ("m", "K", "s")  # units of numbers that are in SI in the summary itself
+IN_SI = (KELVIN, "s")  # units of numbers that are in SI in the summary itself
 FREE = ("name", "reference")  # keys of a case that change no result
 
 
 class Number(NamedTuple):
-    """A number of the outcome of a run.
+    """A number of the outcome of a run, as all texts and tables show it.
 
     value, error, on_grid: in `unit`, "1" for a plain number.  The value is the extrapolated one where the error of the
     discretisation was estimated, the error is its bar, and on_grid the value on the grid, as in the maps.  factor: what
-    1 is in SI, None where that is not known or the same.
+    1 is in SI, None where that is not known or the same.  zero: T at t = 0.
     """
 
     name: str
@@ -51,13 +51,28 @@ class Number(NamedTuple):
     value: float
     unit: str = "1"
     factor: float | None = None
+    zero: float = 0.0
     error: float | None = None
     on_grid: float | None = None
+
+    def to_si(self, value: float) -> float:
+        """A value of this number in SI; as it is where that is not known."""
+        return value if self.factor is None else (value - self.zero) * self.factor
 
     @property
     def known(self) -> bool:
         """Whether the error leaves something of a film."""
-        return self.error is None or self.name not in {*FILMS, *WARM_OF.values()} or self.error <= UNKNOWN * self.value
+        return self.error is None or self.about.panel != THICKNESS or self.error <= UNKNOWN * self.value
+
+    @property
+    def in_si(self) -> "Number":
+        """The same in SI under its name there; itself where SI is not known, or the same."""
+        if self.factor is None:
+            return self
+        error = None if self.error is None else self.error * self.factor
+        on_grid = None if self.on_grid is None else self.to_si(self.on_grid)
+        value, about = float(self.to_si(self.value)), self.about
+        return Number(about.si_name, about, value, about.si_units, error=error, on_grid=on_grid)
 
     @property
     def text(self) -> str:
@@ -66,16 +81,14 @@ class Number(NamedTuple):
             return "not known"
         if self.name == "restitution":
             return f"{self.value:.4f}"
-        if self.unit in IN_SI:
+        if self.unit in (*IN_SI, self.about.si_units):
             return with_prefix(*in_celsius(self.value, self.unit))
         return f"{self.value:.4g}" if self.unit == "1" else f"{self.value:.4g} {self.unit}"
 
     @property
     def text_in_si(self) -> str:
         """The value in SI; empty where it is not known, or the same."""
-        if self.factor is None or self.about.si_units == "1" or not self.known:
-            return ""
-        return with_prefix(self.value * self.factor, self.about.si_units)
+        return "" if self.factor is None or self.about.si_units == "1" or not self.known else self.in_si.text
 
     @property
     def text_of_error(self) -> str:
@@ -87,38 +100,36 @@ class Number(NamedTuple):
         """The value in SI and in its unit, as far as they are known."""
         return f"{self.text_in_si} ({self.text})" if self.text_in_si else self.text
 
+    @property
+    def attributes(self) -> dict[str, str]:
+        """The attributes of a variable that holds such numbers: long_name, units (SI, or "1") and in_units_of."""
+        plain = self.unit in ("1", *IN_SI, self.about.si_units)
+        units = {"units": self.unit} if plain else {"units": "1", "in_units_of": self.unit}
+        return {"long_name": self.about.long_name, **units}
+
 
 def numbers(summary: Outcome) -> dict[str, Number]:
-    """The numbers of a summary by name: parameters, values, extremes, restitution, temperatures, work.
+    """The numbers of a summary by name, in the order of `VARIABLES`.
 
     The values of an impact hold at maximum approach, those of rolling at the last time, or steadily; before, there are
     none.
     """
-    values = {"M": summary["M"], "L": summary["L"], **values_of(summary)}
-    if wrong := [name for name in KEY if name in values and values[name] is None]:
+    given = {**summary, "wall_time": summary.get("wall_s")}
+    given |= {f"{name}_extreme": one["value"] for name, one in summary.get("extremes", {}).items()}
+    known = values_of(summary)
+    if wrong := [name for name, value in known.items() if value is None and VARIABLES[name].shown]:
         raise ValueError(f"{wrong[0]} is not a number")
-    values |= {f"{name}_extreme": one["value"] for name, one in summary.get("extremes", {}).items()}
-    values |= {name: summary.get(name) for name in ("restitution", "contact_time", "F_max")}
-    thermal = summary.get("thermal") or {}
-    if not thermal.get("converged", True):
-        thermal = {key: each for key, each in thermal.items() if key in ("h_c_m", "h_min_m", "phi_T")}
-    values |= {f"{key.removesuffix('_m').removesuffix('_K')}_warm": thermal.get(key) for key in WARM}
-    values |= {name: summary.get(key) for key, name in WORK.items()}
+    there = names_where(lambda variable: known or not variable.at_moment)
+    values = {name: given[name] for name in there if given.get(name) is not None}
     scales, errors = scales_in(summary), errors_of(summary)
-    for name, warm in WARM_OF.items():  # by the factor that makes the film thinner
-        if name in errors and values.get(warm) is not None:
-            errors[warm] = tuple(each * values[warm] / values[name] for each in errors[name])
+    for name in [name for name in errors if f"{name}_warm" in values]:  # by the factor that makes the film thinner
+        warm = values[f"{name}_warm"]
+        errors[f"{name}_warm"] = warm / values[name] * errors[name][0], warm / values[name] * errors[name][1]
     found = {}
     for name, value in values.items():
-        if value is not None:
-            error, best, on_grid = (*errors[name], value) if name in errors else (None, value, None)
-            found[name] = number(summary["kind"], scales, name, best, error, on_grid)
-    return found
-
-
-def shown_of(names: Iterable[str], there: Container[Any]) -> list[str]:
-    """The names, each with the warm number in its place where that is there."""
-    return list(dict.fromkeys(warm if (warm := f"{name.lower()}_warm") in there else name for name in names))
+        error, best, on_grid = (*errors[name], value) if name in errors else (None, value, None)
+        found[name] = number(summary["kind"], scales, name, best, error, on_grid)
+    return {**found, **({"T": found["T"]._replace(zero=summary.get(TOUCH) or 0.0)} if "T" in found else {})}
 
 
 def number(kind: str, scales: Scales | None, name: str, value: float, *errors: float | None) -> Number:
@@ -128,24 +139,21 @@ def number(kind: str, scales: Scales | None, name: str, value: float, *errors: f
     if scales and about.scale:
         factor = about.factor(scales)
         unit = "1" if about.scale == COEFFICIENT else unit
-    return Number(name, about, value, unit, factor, *errors)
+    return Number(name, about, value, unit, factor, 0.0, *errors)
 
 
 def values_of(summary: Outcome) -> dict[str, float]:
-    """The measured values by name; empty where there are none."""
-    if "max_approach" in summary:
-        return dict(summary["max_approach"] or {})
-    names = ("T", *MEASURED, *FRICTION) if summary["H_c"] is not None else ()
-    return {name: summary[name] for name in names if name in summary}
+    """The values of a run at its moment by name; empty where there are none."""
+    chosen = names_where(lambda variable: variable.at_moment) if summary["H_c"] is not None else ()
+    return {name: summary[name] for name in chosen if name in summary}
 
 
 def errors_of(summary: Outcome) -> dict[str, tuple[float, float]]:
     """Discretisation error and extrapolated value by name, where they were estimated."""
-    names = [name for name in FILMS if summary.get(f"{name}_error") is not None]
-    errors = {name: (summary[f"{name}_error"], summary[f"{name}_extrapolated"]) for name in names}
-    for name, estimate in (summary.get("error_estimate") or {}).items():
-        errors["Delta" if name == "Delta_max" else name] = estimate["error"], estimate["extrapolated"]
-    return errors
+    films = [name for name in FILMS if summary.get(f"{name}_error") is not None]
+    errors = {name: (summary[f"{name}_error"], summary[f"{name}_extrapolated"]) for name in films}
+    estimates = (summary.get("error_estimate") or {}).items()
+    return errors | {name: (estimate["error"], estimate["extrapolated"]) for name, estimate in estimates}
 
 
 def scales_in(summary: Outcome) -> Scales | None:
@@ -159,41 +167,25 @@ def scales_in(summary: Outcome) -> Scales | None:
 
 def moment(summary: Outcome) -> str:
     """The time at which the values hold, or the reason why there are none."""
-    if "T" in summary and not summary["steps"]:
+    known = summary["H_c"] is not None
+    if not summary.get("steps", 1):
         return "no step was taken"
-    if Status(summary["status"]).failed and not values_of(summary):
+    if Status(summary["status"]).failed and not known:
         return f"no result: {summary['status']}"
-    if "max_approach" in summary:
-        return "at maximum approach" if summary["max_approach"] else "maximum approach was not reached"
-    if summary["H_c"] is None:
+    if summary["kind"] == "impact":
+        return "at maximum approach" if known else "maximum approach was not reached"
+    if not known:
         return "no result"
     if "T" in summary:
         return f"at T = {summary['T']:.4g}"
-    return f"on {summary['nodes']} x {summary.get('nodes_y', summary['nodes'])} nodes"
+    space = METHODS[summary["method"]].space
+    return f"on {space.in_words(summary['nodes'], summary.get('nodes_y', summary['nodes']))}"
 
 
 def key_numbers(summary: Outcome) -> list[Number]:
-    """Films, maximum pressure, friction and restitution of a run; empty without them.
-
-    A coefficient of friction is named where it is not zero.
-    """
-    if not values_of(summary):
-        return []
-    table = numbers(summary)
-    names = [name for name in shown_of(SHOWN, table) if name in table]
-    return [table[name] for name in names if name not in FRICTION or table[name].value]
-
-
-def as_now(summary: Outcome) -> dict[str, Any]:
-    """The summary of a stored run; earlier versions had the coefficients of friction in units a/R and under `si`."""
-    reached, si = summary.get("max_approach"), summary.get("si", {})
-    if reached:
-        return {**summary, "max_approach": _with_coefficients(reached, si.get("max_approach") or {})}
-    return _with_coefficients(summary, si)
-
-
-def _with_coefficients(values: Outcome, si: Mapping[str, float]) -> dict[str, Any]:
-    return {**values, **{name: si[name] for name in FRICTION if name in values and name in si}}
+    """The numbers that are shown of a run, but those that are zero; those with heat where they are known."""
+    table = numbers(summary) if values_of(summary) else {}
+    return [table[name] for name in stored_in(table, lambda variable: variable.shown) if table[name].value]
 
 
 def plus_minus(value: float, error: float) -> str:
@@ -207,13 +199,6 @@ def plus_minus(value: float, error: float) -> str:
 # -- tables of many runs ----------------------------------------------------------------------------------------------
 
 
-class Scalar(NamedTuple):
-    """A number for a table.  attributes: long_name, units (SI, or "1") and in_units_of, where that is not 1."""
-
-    value: float
-    attributes: Mapping[str, Any]
-
-
 def duration(seconds: float) -> str:
     """A rough duration in words."""
     if seconds < 90:
@@ -221,28 +206,24 @@ def duration(seconds: float) -> str:
     return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
 
 
-def scalars(summary: Outcome, in_si: bool = True) -> dict[str, Scalar]:
-    """The numbers of a summary by name; those of a physical case in SI under SI names (h_c for H_c), if `in_si`.
+def scalars(summary: Outcome, in_si: bool = True) -> dict[str, Number]:
+    """The numbers of a summary by name, one for each column; in SI under SI names (h_c for H_c) if `in_si` and known.
 
     H_c is the extrapolated value where there is one; then H_c_error is its bar and H_c_on_grid the value on the grid.
     A film that is not known is left out.  In SI the names are h_c, h_c_error, h_c_on_grid.
     """
-    table = {}
+    table: dict[str, Number] = {}
     for each in numbers(summary).values():
-        name, factor, about = each.name, 1.0, {"units": "1"}
-        if in_si and each.factor is not None:
-            name, factor, about = each.about.si_name, each.factor, {"units": each.about.si_units}
-        elif each.unit in IN_SI:
-            about = {"units": each.unit}
-        elif each.unit != "1":
-            about = {"units": "1", "in_units_of": each.unit}
-        if each.known:
-            table[name] = Scalar(float(each.value * factor), {"long_name": each.about.long_name, **about})
-        for ending, value in (("error", each.error), ("on_grid", each.on_grid)):
+        one = each.in_si if in_si else each
+        long_name = one.about.long_name
+        table |= {one.name: one} if one.known else {}
+        for ending, value, text in (
+            ("error", one.error, f"estimated error of the {long_name}"),
+            ("on_grid", one.on_grid, f"{long_name}, on the grid"),
+        ):
             if value is not None:
-                long_name = f"{'estimated error of the ' * (ending == 'error')}{each.about.long_name}"
-                long_name += ", on the grid" * (ending == "on_grid")
-                table[f"{name}_{ending}"] = Scalar(value * factor, {"long_name": long_name, **about})
+                name, about = f"{one.name}_{ending}", replace(one.about, long_name=text)
+                table[name] = Number(name, about, value, one.unit)
     return table
 
 
@@ -298,9 +279,9 @@ def lines(summary: Outcome) -> Iterator[str]:
     yield f"  {_conditions(summary)}"
     yield f"  {moment(summary)}"
     shown = key_numbers(summary)
-    names = [f"{n.about.long_name} {n.about.symbol}" for n in shown]
+    named = [f"{n.about.long_name} {n.about.symbol}" for n in shown]
     values = [n.full_text + (f" ± {n.text_of_error}" if n.text_of_error else "") for n in shown]
-    yield from (f"    {line}" for line in aligned([names, values], left=2))
+    yield from (f"    {line}" for line in aligned([named, values], left=2))
     yield from (f"  {line}" for line in more_lines(summary))
     for warning in summary["warnings"]:
         yield f"  warning: {warning}"
@@ -326,6 +307,7 @@ def _extreme_lines(summary: Outcome) -> Iterator[str]:
     for name, one in summary.get("extremes", {}).items():
         extreme = table[f"{name}_extreme"]
         T, X, Y = (number(summary["kind"], scales, key, one[key]) for key in ("T", "X", "Y"))
+        T = T._replace(zero=summary.get(TOUCH) or 0.0)
         if scales:
             where = f"t = {T.text_in_si} (T = {T.value:.4g}), x = {X.text_in_si}, y = {Y.text_in_si}"
         else:
@@ -336,18 +318,16 @@ def _extreme_lines(summary: Outcome) -> Iterator[str]:
 
 def _thermal_lines(summary: Outcome) -> Iterator[str]:
     """Film, traction and temperatures with the heat of the contact, a line each; none without a section [thermal]."""
-    thermal = summary.get("thermal")
-    if not thermal:
-        return
-    names = ("H_c", "H_min", "mu_sliding")
     table = numbers(summary)
-    cold = ", ".join(f"{table[name].about.symbol} {table[name].full_text}" for name in names if name in table)
-    yield f"without heat: {cold} (phi_T = {thermal['phi_T']:.4g}, L_t = {thermal['L_t']:.3g})"
-    rises = ("T_1_max", "T_2_max", "T_film_max", "T_film_mean")
-    kelvins = [thermal[f"{name}_K"] for name in rises]
-    if None in kelvins:
+    if "phi_T" not in table:
         return
-    surface_1, surface_2, film, mean = (f"{each - ZERO_CELSIUS:.1f} degC" for each in kelvins)
+    cold = ", ".join(f"{n.about.symbol} {n.full_text}" for n in table.values() if f"{n.name}_warm" in summary)
+    yield f"without heat: {cold} (phi_T = {summary['phi_T']:.4g}, L_t = {summary['L_t']:.3g})"
+    if "T_film_mean" not in table:
+        return
+    surface_1, surface_2, film, mean = (
+        f"{table[name].value - ZERO_CELSIUS:.1f} degC" for name in ("T_1_max", "T_2_max", "T_film_max", "T_film_mean")
+    )
     yield f"highest temperatures: surface 1 {surface_1}, surface 2 {surface_2}, film {film}; mean of the film {mean}"
 
 

@@ -1,6 +1,6 @@
 """Parameters and scales of a case, and films by formulas, known before it is run.
 
-This module imports neither JAX nor xarray, so that `ertel params` is fast.
+This module imports neither JAX nor xarray, so that they are known at once.
 """
 
 from math import cbrt

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ertel.physics.units import TIME, Quantity, in_si, si_numbers
 from ertel.results.dataset import with_units
-from ertel.results.variables import EVENTS, VARIABLES, is_steady, to_si, with_prefix
+from ertel.results.variables import EVENTS, VARIABLES, is_steady, shifted, to_si, with_clock, with_prefix
 
 Values = NDArray[np.float64]
 # a time in t0 or with its unit, an event, or None: maximum approach, or the last map
@@ -57,12 +57,13 @@ def is_without_moments(dataset: xr.Dataset, at: At) -> bool:
 def moment_of(dataset: xr.Dataset, at: At = None) -> Instant:
     """The moment of a run in time that is asked for.
 
-    dataset: a run in time, dimensionless as it is stored.  at: a time in t0, as a number; a time with its unit,
-    "95 us", of a physical case; or an event of the run, "max-approach" or "end".  By default maximum approach, or the
-    last map where there is none.  Raises ValueError where the run has no maps yet, or does not have this moment.
+    dataset: a run in time, dimensionless as it is stored.  at: T, from the start of the run in t0, as a number; a time
+    with its unit, "95 us", of a physical case, from the first touch, see `results.variables`; or an event of the run,
+    "max-approach" or "end".  By default maximum approach, or the last map where there is none.  Raises ValueError where
+    the run has no maps yet, or does not have this moment.
     """
-    T, events = np.asarray(dataset["frame"].values), events_of(dataset)
-    at = moment_text(at)
+    frames, events = with_clock(dataset)["frame"], events_of(dataset)
+    T, at = np.asarray(frames.values), moment_text(at)
     if not T.size:
         raise ValueError("dataset: has no maps yet")
     if at is None:
@@ -70,12 +71,12 @@ def moment_of(dataset: xr.Dataset, at: At = None) -> Instant:
         return Instant(float(T[frame]), frame, MAXIMUM if "max-approach" in events else LAST)
     if isinstance(at, str) and at in events:
         return Instant(float(T[events[at]]), events[at], NAMES[at])
-    time = _in_t0(dataset, at)
+    time = _in_t0(frames, at)
     if T[0] - ROUNDING <= time <= T[-1] + ROUNDING:
         return Instant(time, int(np.abs(T - time).argmin()), CHOSEN)
     names = ", ".join(f'"{event}"' for event in events) or "no events"
-    t0 = dataset["frame"].attrs.get("si_factor")
-    in_seconds = f" ({with_prefix(T[0] * t0, 's')} to {with_prefix(T[-1] * t0, 's')})" if t0 else ""
+    ends = " to ".join(with_prefix(shifted(end, frames.attrs), "s") for end in (T[0], T[-1]))
+    in_seconds = f" ({ends})" if "si_factor" in frames.attrs else ""
     span = f"{T[0]:.4g} to {T[-1]:.4g} t0{in_seconds}"
     raise ValueError(f"at = {at!r}: must be a time from {span} or an event of this run, which has {names}")
 
@@ -88,17 +89,18 @@ def moment_text(at: Any) -> float | str | None:
     return moment
 
 
-def _in_t0(dataset: xr.Dataset, at: float | str) -> float:
-    """A time in t0; NaN of a text that is not a time."""
+def _in_t0(frames: xr.DataArray, at: float | str) -> float:
+    """T of a moment, where maps are kept at these times; NaN of a text that is not a time."""
     with suppress(ValueError):
         return float(at)
     try:
         seconds = in_si(at, TIME.in_si)
     except ValueError:
         return nan
-    if "si_factor" not in dataset["frame"].attrs:
+    about = frames.attrs
+    if "si_factor" not in about:
         raise ValueError(f"at = {at!r}: the case is dimensionless; give a time in t0, a plain number")
-    return float(seconds / dataset["frame"].attrs["si_factor"])
+    return float(seconds / about["si_factor"] + about.get("si_zero", 0.0))
 
 
 # -- along a line -----------------------------------------------------------------------------------------------------
@@ -118,10 +120,14 @@ def profile(dataset: xr.Dataset, at: At = None, along: str = "x") -> xr.Dataset:
     if along not in ALONG:
         raise ValueError(f'along = {along!r}: must be "x" or "y"')
     axis, other = ALONG[along]
+    dataset = with_clock(dataset)
     fields, moment = dataset[[name for name in ON_A_LINE if name in dataset]], "steady contact"
     if not is_without_moments(dataset, at):
         fields, moment = _at(fields, moment_of(dataset, at))
-    line = _through_centre(fields.load(), axis) if "r" in fields.coords else fields.load().interp({other: 0.0})
+    if "r" in fields.coords:
+        line = _through_centre(fields.load(), axis)
+    else:
+        line = fields.load().interp({other: 0.0}) if other in fields.coords else fields.load()
     line = line.drop_vars([other, "frame"], errors="ignore").assign_attrs(dataset.attrs, moment=moment)
     return to_si(line) if "si_factor" in line["H"].attrs else line
 
@@ -129,10 +135,10 @@ def profile(dataset: xr.Dataset, at: At = None, along: str = "x") -> xr.Dataset:
 def _at(fields: xr.Dataset, moment: Instant) -> tuple[xr.Dataset, str]:
     """The fields at a moment, between two maps interpolated, and the moment in words."""
     frame = fields["frame"]
-    T, unit, factor = frame.values, frame.attrs.get("si_units", ""), frame.attrs.get("si_factor", 1.0)
+    T, unit = frame.values, frame.attrs.get("si_units", "")
 
     def text(time: float) -> str:
-        return with_prefix(time * factor, unit) if unit else f"{time:.4g} t0"
+        return with_prefix(shifted(time, frame.attrs), unit) if unit else f"{time:.4g} t0"
 
     if abs(T[moment.frame] - moment.T) <= ROUNDING:
         now, words = fields.isel(frame=moment.frame), f"{moment.name} at {text(moment.T)}"

@@ -5,23 +5,30 @@ Last comes the error of a run in grid, time and domain together, from runs on th
 many steps, and 9/16.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from math import hypot, inf, isfinite
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from ertel.case import definition
 from ertel.case.case import Case
-from ertel.case.sections import Solver
 from ertel.case.status import Status
-from ertel.numerics.grid import allowed_nodes
-from ertel.results import balances, diagnostics, variables
+from ertel.results import balances, diagnostics
 from ertel.results.dataset import SteadyGrid
 from ertel.results.parameters import parameters_of, scale_values
-from ertel.results.variables import ESTIMATED, FILMS, values_in_si, with_coefficients
+from ertel.results.variables import (
+    COEFFICIENT,
+    FILMS,
+    TOUCH,
+    VARIABLES,
+    first_touch,
+    names_where,
+    values_in_si,
+    with_coefficients,
+)
 
 # share of a maximum by which the pressure may fall to the next nodes; below, P_max changes by some per cent
 NARROW = 0.1
@@ -37,11 +44,12 @@ def impact_summary(
 ) -> dict[str, Any]:
     """The outcome of an impact as plain data: parameters, values at maximum approach, restitution, work, status.
 
+    The values are those of `VARIABLES` with `at_moment`, T and F among them; all are None before maximum approach and
+    where the run failed.  They have the power loss and, where the surfaces move along X, the coefficients of friction
+    of `equations.account`.
+    `T_touch` is T at t = 0, the first touch of the undeformed bodies; times in SI count from there.
     `extremes` has the thinnest film and the highest pressure of the whole run, see `extremes`.
     `budgets` has those of mass, momentum and energy, see `balances.in_time`.
-    The values at maximum approach are under `max_approach`; but T and F they also stand where those of rolling do, None
-    before it.  A run that failed has none of them, and no extremes.  They have the power loss and, where the surfaces
-    move along X, the coefficients of `equations.account`.
     All is dimensionless, F in units of the dry maximum load; physical cases add the same in SI under `si`.  The
     coefficients are plain numbers in a physical case, and in units a/R in a dimensionless one, where a/R is not known.
 
@@ -49,16 +57,16 @@ def impact_summary(
     counts of steps and iterations, compilations, wall_s.
     """
     status, vanished = _judged(status, data)
-    names = (*variables.AT_MAXIMUM, *(variables.FRICTION if case.motion.flows else ("power_loss",)))
-    reached = None
+    flows = case.motion.flows
+    there = ["T", *(name for name in _of_moment(data) if flows or VARIABLES[name].scale != COEFFICIENT)]
+    values: Values = dict.fromkeys(there)
     if max_approach is not None and vanished == inf and not status.failed:
-        values = {name: float(max_approach[name]) for name in names}
-        reached = _without_zero(with_coefficients(values, case.scales))
-    top = _without_zero({name: (reached or {}).get(name) for name in names if name not in ("T", "F")})
+        values = with_coefficients({name: max_approach[name] for name in there if name in max_approach}, case.scales)
     over_time = _over_time(case, data, status)
     warnings = diagnostics.impact_warnings(case, data)
     warnings += [] if status.failed else _account_warnings(case, data, over_time)
-    content = {**top, "max_approach": reached, **_contact(data, status), **over_time, **work}
+    touch = first_touch(data["time"].values, data["Delta"].values, case.schedule.start_approach)
+    content = {TOUCH: touch, **values, **_contact(data, status), **over_time, **work}
     return _summary(case, content, status, warnings)
 
 
@@ -69,7 +77,7 @@ def rolling_summary(case: Case, data: xr.Dataset, work: Mapping[str, float], sta
     The errors of the films need other runs, see `with_error`.  Parameters as in `impact_summary`.
     """
     status, vanished = _judged(status, data)
-    values: dict[str, float | None] = {"T": None, **dict.fromkeys((*variables.MEASURED, *variables.FRICTION))}
+    values: dict[str, float | None] = dict.fromkeys(("T", *_of_moment(data)))
     over_time, warnings = _over_time(case, data, status), diagnostics.rolling_warnings(case, data)
     if data.sizes["time"]:
         values["T"] = float(data["time"][-1])
@@ -77,11 +85,11 @@ def rolling_summary(case: Case, data: xr.Dataset, work: Mapping[str, float], sta
         warnings += _account_warnings(case, data, over_time)
         if data.sizes["time"]:
             values |= {name: float(data[name][-1]) for name in values if name in data}
-            values["load"] = float(data["F"][-1]) * case.geometry.hertz_load
     elif status is Status.FILM_VANISHED and vanished == inf:
         warnings = [diagnostics.no_film(case)]
-    content = {**_without_zero(values), **dict.fromkeys(ERRORS), **over_time, **work}
-    return _summary(case, content, status, warnings)
+    load = values.pop("F")
+    values["load"] = None if load is None else load * case.geometry.hertz_load
+    return _summary(case, {**values, **over_time, **work}, status, warnings)
 
 
 def steady_summary(
@@ -94,65 +102,66 @@ def steady_summary(
     mu_sliding, mu_rolling and power_loss are those of `equations.account`; mu_sliding_y is there where it is not zero.
     In a physical case the coefficients are plain numbers; in a dimensionless one, where a/R is not known, they are
     multiples of it.
-    `thermal` is there with a section [thermal], see `thermal_summary`.
+    The numbers of `heat_numbers` are there with a section [thermal], and `thermal` about their computing.
     Counts are those of all grids, convolutions in units of one on the finest.  A run without a result has no values, no
     friction and no balances.
 
     solutions: on all grids, coarsest first.  work: compilations, wall_s.
     """
     finest = solutions[-1]
-    grid = finest.grid
+    grid, record = finest.grid, with_coefficients(finest.record, case.scales)
+    across = case.method.space.across(case.solver)
     counts = {
-        "nodes": grid.nodes_x,
-        **({} if grid.nodes_y == grid.nodes_x else {"nodes_y": grid.nodes_y}),
+        "nodes": grid.nodes,
+        **({} if across in (1, grid.nodes) else {"nodes_y": across}),
         "residual": finest.residual,
-        "newton_iterations": sum(s.record["newton_iterations"] for s in solutions),
-        "krylov_iterations": sum(s.record["krylov_iterations"] for s in solutions),
+        **{name: sum(s.record[name] for s in solutions) for name in ("newton_iterations", "krylov_iterations")},
         "convolutions": round(sum(s.record["convolutions"] * s.grid.size / grid.size for s in solutions), 1),
         **work,
     }
-    values: Values = dict.fromkeys((*variables.MEASURED, *variables.FRICTION))
+    values: dict[str, Any] = {name: record[name] for name in _of_moment(record)}
     parts: dict[str, Any] = {"budgets": {}}
     warnings = diagnostics.steady_warnings(case, solutions)
-    if not diagnostics.steady_failure(case, finest):
-        record = with_coefficients(finest.record, case.scales)
-        values = {name: record[name] for name in values}
+    if diagnostics.steady_failure(case, finest):
+        values = dict.fromkeys(values)
+    else:
         parts = {"budgets": balances.steady(case, record, record["load"] / case.geometry.hertz_load)}
         warnings += diagnostics.balance_warnings(case, parts["budgets"])
         warnings += diagnostics.friction_warnings(case, record["mu_sliding"])
         for name, film in diagnostics.film_errors(case, solutions).items():
             parts |= {f"{name}_error": film.error, f"{name}_extrapolated": film.extrapolated}
         if finest.heat is not None:
-            parts["thermal"] = thermal_summary(case, finest)
+            values |= heat_numbers(case, finest)
+            about = {"iterations": finest.heat.iterations, "converged": finest.heat.converged}
+            parts["thermal"] = {"inlet_factor": case.thermal.inlet_factor, **about}  # type: ignore[union-attr]
             warnings += diagnostics.thermal_warnings(case, finest.heat)
-    content = {**counts, **_without_zero(values), **dict.fromkeys(ERRORS), **parts}
-    return _summary(case, content, status, warnings)
+    return _summary(case, {**counts, **values, **parts}, status, warnings)
 
 
-def thermal_summary(case: Case, solution: SteadyGrid) -> dict[str, Any]:
-    """The part `thermal` of a summary, in SI.
+def heat_numbers(case: Case, solution: SteadyGrid) -> dict[str, float | None]:
+    """The numbers of a steady contact with heat; coefficients are plain numbers, temperatures in K.
 
-    L_t, phi_T: thermal loading, and the factor of the inlet formula, see `solvers.heat`.  h_c_m, h_min_m: the films
-    on the grid with this factor; as shown they are extrapolated.
-    T_1_max_K, T_2_max_K, T_film_max_K: highest temperatures of the surfaces and of the film (mean across it).
-    T_film_mean_K: that of the film on average over the contact, weighted with the pressure.  mu_sliding: traction
-    coefficient of the warm film, with its inlet factor.  iterations, converged: of the heat balance, which has one
-    solution, see `solvers.heat`.
+    H_c_warm, H_min_warm: the films on the grid with the factor phi_T of the inlet formula, see `solvers.heat`; as shown
+    they are extrapolated.  L_t: thermal loading.  mu_sliding_warm: traction coefficient of the warm film.  T_1_max,
+    T_2_max, T_film_max: highest temperatures of the surfaces and of the film (mean across it).  T_film_mean: that of
+    the film on average over the contact, weighted with the pressure.  Temperatures and traction are None where the heat
+    balance, which has one solution, has not converged.
     """
     heat, maps = solution.heat, solution.maps
-    assert case.thermal is not None and case.scales is not None
-    return {
-        "inlet_factor": case.thermal.inlet_factor,
-        "L_t": heat.inlet.L_t,
-        "phi_T": heat.inlet.factor,
-        "h_c_m": heat.inlet.factor * solution.record["H_c"] * case.scales.film,
-        "h_min_m": heat.inlet.factor * solution.record["H_min"] * case.scales.film,
-        **{f"{name}_max_K": float(np.max(maps[name])) for name in variables.TEMPERATURES},
-        "T_film_mean_K": float(np.average(maps["T_film"], weights=maps["P"])),
-        "mu_sliding": float(heat.sliding[0]) * case.scales.a_over_R,
-        "iterations": heat.iterations,
-        "converged": heat.converged,
+    assert case.scales is not None
+    films = {f"{name}_warm": heat.inlet.factor * solution.record[name] for name in FILMS}
+    warm = {
+        "mu_sliding_warm": float(heat.sliding[0]) * case.scales.a_over_R,
+        **{f"{name}_max": float(np.max(maps[name])) for name in names_where(lambda v: v.over == "heated map")},
+        "T_film_mean": float(np.average(maps["T_film"], weights=maps["P"])),
     }
+    found = warm if heat.converged else dict.fromkeys(warm)
+    return {**films, "L_t": heat.inlet.L_t, "phi_T": heat.inlet.factor, **found}
+
+
+def _of_moment(there: Container[Any]) -> list[str]:
+    """The names of the values of a summary that are there."""
+    return [name for name in names_where(lambda variable: variable.at_moment) if name in there]
 
 
 def _contact(data: xr.Dataset, status: Status) -> dict[str, float | None]:
@@ -163,7 +172,7 @@ def _contact(data: xr.Dataset, status: Status) -> dict[str, float | None]:
     """
     T, V, F = (data[name].values for name in ("time", "V", "F"))
     if status.failed or not (len(T) and V[-1] < 0 and F[-1] < UNLOADED):
-        return dict.fromkeys(variables.WHOLE)
+        return dict.fromkeys(names_where(lambda variable: variable.of_impact))
     above = np.flatnonzero(F > LIGHT * F.max())
     ends = [max(above[0] - 1, 0), above[0]], [above[-1] + 1, above[-1]]  # the lighter side first
     start, end = (float(np.interp(LIGHT * F.max(), F[pair], T[pair])) for pair in ends)
@@ -191,14 +200,14 @@ def _account_warnings(case: Case, data: xr.Dataset, over_time: Mapping[str, Any]
     return diagnostics.balance_warnings(case, over_time["budgets"]) + diagnostics.friction_warnings(case, largest)
 
 
-def _without_zero(values: Values) -> dict[str, float | None]:
-    """The values without a traction coefficient along y that is zero: most contacts have the symmetry."""
-    return {name: value for name, value in values.items() if value or name != "mu_sliding_y"}
-
-
 def _summary(case: Case, content: Mapping[str, Any], status: Status, warnings: list[str]) -> dict[str, Any]:
-    heading = {"kind": case.kind, "method": case.solver.method, **parameters_of(case)}
-    return with_si(case, {**heading, **_finite(content), "status": status.value, "warnings": warnings})
+    """The summary, with None for errors that are not known.
+
+    A traction coefficient along y that is zero is left out: most contacts have the symmetry.
+    """
+    heading = {"kind": case.kind, "method": case.solver.method, **parameters_of(case), **dict.fromkeys(ERRORS)}
+    known = {name: value for name, value in content.items() if value or name != "mu_sliding_y"}
+    return with_si(case, {**heading, **_finite(known), "status": status.value, "warnings": warnings})
 
 
 def _finite(content: Any) -> Any:
@@ -215,17 +224,13 @@ def with_si(case: Case, content: Mapping[str, Any]) -> dict[str, Any]:
     """
     if case.scales is None:
         return dict(content)
-    reached = content.get("max_approach", content)  # of an impact that did not get there only the whole is known
-    known = content if reached else {name: content[name] for name in ("contact_time", "F_max")}
-    in_si = values_in_si(known, case.scales)
-    if "delta_m" in in_si:
-        in_si["approach_m"] = in_si.pop("delta_m")
-    si: dict[str, Any] = {**scale_values(case), **in_si, "budgets": balances.terms_in_si(case, content["budgets"])}
-    if "max_approach" in content:
-        si["max_approach"] = reached and values_in_si(reached, case.scales)
+    converted = partial(values_in_si, scales=case.scales, zero=content.get(TOUCH) or 0.0)
+    si: dict[str, Any] = {**scale_values(case), **converted(content)}
+    si |= {"approach_m": si.pop("delta_m"), "delta_m": scale_values(case)["delta_m"]}
+    si["budgets"] = balances.terms_in_si(case, content["budgets"])
     if "extremes" in content:
         extreme = content["extremes"].items()
-        si["extremes"] = {name: values_in_si({**one, name: one["value"]}, case.scales) for name, one in extreme}
+        si["extremes"] = {name: converted({**one, name: one["value"]}) for name, one in extreme}
     return {**content, "si": si}
 
 
@@ -261,23 +266,10 @@ ORDERS = {"restitution": 1.0}  # in the spacing, where they are not 2; seen are 
 def comparisons(case: Case) -> Mapping[str, Case]:
     """The cases by the part of the error that they tell: "grid", "time" (not if steady), "domain"."""
     half = case.on_half_grid()
-    cases = {"grid": half, "domain": replace(half, solver=wider(half.solver))}
+    cases = {"grid": half, "domain": replace(half, solver=half.method.space.wider(half.solver, WIDER_DOMAIN))}
     if case.time is not None:
         cases["time"] = replace(half, time=case.time.with_steps(SMALLER_STEPS))
     return cases
-
-
-def wider(solver: Solver) -> Solver:
-    """The domain 1.5 times as wide, at the same spacing: as near as grids allow."""
-    if solver.method == "radial":
-        width = WIDER_DOMAIN * solver.half_width
-        cells = (solver.nodes - 1) * definition.extent(width) / definition.extent(solver.half_width)
-        return replace(solver, half_width=width, nodes=round(cells) + 1)
-    spacing = 2 * solver.half_width / (solver.nodes - 1)
-    nodes = allowed_nodes(WIDER_DOMAIN * (solver.nodes - 1) + 1)
-    inlet = solver.inlet and solver.inlet + spacing * ((nodes - solver.nodes) * solver.inlet // (2 * solver.half_width))
-    across = solver.half_width_y and WIDER_DOMAIN * solver.half_width_y
-    return replace(solver, nodes=nodes, half_width=spacing * (nodes - 1) / 2, half_width_y=across, inlet=inlet)
 
 
 def error_estimate(name: str, fine: float, others: Mapping[str, float]) -> dict[str, Any]:
@@ -300,25 +292,22 @@ def error_estimate(name: str, fine: float, others: Mapping[str, float]) -> dict[
 
 
 def with_error(case: Case, fine: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-    """The summary of a run with the errors that other runs tell, of all numbers in `variables.ESTIMATED` that it has.
+    """The summary of a run with the errors that other runs tell, of all its numbers with `has_error` in `VARIABLES`.
 
     The films also have theirs as H_c_error, H_c_extrapolated, ...; all errors with their parts are under
-    `error_estimate`.  Those of an impact hold at maximum approach (Delta is Delta_max there) and, restitution, contact
-    time and largest load, for the whole of it.  `error_estimate` is None where one of the runs did not reach maximum
-    approach.
+    `error_estimate`.  Those of an impact hold at maximum approach and, restitution, contact time and largest load, for
+    the whole of it.  `error_estimate` is None where one of the runs did not reach maximum approach.
 
     fine: the summary of the run.  others: those of the other runs, by their part as in `comparisons`.
     """
-    if case.starts_apart and not all(summary["max_approach"] for summary in (fine, *others.values())):
+    if any(summary["H_c"] is None for summary in (fine, *others.values())):
         return {**fine, "error_estimate": None}
-    values, *compared = ({**each, **(each.get("max_approach") or {})} for each in (fine, *others.values()))
-    names = {"Delta_max" if name == "Delta" and case.starts_apart else name: name for name in ESTIMATED}
-    estimates = {
-        name: error_estimate(name, values[key], {part: one[key] for part, one in zip(others, compared, strict=True)})
-        for name, key in names.items()
-        if all(known := [each.get(key) for each in (values, *compared)]) and len(set(known)) > 1  # else given, or zero
-    }
+    estimates = {}
+    for name in names_where(lambda variable: variable.has_error):
+        known: list[Any] = [summary.get(name) for summary in (fine, *others.values())]
+        if all(known) and len(set(known)) > 1:  # else it is given, or zero
+            estimates[name] = error_estimate(name, known[0], dict(zip(others, known[1:], strict=True)))
     content = {**fine, "error_estimate": estimates}
     for name in FILMS:
         content |= {f"{name}_{ending}": estimates[name][ending] for ending in ("error", "extrapolated")}
-    return content if case.starts_apart else with_si(case, content)
+    return with_si(case, content)

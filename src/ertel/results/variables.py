@@ -2,9 +2,13 @@
 
 Everything is dimensionless; where the case is physical each variable also carries `si_factor`, `si_units` and
 `si_name`, so that a stored run turns into SI without ertel: value * si_factor.  This module imports no xarray.
+
+T counts from the start of a run.  In SI t counts from the first touch of the undeformed bodies, Delta = 0, so that it
+does not depend on the gap with which an impact starts: t = (T - si_zero) * si_factor, see `with_clock`.  Rolling in
+time has no touch, and its t = 0 is its start.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Container, Iterator, Mapping
 from dataclasses import dataclass, replace
 from math import floor, log10
 from typing import TYPE_CHECKING, Any
@@ -19,15 +23,26 @@ COEFFICIENT = "coefficient"  # in place of a scale: computed in units a/R, and a
 KELVIN = "K"  # the unit of temperatures, the only one that is the same in SI
 CELSIUS = "degC"  # in which they are shown
 PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+TOUCH = "T_touch"  # in a summary and among the attributes of a run: T at t = 0
+START_APPROACH = "start_approach"  # of an impact, among its attributes
 EVENTS = ("", "max-approach", "end")  # why a frame was kept; the first: because it was time
 
 
 @dataclass(frozen=True)
 class Variable:
-    """The meaning of a name.
+    """The meaning of a number or a field, and where it is shown.
 
-    unit: what 1 is, in words.  scale: the attribute of `Scales` that 1 is in SI.  si_name: in `VARIABLES` that in lower
-    case where it is not given.  comment: what a user must know besides.
+    unit: what 1 is, in words.  scale: the attribute of `Scales` that 1 is in SI.  si_name: the name in lower case where
+    it is not given.  comment: what a user must know besides.
+
+    over: what a Dataset has it over: "axis" (it is one), "step" (each time step, or each grid of a steady contact),
+    "grid", "map", "heated map"; "" of a run as a whole.
+    at_moment: it is in the summary, with its value at maximum approach, at the last time or steadily.
+    of_impact: it is in the summary of an impact, about all of it.
+    shown: it is a key number: texts, tables of runs and studies, and the app show it.
+    has_error: it has an error under --error and a limit in a convergence series; values of single nodes have none.
+    panel, curve_panel: the panel that draws it in the picture of a study, and of a traction curve.
+    is_heated: heat changes it; the number with heat has the name with _warm, and is shown in its place.
     """
 
     long_name: str
@@ -37,6 +52,14 @@ class Variable:
     si_units: str = ""
     si_name: str = ""
     comment: str = ""
+    over: str = ""
+    at_moment: bool = False
+    of_impact: bool = False
+    shown: bool = False
+    has_error: bool = False
+    panel: str = ""
+    curve_panel: str = ""
+    is_heated: bool = False
 
     def factor(self, scales: Scales) -> float:
         """The value of 1 in SI."""
@@ -49,6 +72,7 @@ LENGTH = ("a*", "a", "m")
 FILM = ("a*^2/R", "film", "m")
 PRESSURE = ("p_h*", "p_h", "Pa")
 FORCE = ("F*", "load", "N")
+LOAD = ("a*^2 p_h*", "force", "N")
 ENERGY = ("F* a*^2/R", "energy", "J")
 POWER = ("F* a*^2/(R t0)", "power", "W")
 OIL_FLOW = ("rho0 a*^4/(R t0)", "oil_flow", "m3/s")
@@ -56,7 +80,23 @@ SHEAR = ("p_h* a*/R", "shear_stress", "Pa")
 NUMBER = ("a*/R", COEFFICIENT, "1")
 
 RING = "in an axisymmetric contact the place is a ring: X is its radius, Y is 0"
-AXES: Mapping[str, Variable] = {
+AMBIENT = "in SI a volume: that of the oil at ambient pressure"
+PUSHED = "the force of surface 1 on surface 2 over the load of the film, positive along X"
+RESISTANCE = (
+    "of each surface: (1/2) double integral of H dP/dX over the load of the film, positive against motion along X"
+)
+LOSS = "heat of sliding and of the pressure-driven flow"
+# where a number is shown
+MOMENT: dict[str, Any] = {"at_moment": True}
+ESTIMATED: dict[str, Any] = {"at_moment": True, "has_error": True}
+FRICTION: dict[str, Any] = {**ESTIMATED, "shown": True}
+IMPACT: dict[str, Any] = {"of_impact": True, "has_error": True}
+THICKNESS = "Film thickness"  # the panel of films
+FILMS_SHOWN: dict[str, Any] = {**FRICTION, "panel": THICKNESS, "curve_panel": "Film", "is_heated": True}
+TRACTION: dict[str, Any] = {**FRICTION, "panel": "Traction", "curve_panel": "Traction", "is_heated": True}
+
+# The one table, and the one order of all numbers.  A new number is a line here, beside the place where it is computed.
+AXES = {
     "time": Variable("time", "T", *TIME, "t"),
     "frame": Variable("time of a map", "T", *TIME, "t"),
     "X": Variable("position along x", "X", *LENGTH),
@@ -65,8 +105,36 @@ AXES: Mapping[str, Variable] = {
     "grid": Variable("nodes per side of a grid", "n"),
     "iteration": Variable("Newton iteration", "k"),
 }
-AMBIENT = "in SI a volume: that of the oil at ambient pressure"
-BUDGET: Mapping[str, Variable] = {  # the terms of the balances, see `equations.account`
+CASES = {
+    "M": Variable("load parameter", "M"),
+    "L": Variable("oil parameter", "L"),
+    "T": Variable("time", "T", *TIME, "t", **ESTIMATED),
+}
+STEPS = {  # and grids
+    "H_c": Variable("central film thickness", "H_c", *FILM, **FILMS_SHOWN),
+    "H_min": Variable("minimum film thickness", "H_min", *FILM, **FILMS_SHOWN),
+    "P_c": Variable("central pressure", "P_c", *PRESSURE, **ESTIMATED),
+    "P_max": Variable("maximum pressure", "P_max", *PRESSURE, **MOMENT, shown=True, panel="Maximum pressure"),
+    "X_min": Variable("place of the minimum film thickness along x", "X_min", *LENGTH, comment=RING, **MOMENT),
+    "Y_min": Variable("place of the minimum film thickness along y", "Y_min", *LENGTH, comment=RING, **MOMENT),
+    "Delta": Variable("mutual approach of the bodies", "Delta", *FILM, **ESTIMATED),
+    "F": Variable("load carried by the film", "F", *FORCE, **ESTIMATED),
+    "mu_sliding": Variable("traction coefficient", "mu_sliding", *NUMBER, comment=PUSHED, **TRACTION),
+    "mu_sliding_y": Variable(
+        "traction coefficient along y", "mu_sliding_y", *NUMBER, comment=PUSHED.replace("X", "Y"),
+        **FRICTION, is_heated=True,
+    ),
+    "mu_rolling": Variable(
+        "rolling resistance coefficient", "mu_rolling", *NUMBER, comment=RESISTANCE, **FRICTION, curve_panel="Traction"
+    ),
+    "power_loss": Variable(
+        "power loss", "power_loss", *POWER, comment=LOSS, **FRICTION, curve_panel="Power loss", is_heated=True
+    ),
+    "V": Variable("approach speed", "dDelta/dT", "a*^2/(R t0)", "speed", "m/s"),
+    "X_P_max": Variable("place of the maximum pressure along x", "X_P_max", *LENGTH, comment=RING),
+    "Y_P_max": Variable("place of the maximum pressure along y", "Y_P_max", *LENGTH, comment=RING),
+    "P_fall": Variable("fall of the pressure from its maximum to the next nodes", "1 - P_next/P_max"),
+    # the terms of the balances, see `equations.account`
     "mass": Variable("oil on the grid", "m", "rho0 a*^4/R", "oil", "m3", "oil_volume", AMBIENT),
     "inflow": Variable("oil that flows in through the edge of the grid", "m_in", *OIL_FLOW, comment=AMBIENT),
     "outflow": Variable("oil that flows out through the edge of the grid", "m_out", *OIL_FLOW, comment=AMBIENT),
@@ -77,43 +145,44 @@ BUDGET: Mapping[str, Variable] = {  # the terms of the balances, see `equations.
     "power_from_surfaces": Variable("power of the moving surfaces where the gap closes", "S_in", *POWER),
     "power_to_surfaces": Variable("power given back where the gap opens", "S_out", *POWER),
     "outside_power": Variable("power that goes to the oil outside the grid", "W_out", *POWER),
-}
-PUSHED = "the force of surface 1 on surface 2 over the load of the film, positive along X"
-RESISTANCE = (
-    "of each surface: (1/2) double integral of H dP/dX over the load of the film, positive against motion along X"
-)
-LOSS = "heat of sliding and of the pressure-driven flow"
-FRICTION: Mapping[str, Variable] = {  # see `equations.account`
-    "mu_sliding": Variable("traction coefficient", "mu_sliding", *NUMBER, comment=PUSHED),
-    "mu_sliding_y": Variable("traction coefficient along y", "mu_sliding_y", *NUMBER, comment=PUSHED.replace("X", "Y")),
-    "mu_rolling": Variable("rolling resistance coefficient", "mu_rolling", *NUMBER, comment=RESISTANCE),
-    "power_loss": Variable("power loss", "power_loss", *POWER, comment=LOSS),
-}
-SCALARS: Mapping[str, Variable] = {
-    "dT": Variable("time step", "dT", *TIME),
-    "Delta": Variable("mutual approach of the bodies", "Delta", *FILM),
-    "V": Variable("approach speed", "dDelta/dT", "a*^2/(R t0)", "speed", "m/s"),
-    "F": Variable("load carried by the film", "F", *FORCE),
-    "P_c": Variable("central pressure", "P_c", *PRESSURE),
-    "P_max": Variable("maximum pressure", "P_max", *PRESSURE),
-    "H_c": Variable("central film thickness", "H_c", *FILM),
-    "H_min": Variable("minimum film thickness", "H_min", *FILM),
-    "X_P_max": Variable("place of the maximum pressure along x", "X_P_max", *LENGTH, comment=RING),
-    "Y_P_max": Variable("place of the maximum pressure along y", "Y_P_max", *LENGTH, comment=RING),
-    "P_fall": Variable("fall of the pressure from its maximum to the next nodes", "1 - P_next/P_max"),
-    "X_min": Variable("place of the minimum film thickness along x", "X_min", *LENGTH, comment=RING),
-    "Y_min": Variable("place of the minimum film thickness along y", "Y_min", *LENGTH, comment=RING),
-    **BUDGET,
-    **FRICTION,
     "U": Variable("entrainment", "U", "a*/t0", "front_speed", "m/s", "u_m"),
     "w": Variable("applied load", "w", *FORCE),
+    "dT": Variable("time step", "dT", *TIME),
     "error": Variable("local time error of the step", "error", "time.tolerance"),
     "newton_iterations": Variable("Newton iterations", "n_N"),
     "krylov_iterations": Variable("Krylov iterations", "n_K"),
-    "convolutions": Variable("convolutions of the step, on the finest grid", "n_c"),
-    "rejected": Variable("attempts rejected before the step", "n_r"),
+    "convolutions": Variable("convolutions on the finest grid", "n_c"),
+    "rejected": Variable("rejected attempts of steps", "n_r"),
+}  # fmt: skip
+GRIDS = {  # of a steady contact alone
+    "load": Variable("load carried by the film", "integral of P", *LOAD, at_moment=True),
+    "residual": Variable("maximum residual", "res"),
 }
-FIELDS: Mapping[str, Variable] = {
+RUNS = {  # of a run as a whole, or of a traction curve
+    "restitution": Variable("coefficient of restitution", "e", **IMPACT, shown=True, panel="Restitution"),
+    "contact_time": Variable(
+        "contact time, with more than 1 % of the largest load", "T_contact", *TIME, "t_contact", **IMPACT
+    ),
+    "F_max": Variable("largest load carried by the film", "F_max", *FORCE, **IMPACT),
+    "H_min_extreme": Variable("thinnest film of the run", "H_min", *FILM),
+    "P_max_extreme": Variable("highest pressure of the run", "P_max_extreme", *PRESSURE),
+    "mu_1": Variable("friction coefficient of surface 1, mu + mu_r", "mu_1", *NUMBER, is_heated=True),
+    "mu_2": Variable("friction coefficient of surface 2, mu_r - mu", "mu_2", *NUMBER, is_heated=True),
+    "tau_max": Variable(
+        "maximum mid-plane shear stress", "tau_max", *SHEAR,
+        shown=True, curve_panel="Maximum shear stress", is_heated=True,
+    ),
+    "T_film_max": Variable(
+        "highest temperature of the film", "T_film_max", KELVIN, shown=True, curve_panel="Temperature"
+    ),
+    "T_1_max": Variable("highest temperature of surface 1", "T_1_max", KELVIN, curve_panel="Temperature"),
+    "T_2_max": Variable("highest temperature of surface 2", "T_2_max", KELVIN, curve_panel="Temperature"),
+    "T_film_mean": Variable("mean temperature of the film, weighted with the pressure", "T_film_mean", KELVIN),
+    "phi_T": Variable("inlet factor of the film", "phi_T", curve_panel="Inlet factor"),
+    "L_t": Variable("thermal loading parameter", "L_t"),
+    "wall_time": Variable("time of computing", "t_wall", "s"),
+}  # fmt: skip
+MAPS = {
     "P": Variable("pressure", "P", *PRESSURE),
     "H": Variable("film thickness", "H", *FILM),
     "oil": Variable("oil in the gap, H where it is full", "H_oil", *FILM, "h_oil"),
@@ -121,64 +190,48 @@ FIELDS: Mapping[str, Variable] = {
     "tau_y": Variable("shear stress in the middle of the film along y", "tau_y", *SHEAR),
     "loss": Variable("power loss per area", "q", "p_h* a*^2/(R t0)", "power_per_area", "W/m2"),
 }
-TEMPERATURES: Mapping[str, Variable] = {  # maps of a steady contact with [thermal], see `solvers.heat`
+HEATED_MAPS = {  # of a steady contact with [thermal], see `solvers.heat`
     "T_1": Variable("temperature of surface 1", "T_1", KELVIN),
     "T_2": Variable("temperature of surface 2", "T_2", KELVIN),
     "T_film": Variable("temperature of the film", "T_film", KELVIN, comment="mean across the film"),
 }
-OF_A_GRID: Mapping[str, Variable] = {  # of a steady contact, with some of the scalars
-    "load": Variable("load carried by the film", "integral of P", "a*^2 p_h*", "force", "N"),
-    "residual": Variable("maximum residual", "res"),
-    "history": Variable("maximum residual after each iteration", "res"),
-}
-HOTTEST: Mapping[str, Variable] = {
-    "T_1_max": Variable("highest temperature of surface 1", "T_1_max", KELVIN),
-    "T_2_max": Variable("highest temperature of surface 2", "T_2_max", KELVIN),
-    "T_film_max": Variable("highest temperature of the film", "T_film_max", KELVIN),
-    "phi_T": Variable("inlet factor of the film", "phi_T"),
-}
-OF_A_CURVE: Mapping[str, Variable] = {  # of a traction curve, with some of the scalars
-    "mu_1": Variable("friction coefficient of surface 1, mu + mu_r", "mu_1", "a/R", COEFFICIENT, "1"),
-    "mu_2": Variable("friction coefficient of surface 2, mu_r - mu", "mu_2", "a/R", COEFFICIENT, "1"),
-    "tau_max": Variable("maximum mid-plane shear stress", "tau_max", "p_h a/R", "shear_stress", "Pa"),
-    "mu_isothermal": Variable("isothermal traction coefficient", "mu_isothermal", *NUMBER, comment=PUSHED),
-    **HOTTEST,
-}
-OUTCOME: Mapping[str, Variable] = {  # of a run as a whole
-    "M": Variable("load parameter", "M"),
-    "L": Variable("oil parameter", "L"),
-    "H_min_extreme": Variable("thinnest film of the run", "H_min", *FILM),
-    "P_max_extreme": Variable("highest pressure of the run", "P_max_extreme", *PRESSURE),
-    "restitution": Variable("coefficient of restitution", "e"),
-    "contact_time": Variable("contact time, with more than 1 % of the largest load", "T_contact", *TIME, "t_contact"),
-    "h_c_warm": Variable("central film thickness, warm", "h_c", "m"),
-    "h_min_warm": Variable("minimum film thickness, warm", "h_min", "m"),
-    "mu_sliding_warm": Variable("traction coefficient, warm", "mu_sliding"),
-    **{f"{name}_warm": variable for name, variable in HOTTEST.items()},
-    "wall_time": Variable("time of computing", "t_wall", "s"),
-}
 EVENT = Variable("why the map was kept", "event")
-_DEFINED: Mapping[str, Variable] = {
-    **{**AXES, **SCALARS, **FIELDS, **TEMPERATURES, **OF_A_GRID, **OF_A_CURVE, **OUTCOME},
-    "F_max": Variable("largest load carried by the film", "F_max", *FORCE),
-    "T": AXES["time"],
-    "event": EVENT,
-}
-VARIABLES: Mapping[str, Variable] = {
-    name: replace(variable, si_name=variable.si_name or name.lower()) if variable.scale else variable
-    for name, variable in _DEFINED.items()
-}
+OTHERS = {"history": Variable("maximum residual after each iteration", "res"), "event": EVENT}
+
+
+def _all() -> Iterator[tuple[str, Variable]]:
+    """The variables by name; one with heat stands behind the same without."""
+    steps, maps = {"axis": AXES, "": CASES, "step": STEPS}, {"map": MAPS, "heated map": HEATED_MAPS, "other": OTHERS}
+    for over, part in [*steps.items(), ("grid", GRIDS), ("", RUNS), *maps.items()]:
+        for name, variable in part.items():
+            si_name = (variable.si_name or name.lower()) if variable.scale else ""
+            yield name, replace(variable, over=over, si_name=si_name)
+            if variable.is_heated:
+                variable = replace(variable, long_name=f"{variable.long_name}, warm", si_name=f"{si_name}_warm")
+                yield f"{name}_warm", replace(variable, at_moment=False, has_error=False)
+
+
+VARIABLES = dict(_all())
 FILMS = ("H_c", "H_min")
-WHOLE = ("restitution", "contact_time", "F_max")  # of an impact as a whole
-# with an error under --error and in a convergence series; P_max and places are values of single nodes
-ESTIMATED = (*FILMS, "T", "Delta", "P_c", "F", *FRICTION, *WHOLE)
-MEASURED = ("H_c", "H_min", "X_min", "Y_min", "Delta", "P_c", "P_max", "load")  # of a rolling contact's summary
 MADE_BY = "ertel, with Matplotlib"  # in the files of pictures and movies: who drew them
 FIGURES_IN_TIME = (
     "overview", "film", "pressure", "oil", "maps", "profiles", "history", "friction", "front", "spacetime",
 )  # fmt: skip
 FIGURES_STEADY = ("overview", "film", "pressure", "oil", "maps", "midlines", "convergence", "friction")
-AT_MAXIMUM = ("T", "Delta", "F", "P_c", "P_max", "H_c", "H_min", "X_min", "Y_min")  # of a summary
+
+
+def names_where(chosen: Callable[[Variable], Any]) -> list[str]:
+    """The names of the variables that a function chooses, in the order of the table."""
+    return [name for name, variable in VARIABLES.items() if chosen(variable)]
+
+
+def stored_in(there: Container[Any], chosen: Callable[[Variable], Any], cold: bool = False) -> dict[str, Variable]:
+    """The same by the names that a Dataset or a mapping has, which may be those in SI.
+
+    Those with heat stand in the place of those without it, or beside them where the `cold` ones are wanted, too.
+    """
+    found = {name: each for name in names_where(chosen) for each in (name, name_in_si(name)) if each in there}
+    return {each: VARIABLES[name] for name, each in found.items() if cold or f"{name}_warm" not in found}
 
 
 def unit_of(kind: str, unit: str) -> str:
@@ -213,17 +266,6 @@ def with_coefficients(values: Mapping[str, Any], scales: Scales | None) -> dict[
     return {**values, **{name: value if value is None else value * unit for name, value in coefficients.items()}}
 
 
-def one_number(dataset: "xr.Dataset") -> "xr.Dataset":
-    """The Dataset of a stored run, its coefficients of friction as plain numbers: earlier versions stored units a/R."""
-    converted = {}
-    for name, variable in dataset.variables.items():
-        factor = variable.attrs.get("si_factor", 1.0)
-        if VARIABLES.get(str(name), EVENT).scale == COEFFICIENT and factor != 1.0:
-            attributes = {key: value for key, value in variable.attrs.items() if key != "in_units_of"}
-            converted[name] = (variable.dims, variable.values * factor, {**attributes, "si_factor": 1.0})
-    return dataset.assign(converted) if converted else dataset
-
-
 def variable_attributes(name: str, scales: Scales | None) -> dict[str, Any]:
     """CF attributes of a variable: units, long_name, symbol, what 1 stands for, and its SI factor if there is one."""
     variable = VARIABLES[name]
@@ -234,7 +276,7 @@ def variable_attributes(name: str, scales: Scales | None) -> dict[str, Any]:
         attributes["in_units_of"] = variable.unit
     if variable.comment:
         attributes["comment"] = variable.comment
-    if variable is EVENT:
+    if name == "event":
         attributes |= {"flag_values": list(range(len(EVENTS))), "flag_meanings": " ".join(e or "time" for e in EVENTS)}
     if scales and variable.scale:
         attributes |= {"si_name": variable.si_name, "si_units": variable.si_units}
@@ -244,11 +286,43 @@ def variable_attributes(name: str, scales: Scales | None) -> dict[str, Any]:
 
 def value_in_si(value: Any, attributes: Mapping[str, Any]) -> tuple[str, Any, dict[str, Any]]:
     """The SI name, value and attributes of a variable of a physical case, from its own, which have an si_factor."""
-    attributes = dict(attributes)
-    factor, attributes["units"] = attributes.pop("si_factor"), attributes.pop("si_units")
-    attributes["symbol"] = attributes.pop("si_name")
-    attributes.pop("in_units_of", None)
-    return attributes["symbol"], value * factor, attributes
+    value, attributes = shifted(value, attributes), dict(attributes)
+    attributes["units"], attributes["symbol"] = attributes.pop("si_units"), attributes.pop("si_name")
+    for name in ("si_factor", "si_zero", "in_units_of"):
+        attributes.pop(name, None)
+    return attributes["symbol"], value, attributes
+
+
+def shifted(value: Any, attributes: Mapping[str, Any]) -> Any:
+    """A value in SI from its own unit, a time from the first touch; as it is where the attributes know no SI."""
+    return (value - attributes.get("si_zero", 0.0)) * attributes.get("si_factor", 1.0)
+
+
+def first_touch(T: Any, Delta: Any, start_approach: float) -> float:
+    """T at which the undeformed bodies of an impact touch, Delta = 0.
+
+    Interpolated linearly between the steps.  Until the ball is there, and where the oil stops it before, it is the T at
+    which a ball that keeps its speed would be there.
+    """
+    for n in range(1, len(T)):
+        if Delta[n - 1] < 0.0 <= Delta[n]:
+            return float(T[n] - Delta[n] * (T[n] - T[n - 1]) / (Delta[n] - Delta[n - 1]))
+    return -start_approach
+
+
+def with_clock(dataset: "xr.Dataset") -> "xr.Dataset":
+    """A run whose times have the attribute `si_zero`, T at t = 0, where it is an impact in SI."""
+    axes = [name for name in ("time", "frame") if "si_factor" in (dataset[name].attrs if name in dataset else ())]
+    if dataset.attrs.get("kind") != "impact" or not axes or "si_zero" in dataset[axes[0]].attrs:
+        return dataset
+    zero = dataset.attrs.get(TOUCH)
+    if zero is None:
+        T, Delta = (dataset[name].values if "Delta" in dataset else () for name in ("time", "Delta"))
+        zero = first_touch(T, Delta, dataset.attrs.get(START_APPROACH, -1.0))
+    clocked = dataset.copy()
+    for name in axes:
+        clocked.variables[name].attrs = {**dataset[name].attrs, "si_zero": zero}
+    return clocked
 
 
 def to_si(dataset: "xr.Dataset") -> "xr.Dataset":
@@ -271,13 +345,14 @@ def to_si(dataset: "xr.Dataset") -> "xr.Dataset":
     """
     if not any("si_factor" in variable.attrs for variable in dataset.variables.values()):
         raise ValueError("dataset: the case is dimensionless and has no SI scales; give radius, speed, ... in SI")
-    converted, names = dataset.copy(), {}
+    dataset = with_clock(dataset)
+    converted, new_names = dataset.copy(), {}
     for name, variable in dataset.variables.items():
         if "si_factor" in variable.attrs:
             new, values, attributes = value_in_si(variable.values, variable.attrs)
             converted[name] = (variable.dims, values, attributes)
-            names[name] = new if name != "frame" else name
-    return converted.rename(names)
+            new_names[name] = new if name != "frame" else name
+    return converted.rename(new_names)
 
 
 def prefixed(unit: str, largest: float) -> tuple[float, str]:
@@ -302,8 +377,10 @@ def with_prefix(value: float, unit: str) -> str:
     return f"{value / one:.4g} {name}".rstrip()
 
 
-def values_in_si(values: Mapping[str, Any], scales: Scales) -> dict[str, float | None]:
+def values_in_si(values: Mapping[str, Any], scales: Scales, zero: float = 0.0) -> dict[str, float | None]:
     """Convert dimensionless values, by the name of their variable, to SI; what has no unit is left out.
+
+    zero: T at t = 0.
 
     The names in SI end with the unit: H_c becomes h_c_m, P_max p_max_Pa.  H_c_error and H_c_extrapolated scale as H_c.
     """
@@ -313,7 +390,8 @@ def values_in_si(values: Mapping[str, Any], scales: Scales) -> dict[str, float |
         variable = VARIABLES.get(base)
         if variable is not None and variable.scale:
             key = named_with_unit(variable.si_name + name.removeprefix(base), variable.si_units)
-            converted[key] = None if value is None else value * variable.factor(scales)
+            start = zero if name == "T" else 0.0
+            converted[key] = None if value is None else (value - start) * variable.factor(scales)
     return converted
 
 

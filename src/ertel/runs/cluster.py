@@ -23,7 +23,6 @@ import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from math import inf
-from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 from uuid import uuid4
@@ -31,7 +30,7 @@ from uuid import uuid4
 import dask
 from distributed import Client, Future, KilledWorker, LocalCluster, Security, Worker, WorkerPlugin, as_completed
 from distributed.comm.core import FatalCommClosedError
-from distributed.utils import json_load_robust, silence_logging_cmgr
+from distributed.utils import silence_logging_cmgr
 
 from ertel.case.records import ConfigError
 from ertel.runs import compile
@@ -45,6 +44,7 @@ ANSWER = 20  # s in which a scheduler must answer
 PATIENCE = 10  # s without any worker, after which this is said
 RUNNING = "running"  # the status of a client that has its scheduler
 LOST = Failure("the scheduler was lost")
+CERTIFICATES = "distributed.comm.tls in dask's configuration"
 NO_WORKERS = "the scheduler has no workers: the runs wait until some come"
 SETTINGS = {"NPROC": "1", "XLA_PYTHON_CLIENT_PREALLOCATE": "false"}  # workers share the memory of a GPU
 ENDING = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
@@ -100,24 +100,17 @@ def _private_directory() -> Iterator[str]:
 
 
 @contextmanager
-def existing(
-    address: str | None = None, file: str | Path | None = None, tls: str | Path | None = None
-) -> Iterator["Cluster"]:
-    """The workers of a scheduler that runs, by its address or the file that it wrote; they stay.
+def existing(address: str) -> Iterator["Cluster"]:
+    """The workers of a scheduler that runs; they stay.
 
-    They need this version of ertel, and the directories of the runs under the same names.  tls: a PEM file with a
-    certificate, its key and the certificate of the authority, for a scheduler at tls://; None: dask's configuration.
-    Raises NoScheduler.
+    They need this version of ertel, and the directories of the runs under the same names.  The certificates for a
+    scheduler at tls:// are those of dask's configuration.  Raises NoScheduler.
     """
-    where = f"scheduler = {address}" if address else f"scheduler_file = {file}"
-    security = _keys(tls) if tls else None
-    whole_address = address or _address_in(Path(file or ""))
-    if tls and "://" not in whole_address:
-        whole_address = f"tls://{whole_address}"
-    _check_encryption(where, whole_address, security)
+    where = f"scheduler = {address}"
+    _check_encryption(where, address)
     with ExitStack() as stack:
         try:
-            cluster = stack.enter_context(_connected(whole_address, security))
+            cluster = stack.enter_context(_connected(address, security=None))
         except FatalCommClosedError as error:
             raise NoScheduler(f"{where}: the scheduler has another authority for its certificates") from error
         except (OSError, ValueError) as error:
@@ -126,36 +119,19 @@ def existing(
         yield cluster
 
 
-def _keys(tls: str | Path) -> Security:
-    """The keys in a PEM file.  Raises NoScheduler."""
-    file = str(tls)
-    security = Security(require_encryption=True, tls_ca_file=file, tls_client_cert=file, tls_client_key=file)
+def _check_encryption(where: str, address: str) -> None:
+    """Raise NoScheduler unless dask's configuration has certificates for an address that needs them."""
+    security = Security()
     try:
         security.get_connection_args("client")
     except OSError as error:  # also of OpenSSL
-        content = "a certificate, its key and the certificate of the authority"
-        raise NoScheduler(f"tls = {tls}: must be a PEM file with {content}") from error
-    return security
-
-
-def _check_encryption(where: str, address: str, given: Security | None) -> None:
-    """Raise NoScheduler unless there are keys for an address that needs them, and the other way round."""
-    security = given or Security()  # of dask's configuration
+        raise NoScheduler(f"{where}: {CERTIFICATES} names files that cannot be read: {error}") from error
     if address.startswith("tls://"):
         keys = security.get_tls_config_for_role("client")
         if not keys["cert"] and not dask.config.get("distributed.client.security-loader"):
-            raise NoScheduler(f"{where}: {address} needs certificates; give tls, a PEM file")
+            raise NoScheduler(f"{where}: needs certificates; name them in {CERTIFICATES}")
     elif security.require_encryption:
-        raise NoScheduler(f"{where}: {address} is not encrypted; with tls it must be tls://HOST:PORT")
-
-
-def _address_in(file: Path) -> str:
-    """The address in the file of a scheduler, which may start just before.  Raises NoScheduler."""
-    try:
-        return str(json_load_robust(file, timeout=ANSWER)["address"])
-    except (OSError, LookupError, TypeError) as error:
-        what = "is not JSON with an address" if file.exists() else "no such file"
-        raise NoScheduler(f"scheduler_file = {file}: {what}; give the one that the scheduler wrote") from error
+        raise NoScheduler(f"{where}: must be tls://HOST:PORT, because dask's configuration requires encryption")
 
 
 @contextmanager

@@ -188,10 +188,11 @@ def jax_prepared(case: "Case", tell: Callable[[], object] = lambda: None) -> Ite
     if not case.is_steady or _exports is None:
         yield
         return
-    from ertel.solvers.steady import compile_ahead
+    from ertel.solvers import SOLVERS
 
+    solver: Any = SOLVERS[case.solver.method](case)
     with _exports.in_a_hurry(tell):
-        compile_ahead(case)
+        solver.compile_ahead()
         yield
 
 

@@ -47,7 +47,8 @@ from ertel.case.case import Case
 from ertel.case.conditions import Kind
 from ertel.case.status import Status
 from ertel.inputs.case_files import ConfigError, parse_case, read_toml, to_toml
-from ertel.results.numbers import Scalar, as_now, lines, scalars
+from ertel.results.earlier import as_now
+from ertel.results.numbers import Number, lines, scalars
 from ertel.results.variables import FIGURES_IN_TIME, FIGURES_STEADY, MADE_BY
 from ertel.runs.files import LOCK, StoreError, content_of, inside, is_locked, reading, replace, sync_directory, unsealed
 
@@ -304,7 +305,7 @@ class Listed(NamedTuple):
     status: str
     done: float
     written: datetime
-    numbers: Mapping[str, Scalar]
+    numbers: Mapping[str, Number]
 
 
 def listed(folder: Path) -> list[Listed]:

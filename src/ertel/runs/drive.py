@@ -24,34 +24,21 @@ from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
 
 from ertel.case.case import Case
-from ertel.case.definition import grid_of
 from ertel.case.status import Status
-from ertel.equations.state import Method
+from ertel.equations.state import SteadySolver
 from ertel.inputs.case_files import CaseLike, as_case
-from ertel.numerics.grid import Grid, Symmetry
 from ertel.numerics.programs import double_precision
 from ertel.results.dataset import Frame, assemble_steady
 from ertel.results.numbers import duration
-from ertel.results.result import Result
 from ertel.results.summary import attributes, steady_summary
 from ertel.runs import workers
 from ertel.runs.compile import check_jax, compilations
 from ertel.runs.outlook import warnings_of, with_case_warnings
+from ertel.runs.result import Result
 from ertel.runs.stepping import Arrays, Progress, Step, TransientRun
-from ertel.solvers import steady
-from ertel.solvers.radial import RadialImpact
-from ertel.solvers.steady import GridSolution
-from ertel.solvers.transient import Transient2D
+from ertel.solvers import SOLVERS
 
 Observer = Callable[[Any], object]
-
-
-METHODS: Mapping[str, Callable[[Case], Method]] = {"2d": Transient2D, "transient": Transient2D, "radial": RadialImpact}
-
-
-def method_of(case: Case) -> Method:
-    """The time stepping method of a case."""
-    return METHODS[case.solver.method](case)
 
 
 # -- steady -----------------------------------------------------------------------------------------------------------
@@ -64,7 +51,7 @@ FIELDS = ("P", "H", "history")
 class GridStep:
     """The steady contact after one more grid: all solutions so far, coarsest first."""
 
-    solutions: tuple[GridSolution, ...]
+    solutions: tuple[Any, ...]
     status: Status
     frames: tuple[Frame, ...] = ()
 
@@ -80,55 +67,48 @@ StepResult = Step | GridStep  # an accepted time step, or the solution on a grid
 class SteadyRun:
     """A steady contact, grid by grid: each solution is the first guess on the next grid."""
 
-    def __init__(self, case: Case):
-        self.case = case
+    def __init__(self, case: Case, solver: SteadySolver):
+        self.case, self.solver = case, solver
 
     def begin(self) -> GridStep:
         return GridStep((), Status.RUNNING)
 
     def advance(self, result: GridStep) -> GridStep:
-        solution = next(steady.nested(self.case, result.solutions))
-        finest = solution.grid.nodes == self.case.solver.nodes
-        return GridStep((*result.solutions, solution), solution.status if finest else Status.RUNNING)
+        solutions = (*result.solutions, self.solver.solve(result.solutions))
+        is_finest = len(solutions) == len(self.solver.grids)
+        return GridStep(solutions, solutions[-1].status if is_finest else Status.RUNNING)
 
     def progress(self, result: GridStep) -> Progress:
         if not result.solutions:
             return Progress(None, 0, 0.0, "")
         r, grid = result.record, result.solutions[-1].grid
         work = f"{r['newton_iterations']} Newton, {r['krylov_iterations']} Krylov"
-        message = f"{grid.nodes_x} x {grid.nodes_y}  residual {r['residual']:.1e}  H_c {r['H_c']:.5f}  {work}"
-        return Progress(None, len(result.solutions), (grid.nodes_x / self.case.solver.nodes) ** 2, message)
+        size = " x ".join(str(len(axis)) for axis in reversed(grid.coordinates.values()))
+        message = f"{size}  residual {r['residual']:.1e}  H_c {r['H_c']:.5f}  {work}"
+        return Progress(None, len(result.solutions), (grid.nodes / self.case.solver.nodes) ** 2, message)
 
     def to_arrays(self, result: GridStep) -> dict[str, NDArray[Any]]:
         solutions = result.solutions
         arrays = {name: np.array([getattr(s, name) for s in solutions]) for name in COUNTED}
-        grids = [s.grid for s in solutions]
-        places = [(g.nodes_x, g.nodes_y, g.spacing, g.centre_x, g.centre_y, *g.even) for g in grids]
-        arrays["grid"] = np.array(places, dtype=float)
         arrays["grid_status"] = np.array([s.status.value for s in solutions])
         arrays["status"] = np.asarray(result.status.value)
         for i, s in enumerate(solutions):
             arrays |= {f"{name}_{i}": np.asarray(getattr(s, name)) for name in FIELDS}
+            arrays |= {} if s.kinked is None else {f"kinked_{i}": np.asarray(s.kinked)}
         return arrays
 
     def from_arrays(self, arrays: Arrays) -> GridStep:
         solutions = []
-        for i, (nodes_x, nodes_y, spacing, x, y, *even) in enumerate(arrays["grid"].tolist()):
-            solutions.append(
-                GridSolution(
-                    case=self.case,
-                    grid=Grid(int(nodes_x), int(nodes_y), spacing, x, y, Symmetry(*(bool(e) for e in even))),
-                    P=jax.device_put(arrays[f"P_{i}"]),
-                    H=jax.device_put(arrays[f"H_{i}"]),
-                    status=Status(str(arrays["grid_status"][i])),
-                    history=tuple(arrays[f"history_{i}"].tolist()),
-                    **{name: arrays[name][i].item() for name in COUNTED},
-                )
-            )
+        for i, status in enumerate(arrays["grid_status"].tolist()):
+            stored = {name: arrays[name][i].item() for name in COUNTED}
+            stored |= {name: jax.device_put(arrays[f"{name}_{i}"]) for name in ("P", "H")}
+            stored |= {"history": tuple(arrays[f"history_{i}"].tolist()), "status": Status(status)}
+            stored |= {"kinked": arrays[f"kinked_{i}"]} if f"kinked_{i}" in arrays else {}
+            solutions.append(self.solver.restored(i, stored))
         return GridStep(tuple(solutions), Status(str(arrays["status"])))
 
     def dataset(self, records: Sequence[Mapping[str, float]], frames: Sequence[Frame], last: GridStep) -> xr.Dataset:
-        grid = last.solutions[-1].grid if last.solutions else grid_of(self.case)
+        grid = last.solutions[-1].grid if last.solutions else self.solver.grids[-1]
         return assemble_steady(self.case, grid, last.solutions)
 
     def summary(self, data: xr.Dataset, last: GridStep, status: Status, work: Mapping[str, float]) -> dict[str, Any]:
@@ -141,7 +121,8 @@ Run = TransientRun | SteadyRun
 def run_of(case: Case) -> Run:
     """The run of a case.  Raises Forked."""
     workers.check_fork()
-    return SteadyRun(case) if case.is_steady else TransientRun(case, method_of(case))
+    solver: Any = SOLVERS[case.solver.method](case)
+    return SteadyRun(case, solver) if case.is_steady else TransientRun(case, solver)
 
 
 # -- the loop ---------------------------------------------------------------------------------------------------------

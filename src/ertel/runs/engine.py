@@ -9,7 +9,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from numbers import Integral
-from pathlib import Path
 
 from ertel.case.records import ConfigError, show
 from ertel.runs.workers import LocalWorker, Workers, cores
@@ -23,27 +22,19 @@ class Engine:
     ----------
     jobs : int, optional
         Processes of this machine, by default one for each core; 1 is this process.
-    scheduler, scheduler_file : str or Path, optional
-        The address of a running scheduler, or the file that it wrote: its workers do the runs.
-    tls : str or Path, optional
-        For a scheduler at tls://, a PEM file with a certificate, its key and the certificate of the authority.
+    scheduler : str, optional
+        The address of a running scheduler: its workers do the runs.
 
     Raises
     ------
     ConfigError
-        The parameters contradict each other, or jobs is not a positive whole number.
+        jobs is not a positive whole number.
     """
 
     jobs: int | None = None
     scheduler: str | None = None
-    scheduler_file: str | Path | None = None
-    tls: str | Path | None = None
 
     def __post_init__(self) -> None:
-        if self.scheduler and self.scheduler_file:
-            raise ConfigError(f"scheduler = {show(self.scheduler)}: give it, or scheduler_file, not both")
-        if self.tls and not (self.scheduler or self.scheduler_file):
-            raise ConfigError(f"tls = {self.tls}: only with scheduler or scheduler_file; local processes have own keys")
         if self.jobs is not None and not (isinstance(self.jobs, Integral) and self.jobs >= 1):
             raise ConfigError(f"jobs = {show(self.jobs)}: must be one or more, a whole number")
 
@@ -55,13 +46,11 @@ class Engine:
     @contextmanager
     def workers(self, runs: int) -> Iterator[Workers]:
         """The workers for so many runs, and no more processes than these.  Raises NoScheduler."""
-        elsewhere = self.scheduler or self.scheduler_file
         jobs = min(self.processes, runs)
-        if runs == 0 or (jobs == 1 and not elsewhere):
+        if runs == 0 or (jobs == 1 and not self.scheduler):
             yield LocalWorker()
             return
         from ertel.runs import cluster  # imports dask
 
-        where = self.scheduler, self.scheduler_file, self.tls
-        with cluster.existing(*where) if elsewhere else cluster.local(jobs) as workers:
+        with cluster.existing(self.scheduler) if self.scheduler else cluster.local(jobs) as workers:
             yield workers

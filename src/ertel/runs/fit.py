@@ -26,16 +26,18 @@ from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.inputs.case_files import CaseLike
 from ertel.inputs.fits import with_settings
-from ertel.results.fit_result import FitPoint, FitResult, Values, amount, fit_dataset
+from ertel.results.alignment import Comparison
 from ertel.results.measurements import Measurement
-from ertel.results.result import Result
-from ertel.results.study_result import grouped
+from ertel.results.study_table import grouped
+from ertel.results.summary import ORDERS
 from ertel.runs import studies
 from ertel.runs.compile import check_jax
 from ertel.runs.directory import CASE, read_progress, write_progress
 from ertel.runs.drive import warn
 from ertel.runs.engine import Engine
 from ertel.runs.fit_problem import FitProblem, Given, fit_problem, under_the_law
+from ertel.runs.fit_result import FitPoint, FitResult, Values, amount, fit_dataset, with_laws
+from ertel.runs.result import Result
 from ertel.runs.store import RunStore
 from ertel.runs.workers import Condition, Failure, Workers, never
 
@@ -63,10 +65,9 @@ def fit(
     unknowns: Mapping[str, Any],
     directory: str | Path | None = None,
     *,
+    laws: Sequence[str] = (),
     jobs: int | None = 1,
     scheduler: str | None = None,
-    scheduler_file: str | Path | None = None,
-    tls: str | Path | None = None,
     progress: bool = False,
 ) -> FitResult:
     """Find the numbers of a case that explain what was measured.
@@ -85,7 +86,10 @@ def fit(
     directory : str or Path, optional
         Of the fit: a new or empty one, or that of an earlier fit, whose runs are used again as far as they are the
         same, so that a fit that was killed goes on.  Left out, no run is kept.
-    jobs, scheduler, scheduler_file, tls
+    laws : sequence of str, optional
+        Two or more laws of viscosity, ("roelands", "barus"): a fit under each, and whether the data tell them apart.
+        The result is that of the first one.
+    jobs, scheduler
         Who does the runs, as in `sweep`.  A point of the search takes one run and one for each unknown, side by side;
         as many again for each further set of conditions.
     progress : bool
@@ -95,7 +99,8 @@ def fit(
     -------
     FitResult
         It shows itself as a table: values, standard errors, correlation, and which products of the unknowns the data
-        fix.  `case`, `values`, `standard_errors`, `dataset`, `plot()`, `to_csv(path)`.
+        fix.  The noise has the error of the grid in it, from runs on half the grid, and so have the standard errors.
+        `case`, `values`, `standard_errors`, `dataset`, `plot()`, `to_csv(path)`.
 
     Raises
     ------
@@ -113,8 +118,8 @@ def fit(
         The data do not decide an unknown, one ends at its bound, or the case does not explain the data.
     """
     check_jax()
-    engine = Engine(jobs, scheduler, scheduler_file, tls)
-    problem = fit_problem(case, measurements, unknowns)
+    engine = Engine(jobs, scheduler)
+    problem = fit_problem(case, measurements, unknowns, laws)
     result = studies.in_directory(directory, NAME, lambda place: store_fit(problem, place, engine, progress=progress))
     warn(result.warnings, frames=1)
     return result
@@ -133,9 +138,10 @@ class Search:
         self.problem, self._runner, self._note = problem, runner, note
         self.columns = problem.columns()
         self.measured, self.sigma = self.columns["measured"][0], self.columns["sigma"][0]
+        self.grid, self.grid_in_words = np.zeros_like(self.sigma), ""  # its error in each datum, part of the noise
         self.runs: set[str] = set()  # digests of their cases
         self.warnings: dict[str, Sequence[str]] = {}  # of the runs, by these digests
-        self.shifts: dict[str, list[str]] = {}  # how measurements are aligned, by the digest of the first case
+        self.compared: dict[str, dict[int, Comparison]] = {}  # aligned measurements, by the digest of the first case
         self._failures: list[str] = []
         self._step = STEP
         self.points: dict[bytes, FitPoint] = {}
@@ -160,13 +166,31 @@ class Search:
             gtol=None,
             max_nfev=MOST_POINTS,
         )
+        self._add_grid(start)
         found = search(np.ones_like(start), xtol=NEAR)
+        self._add_grid(start * np.exp(found.x - 1.0))
         finest = float(np.sqrt(np.diag(point(found.x).covariance)).min())
-        if found.status > 0 and finest < STEP:  # data that decide better than the model is straight over a step
-            self._step = FINE_STEP
+        self._step = FINE_STEP if finest < STEP else STEP
+        if found.status > 0 and (finest < STEP or self.grid.any()):  # curvature counts, or the noise is new
             self._check_runs("go on with smaller steps", point(found.x).values)
-            found = search(found.x, xtol=NEAR * finest / STEP)
+            found = search(found.x, xtol=NEAR * min(finest / STEP, 1.0))
         return point(found.x), found.status > 0
+
+    def _add_grid(self, values: Values) -> None:
+        """Take the error of the grid with these values, as `--error` estimates it, as a part of the noise."""
+        fine = self.at(values).residuals * self.sigma + self.measured
+        half = self._predicted(values[None], Case.on_half_grid)[0]
+        if not np.isfinite(half).all():
+            self.grid_in_words = (
+                self.grid_in_words or f"the error of the grid is not in the noise: {self._failures[-1]}"
+            )
+            return
+        orders = np.array([ORDERS.get(name, 2.0) for name in self.columns["quantity"][0]])
+        self.grid, before, given = (half - fine) / (2.0**orders - 1.0), self.sigma, self.columns["sigma"][0]
+        self.sigma, share = np.hypot(given, self.grid), np.sort(np.abs(self.grid) / given)
+        self.points = {key: p.with_noise(before / self.sigma, self.grid / self.sigma) for key, p in self.points.items()}
+        usual, most = share[len(share) // 2], share[-1]
+        self.grid_in_words = f"the error of the grid is in the noise: {usual:.2g} sigma as a rule, {most:.2g} at most"
 
     def _check_runs(self, what: str, values: Values) -> None:
         """Raise FitError where a search cannot do this, because a run with these values, or next to them, failed."""
@@ -197,14 +221,14 @@ class Search:
             np.array([unknown.prior or (np.nan, np.nan) for unknown in unknowns]).T,
             (predicted[0] - self.measured) / self.sigma,
             ((predicted[1:] - predicted[0]) / steps[:, None] / self.sigma).T,
-            sum(len(each.align) for each, _ in self.problem.data),
+            self.problem.aligned,
+            self.grid / self.sigma,
         )
 
-    def _predicted(self, places: Values) -> Values:
-        """The predictions with the values of each row; all nan where a run failed."""
-        data = self.problem.data
+    def _predicted(self, places: Values, of: Callable[[Case], Case] = lambda case: case) -> Values:
+        """The predictions with the values of each row, by these cases or others made of them; nan where one failed."""
         try:
-            groups = [self.problem.cases(values) for values in places]
+            groups = [[of(case) for case in self.problem.cases(values)] for values in places]
             cases = [case for group in groups for case in group]
             self.runs |= {case.digest for case in cases}
             outcomes: Sequence[Any] = self._runner(cases)
@@ -213,12 +237,14 @@ class Search:
             self.warnings |= {case.digest: run.warnings for case, run in zip(cases, outcomes, strict=True)}
             size = len(self.problem.conditions)
             results = [outcomes[first : first + size] for first in range(0, len(outcomes), size)]
-            self.shifts[cases[0].digest] = [
-                f"measurement {number}, {each.compared(results[0][n])!s}"
-                for number, (each, n) in enumerate(data, 1)
-                if each.align
-            ]
-            return np.array([np.concatenate([each.predicted(found[n]) for each, n in data]) for found in results])
+            clocked = [self.problem.on_clocks(found) for found in results]
+            self.compared[cases[0].digest] = {
+                number: each.compared(results[0][n])
+                for number, (each, n) in enumerate(clocked[0], 1)
+                if each.align or each.start
+            }
+            pairs = zip(clocked, results, strict=True)
+            return np.array([np.concatenate([each.predicted(run[n]) for each, n in data]) for data, run in pairs])
         except ValueError as error:  # also of a case that is not allowed, and of a run that does not reach the data
             self._failures.append(str(error))
             return np.full((len(places), len(self.measured)), np.nan)
@@ -226,22 +252,34 @@ class Search:
 
 def solve_fit(problem: FitProblem, runner: Runner, note: Callable[[Search], object] = lambda _: None) -> FitResult:
     """The result of a fit.  runner, note: see `Search`.  Raises FitError."""
+    others = {law: solve_fit(other, runner, note) for law, other in problem.others.items()}
     search = Search(problem, runner, note)
     solution, converged = search.solve()
     unfinished = [] if converged else [f"the search has not converged after {MOST_POINTS} points; start nearer"]
     predicted = solution.residuals * search.sigma + search.measured
     best = problem.cases(solution.values)
     of_runs = grouped(((case.digest, each) for case in best for each in search.warnings[case.digest]), "run")
+    compared = search.compared[best[0].digest]
+    doubts = [warning for each in compared.values() for warning in each.warnings]
     about = {
         "title": problem.case.name or problem.case.kind,
         "runs": len(search.runs),
         "best": f"{studies.RUNS}/{best[0].digest}",
         "under": under_the_law(problem),
-        "aligned": "; ".join(search.shifts[best[0].digest]),
-        "warnings": [*unfinished, *solution.warnings, *of_runs],
+        "grid": search.grid_in_words,
+        "aligned": "; ".join(f"measurement {number}, {each.in_words}" for number, each in compared.items()),
+        "warnings": [*unfinished, *solution.warnings, *doubts, *of_runs],
     }
-    data = fit_dataset(solution, {**search.columns, "predicted": (predicted, "in SI")}, about)
-    return FitResult(data, case=with_settings(problem.case, problem.at(solution.values)))
+    aligned = [compared[n].aligned if n in compared else "" for n in search.columns["measurement"][0]]
+    columns = {
+        **search.columns,
+        "aligned": (np.array(aligned, dtype=object), "what the alignment took off"),
+        "grid_error": (search.grid, "error of the grid, in SI, a part of the noise"),
+        "predicted": (predicted, "in SI"),
+    }
+    case = with_settings(problem.case, problem.at(solution.values))
+    found = FitResult(fit_dataset(solution, columns, about), case=case)
+    return with_laws({problem.law: found, **others}) if others else found
 
 
 # -- its runs ---------------------------------------------------------------------------------------------------------

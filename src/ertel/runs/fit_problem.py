@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -18,13 +18,14 @@ from ertel.inputs.fits import (
     Unknown,
     WrittenCase,
     interferometer,
+    laws_of,
     load_fit,
     parse_unknowns,
     with_settings,
 )
-from ertel.results.alignment import QUANTITIES
-from ertel.results.fit_result import Values
+from ertel.results.alignment import QUANTITIES, START, with_start
 from ertel.results.measurements import NUMBER, READ, Measurement
+from ertel.runs.fit_result import Values
 
 COLUMNS = {  # of the data: what they are
     "measurement": "number of the measurement, from 1",
@@ -44,7 +45,8 @@ class FitProblem:
     """The unknowns to be found, and the data.
 
     conditions: each different set of values in which measurements differ from the case.  under: the case under each of
-    them.  data: measurements with the number of their conditions.
+    them.  data: measurements with the number of their conditions.  law: the name of that of viscosity, where the same
+    question is asked under several; others: that under the others.
     """
 
     case: Case
@@ -52,6 +54,23 @@ class FitProblem:
     conditions: tuple[Settings, ...]
     under: tuple[Case, ...]
     data: tuple[tuple[Measurement, int], ...]
+    law: str = ""
+    others: Mapping[str, "FitProblem"] = field(default_factory=dict)
+
+    @property
+    def aligned(self) -> int:
+        """The number of values that the alignment takes from the data; the clocks of a set of conditions are one."""
+        pairs = enumerate(self.data)
+        return len({(name, n if name == START else i) for i, (each, n) in pairs for name in each.align})
+
+    def on_clocks(self, results: Sequence[Any]) -> list[tuple[Measurement, int]]:
+        """The data with known starts of their clocks, from a run under each set of conditions."""
+        known = dict(enumerate(self.data))
+        for number, result in enumerate(results):
+            group = {i: each for i, (each, n) in enumerate(self.data) if n == number and START in each.align}
+            starts = with_start(list(group.values()), result) if group else []
+            known |= {i: (each, number) for i, each in zip(group, starts, strict=True)}
+        return list(known.values())
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -86,9 +105,9 @@ class FitProblem:
 
 def load_fit_problem(path: str | Path, overrides: Sequence[str] = ()) -> FitProblem:
     """The problem in the file of a fit, see `inputs.fits`.  Raises ConfigError."""
-    case, tables, unknowns = load_fit(path, overrides)
+    case, tables, unknowns, laws = load_fit(path, overrides)
     given: list[Given] = [(_measurement(place, table, Path(path).parent), table["set"]) for place, table in tables]
-    return fit_problem(case, given, unknowns)
+    return fit_problem(case, given, unknowns, laws)
 
 
 def _measurement(place: str, table: Mapping[str, Any], folder: Path) -> Measurement:
@@ -111,9 +130,16 @@ def _measurement(place: str, table: Mapping[str, Any], folder: Path) -> Measurem
         raise ConfigError(f"{place}: {error}") from error
 
 
-def fit_problem(case: CaseLike | WrittenCase, measurements: Measurement | Sequence[Given], unknowns: Any) -> FitProblem:
+def fit_problem(
+    case: CaseLike | WrittenCase, measurements: Measurement | Sequence[Given], unknowns: Any, laws: Any = ()
+) -> FitProblem:
     """The problem that a user poses.  Raises ConfigError, naming the argument."""
     source = case if isinstance(case, WrittenCase) else WrittenCase.of(case)
+    if laws:
+        cases = {law: source.with_law(law) for law in laws_of(laws)}
+        asked = {law: fit_problem(each, measurements, unknowns) for law, each in cases.items()}
+        first, *rest = asked
+        return replace(asked[first], law=first, others={law: asked[law] for law in rest})
     found = parse_unknowns(unknowns, source.case)
     conditions: list[Settings] = []
     data = []
@@ -168,4 +194,5 @@ def under_the_law(problem: FitProblem) -> str:
     law = problem.case.to_data()["lubricant"]["viscosity"]
     name = law if isinstance(law, str) else law["law"]
     other = ", which is 22 to 25 % too high for an oil that follows Barus'" if name == "roelands" else ""
-    return f"alpha is that of the {name} law{other}; chi square does not tell: fit other laws, at a second speed"
+    advice = 'fit laws = ["roelands", "barus"], at a second speed'
+    return f"alpha is that of the {name} law{other}; chi square does not tell: {advice}"

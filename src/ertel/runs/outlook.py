@@ -25,7 +25,7 @@ from ertel.physics.units import plain
 from ertel.results import diagnostics
 from ertel.results.numbers import numbers
 from ertel.results.parameters import formula_films, parameter_summary, regime, rheology_of
-from ertel.results.variables import FIELDS, with_prefix
+from ertel.results.variables import names_where, with_prefix
 from ertel.runs.compile import jax_devices, may_use_accelerator
 
 MOST_SHOWN = 257  # points a side at which the heights of a roughness are looked at
@@ -41,19 +41,11 @@ SMALLEST_FILM = 1e-9  # m: about the size of the oil's molecules
 STEPS = 75.0  # for each t0, at the default tolerance
 STEPS_POWER = 0.3  # with which the steps grow with 1/tolerance
 STEPS_OF_A_PERIOD = 16.0
-SECONDS_A_STEP = 2e-3, 1e-6  # of a step, and for each node that is kept
-SECONDS_A_RADIAL_STEP = 2e-3, 1.7e-7  # and for each pair of nodes along the radius
-SECONDS_STEADY = 1.3e-5  # for each node that is kept, with the coarser grids
 TIMES_OF_THINNING = 2.0, 6.0  # what a steady film and a step of a shear-thinning oil take, times a Newtonian one
 SECONDS_TO_START = 5.0  # with compiled programs from the cache; some fifteen more where there are none
 
-# bytes = BASE + 8 (ARRAYS * nodes that are computed + maps * nodes of the plane): measured as the peak of the process
-# on 129 to 1025 nodes per side, within 15 % from 257 on.  The compiled program of an impact alone needs 87 arrays of
-# the nodes that are computed (22 of the plane, when a quarter of it is computed), that of steady rolling 115 (57 of
-# the plane): `benchmarks/scaling.py`.
+# bytes = BASE + 8 (arrays * nodes that are computed + maps * nodes of the plane), see `methods.Cost`
 BASE = 0.55e9  # Python, JAX and the compiler
-ARRAYS, ARRAYS_WITH_STEADY = 150, 210  # a run of rolling contains the steady film
-MATRICES = 80  # radial: dense matrices of nodes x nodes
 EXHAUSTED = "RESOURCE_EXHAUSTED"  # how JAX begins such messages
 
 
@@ -100,8 +92,7 @@ def outlook(case: Case) -> dict[str, Any]:
 
 def _grid(case: Case) -> dict[str, float | int]:
     """The grid, and the length of the pressure sweep in a: at the front of an impact, in the inlet of rolling."""
-    spacing = diagnostics.spacing_of(case)
-    across = 1 if case.solver.method == "radial" else grid_of(case).nodes_y
+    spacing, across = case.spacing, case.method.space.across(case.solver)
     sweep = diagnostics.sweep_length(case, case.motion.entrainment(0.0))
     in_si = {"spacing_m": spacing * case.scales.a} if case.scales else {}
     numbers = {"nodes": case.solver.nodes, "nodes_across": across, "spacing": spacing}
@@ -133,14 +124,11 @@ def expected_steps(case: Case) -> int:
 
 def expected_seconds(case: Case) -> float:
     """The seconds that a run takes, roughly, with compiled programs from the cache."""
-    if case.solver.method == "radial":
-        start, each = SECONDS_A_RADIAL_STEP
-        return SECONDS_TO_START + expected_steps(case) * (start + each * case.solver.nodes**2)
-    kept = prod(grid_of(case).shape)
-    film = 0.0 if case.starts_apart else SECONDS_STEADY * kept
-    start, each = SECONDS_A_STEP
+    cost = case.method.cost
+    kept = case.solver.nodes**2 if cost.is_dense else prod(grid_of(case).shape)
     more, slower = (1.0, 1.0) if case.oil.is_newtonian else TIMES_OF_THINNING
-    return SECONDS_TO_START + more * film + slower * expected_steps(case) * (start + each * kept)
+    start, each = cost.step
+    return SECONDS_TO_START + more * cost.film * kept + slower * expected_steps(case) * (start + each * kept)
 
 
 # -- memory -----------------------------------------------------------------------------------------------------------
@@ -148,12 +136,11 @@ def expected_seconds(case: Case) -> float:
 
 def memory_needed(case: Case) -> float:
     """The memory in bytes that a run of the case needs, approximately."""
-    nodes = case.solver.nodes
-    if case.solver.method == "radial":
-        return BASE + 8.0 * MATRICES * nodes**2
-    arrays = ARRAYS if case.starts_apart else ARRAYS_WITH_STEADY
+    nodes, cost = case.solver.nodes, case.method.cost
     moments = 1 if case.is_steady else case.schedule.duration / case.schedule.interval + 2
-    return BASE + 8.0 * (arrays * grid_of(case).size + len(FIELDS) * moments * nodes**2)  # the summary reads all maps
+    fields = names_where(lambda variable: variable.over == "map")  # the summary reads all of them
+    maps = len(fields) * moments * nodes ** len(case.method.axes)
+    return BASE + 8.0 * (cost.arrays * (nodes**2 if cost.is_dense else grid_of(case).size) + maps)
 
 
 def memory_available() -> float:
@@ -218,12 +205,8 @@ def _sliding(case: Case) -> str:
 
 def roughness_of(case: Case) -> list[dict[str, Any]]:
     """Each roughness on the grid at T = 0: shape, size of its finest detail (a), rms, lowest, highest (a^2/R; in m)."""
-    s, spacing, found = case.scales, diagnostics.spacing_of(case), []
-    if case.solver.method == "radial":
-        X, Y = definition.radii(case.solver.nodes, case.solver.half_width)[None, :], np.zeros((1, 1))
-    else:
-        grid = grid_of(case)
-        X, Y = grid.x[None, :: grid.nodes // MOST_SHOWN + 1], grid.y[:: grid.nodes_y // MOST_SHOWN + 1, None]
+    s, spacing, grid, found = case.scales, case.spacing, grid_of(case), []
+    X, Y = grid.x[None, :: grid.nodes // MOST_SHOWN + 1], grid.y[:: grid.nodes_y // MOST_SHOWN + 1, None]
     for feature in case.features:
         heights = np.broadcast_to(
             surfaces.height((feature,), case.motion, 0.0, X, Y, CELLS_KEPT * spacing), (Y.size, X.size)

@@ -33,10 +33,10 @@ from ertel.physics.units import plain
 from ertel.results import diagnostics
 from ertel.results.dataset import assemble_steady
 from ertel.results.diagnostics import LARGE_ERROR
-from ertel.runs.drive import METHODS, Observer, Recorder, drive, warn
+from ertel.runs.drive import Observer, Recorder, drive, warn
 from ertel.runs.stepping import Step, TransientRun, frame_of, turning_time
 from ertel.runs.workers import check_fork, one_blas_thread
-from ertel.solvers import steady
+from ertel.solvers import SOLVERS, steady
 from ertel.solvers.response import RoughnessWave, WaveResponse, tangent_start, tangent_step, wave_response
 from ertel.solvers.steady import Rolling
 from ertel.solvers.transient import Transient2D
@@ -161,7 +161,7 @@ def _check_flooded(case: Case) -> None:
 
 def _smooth(case: Case, roughnesses: Sequence[Sequence[Feature]]) -> tuple[Case, list[tuple[Feature, ...]]]:
     """The smooth impact up to maximum approach, on a part of the plane that all responses share; and these, scaled."""
-    if not case.starts_apart or METHODS[case.solver.method] is not Transient2D:
+    if not case.starts_apart or SOLVERS[case.solver.method] is not Transient2D:
         raise ValueError(f'solver.method = "{case.solver.method}": must be "2d" for a response to roughness')
     check_fork()
     scaled = [scaled_all(some, case.scales, f"roughnesses[{n}]") for n, some in enumerate(roughnesses, 1)]
@@ -235,7 +235,7 @@ def respond_in_rolling(case: CaseLike, roughnesses: Sequence[Sequence[Feature]])
         The discretisation error is above a tenth of the amplitude, or not known.
     """
     case = as_case(case)
-    if not case.is_steady:
+    if SOLVERS[case.solver.method] is not steady.SteadyFilm:
         raise ValueError(f'solver.method = "{case.solver.method}": must be "steady" for the response to passing waves')
     _check_flooded(case)
     check_fork()

@@ -1,10 +1,9 @@
 """Runs in time: steps with error control, attempts until one is accepted, events, and maps at given times.
 
-Nothing here loops over a run (`drive`), and nothing solves: `TransientRun.attempts` is a generator that yields the
-problems of its attempts and is sent their solutions, so that one run and a batch of runs share it.
+Nothing here loops over a run (`drive`), and nothing solves (`solvers`).
 """
 
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 from typing import Any, NamedTuple
@@ -16,7 +15,7 @@ from numpy.typing import NDArray
 from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.equations.account import coefficients, whole_maps
-from ertel.equations.state import Method, State, Work, combined, interpolated, solved
+from ertel.equations.state import State, Stepper, Work, combined, interpolated
 from ertel.numerics import bdf
 from ertel.results.dataset import Frame, assemble
 from ertel.results.summary import impact_summary, rolling_summary
@@ -105,7 +104,7 @@ class TransientRun:
     name; frames, the maps that fell due; and the status of the run after it.
     """
 
-    def __init__(self, case: Case, method: Method, limits: StepLimits | None = None):
+    def __init__(self, case: Case, method: Stepper, limits: StepLimits | None = None):
         self.case, self.method, self.limits = case, method, limits or StepLimits()
 
     def begin(self) -> Step:
@@ -116,13 +115,7 @@ class TransientRun:
         return Step(state, {}, (), Status.RUNNING if start.status.ok else start.status)
 
     def advance(self, result: Step) -> Step:
-        """Return the next result."""
-        return solved(self.attempts(result), self.method.solve)
-
-    # -- one step -----------------------------------------------------------------------------------------------------
-
-    def attempts(self, result: Step) -> Generator[Any, Any, Step]:
-        """The next accepted step after one or more attempts: yields their problems and receives the solutions.
+        """Return the next accepted step, after one or more attempts.
 
         Where the step would become too small it returns the last state again, with that status and without a record.
         """
@@ -131,7 +124,7 @@ class TransientRun:
         counts = state.counts
         while step >= limits.smallest:
             length = self._landing(state.levels[0].T, step)
-            new = yield from self.method.attempt(state.levels, length)
+            new = self.method.advance(state.levels, length)
             counts = counts.plus(new.work)
             if not new.status.ok:
                 step, counts = limits.cut * length, replace(counts, rejected=counts.rejected + 1)
@@ -143,6 +136,8 @@ class TransientRun:
             following = fixed or min(bdf.adapted(length, error), self._longest)
             return self._accept(state, new, replace(counts, steps=counts.steps + 1), following, error)
         return Step(replace(state, counts=counts), {}, (), Status.STEP_TOO_SMALL)
+
+    # -- one step -----------------------------------------------------------------------------------------------------
 
     def _landing(self, T: float, step: float) -> float:
         """The step, changed to end on the next stop where that is near: a knot of a signal, or an end given as a time.
@@ -288,6 +283,6 @@ def _each_time_once(frames: Sequence[Frame]) -> tuple[Frame, ...]:
     return tuple(sorted(kept, key=lambda frame: frame.T))
 
 
-def frame_of(method: Method, level: State, event: str) -> Frame:
+def frame_of(method: Stepper, level: State, event: str) -> Frame:
     """The maps of a level."""
     return Frame(level.T, whole_maps(method.whole, level.fields, method.friction(level)), event)

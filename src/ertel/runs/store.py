@@ -24,10 +24,9 @@ from ertel.case.status import Status
 from ertel.inputs.case_files import CaseLike, as_case, path_of
 from ertel.numerics.programs import double_precision
 from ertel.results.dataset import Frame
+from ertel.results.earlier import one_number
 from ertel.results.numbers import differences
-from ertel.results.result import Result
 from ertel.results.summary import attributes
-from ertel.results.variables import one_number
 from ertel.runs import arrays, files
 from ertel.runs.arrays import AppendedData, ReplacedData
 from ertel.runs.compile import check_jax, compilations
@@ -47,6 +46,7 @@ from ertel.runs.directory import (
 from ertel.runs.drive import Observer, Run, SteadyRun, StepResult, bars, drive, run_of, warn, watch
 from ertel.runs.files import Damaged, StoreError
 from ertel.runs.outlook import warnings_of, with_case_warnings
+from ertel.runs.result import Result
 
 LARGEST_CHECKPOINT = 4 * 10**9  # bytes: of 4097 x 4097 nodes a map has 0.13 GB, and there are several
 

@@ -35,14 +35,15 @@ from ertel.inputs.studies import Study, convergence_series, coordinates, load_st
 from ertel.numerics.programs import double_precision
 from ertel.results.convergence import with_limits
 from ertel.results.numbers import scalars
-from ertel.results.study_result import MISSING, ConvergenceResult, StudyResult, StudyRun, grouped, study_dataset
-from ertel.runs.batch import STEPS, program_of
+from ertel.results.study_table import MISSING, StudyRun, grouped, study_dataset
+from ertel.runs.ahead import STEPS, program_of
 from ertel.runs.compile import check_jax
 from ertel.runs.directory import CASE, PROGRESS, STOP, Taken, heeding_stop, is_asked_to_stop, read_progress, status_of
 from ertel.runs.drive import bars
 from ertel.runs.engine import Engine
 from ertel.runs.files import NotDrawn, StoreError, delete, locked, require_no_links
 from ertel.runs.store import RunStore, compute
+from ertel.runs.study_result import ConvergenceResult, StudyResult
 from ertel.runs.workers import Condition, Failure, StopSignal, Task, Workers, never
 
 RUNS = "runs"
@@ -62,8 +63,6 @@ def sweep(
     overrides: Sequence[str] = (),
     jobs: int | None = 1,
     scheduler: str | None = None,
-    scheduler_file: str | Path | None = None,
-    tls: str | Path | None = None,
     progress: bool = False,
 ) -> StudyResult:
     """Run all cases of a parameter study that are not there yet, and gather their numbers.
@@ -82,12 +81,9 @@ def sweep(
         Number of processes on this machine, with one thread each; None: one for each core.  1: this process, with all
         cores.  A script that asks for more must begin its work below `if __name__ == "__main__":`, because they
         import it.
-    scheduler, scheduler_file : str or Path
-        Address of a scheduler of dask.distributed that runs, or the file that it wrote: its workers do the runs.
-        Whoever reaches the scheduler can run programs as you.
-    tls : str or Path
-        For a scheduler at tls://: a PEM file with a certificate, its key and the certificate of the authority.  Without
-        it the configuration of dask holds.
+    scheduler : str
+        Address of a scheduler of dask.distributed that runs: its workers do the runs.  Whoever reaches it can run
+        programs as you, unless it is at tls://; its certificates are those of dask's configuration.
     progress : bool
         Whether to show a progress bar; in a file, a line a minute.
 
@@ -105,7 +101,7 @@ def sweep(
         Another process is working on the study, or the directory holds other files.
     """
     planned = parse_study(study) if isinstance(study, Mapping) else load_study(study, overrides)
-    return _do(planned, directory, Engine(jobs, scheduler, scheduler_file, tls), progress)
+    return _do(planned, directory, Engine(jobs, scheduler), progress)
 
 
 def converge(
@@ -116,8 +112,6 @@ def converge(
     along: Literal["grid", "time"] = "grid",
     jobs: int | None = 1,
     scheduler: str | None = None,
-    scheduler_file: str | Path | None = None,
-    tls: str | Path | None = None,
     progress: bool = False,
 ) -> ConvergenceResult:
     """Run a case on several grids: the observed order of its numbers, their extrapolated values and errors.
@@ -134,7 +128,7 @@ def converge(
     along : "grid" or "time"
         A run in time halves its steps, too, from grid to grid; the coarsest has those of the case (a tolerance goes as
         the third power of the step).  "time" halves the steps alone.
-    jobs, scheduler, scheduler_file, tls
+    jobs, scheduler
         Who does the runs, as in `sweep`.
     progress : bool
         Whether to show a progress bar.
@@ -151,7 +145,7 @@ def converge(
     StoreError
         Another process is working on the series, or the directory holds other files.
     """
-    series, engine = convergence_series(as_case(case), grids, along), Engine(jobs, scheduler, scheduler_file, tls)
+    series, engine = convergence_series(as_case(case), grids, along), Engine(jobs, scheduler)
     return cast(ConvergenceResult, _do(series, directory, engine, progress))
 
 
@@ -273,7 +267,7 @@ def _task_of(case: Case, directory: Path, stop: Condition) -> Task:
     """The task that brings the run of a case to its end."""
     path = run_directory(directory, case)
     arguments = str(path), case.to_data(), case.maps, stop
-    return Task(case.digest, run_case, arguments, 0.0, program_of(case), partial(has_compiled, case, path))
+    return Task(case.digest, run_case, arguments, program_of(case), partial(has_compiled, case, path))
 
 
 def has_compiled(case: Case, directory: Path) -> bool:

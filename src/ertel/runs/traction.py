@@ -14,7 +14,7 @@ temporary one.
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -28,18 +28,19 @@ from ertel.inputs.case_files import CaseLike, as_case
 from ertel.inputs.quantities import Given, parse_values
 from ertel.numerics.programs import double_precision
 from ertel.physics.units import marks
-from ertel.results import diagnostics, study_result
+from ertel.results import diagnostics
 from ertel.results.dataset import provenance
-from ertel.results.study_result import CURVE_AXES, StudyRun, TractionCurve, point_scalars
-from ertel.results.variables import with_coefficients
+from ertel.results.study_table import DONE, StudyRun, grouped, study_dataset
+from ertel.results.summary import heat_numbers
+from ertel.results.variables import names_where, with_coefficients
 from ertel.runs import studies
 from ertel.runs.compile import check_jax
 from ertel.runs.drive import GridStep, warn
 from ertel.runs.outlook import beyond
 from ertel.runs.store import RunStore
+from ertel.runs.study_result import CURVE_AXES, TractionCurve, point_numbers
 from ertel.runs.workers import Condition, LocalWorker, check_fork, never
-from ertel.solvers.heat import Heated
-from ertel.solvers.steady import Rolling
+from ertel.solvers.steady import GridSolution, Rolling
 
 NAME = "traction"  # of the files with the points
 
@@ -212,17 +213,17 @@ def curve_in(curve: Curve, directory: Path, progress: bool = False, asked: Condi
         fresh = film_case is not present  # one film may serve all points
         if fresh:
             run, present = studies.study_run(film_case, directory, statuses), film_case
-            film = RunStore.open(directory / run.directory).item() if run.status == study_result.DONE else None
+            film = RunStore.open(directory / run.directory).item() if run.status == DONE else None
         if film is None:
-            points.append(run._replace(numbers=point_scalars(case, {})))
+            points.append(run._replace(numbers={}))
         else:
             points.append(_measured(case, film, fresh, run.directory))
     axis = {curve.axis: (curve.values, CURVE_AXES[curve.axis])}
     values = (f"{curve.axis} = {value:.4g}" for value in curve.values)
     said = ((value, each) for value, point in zip(values, points, strict=True) for each in point.warnings)
-    warnings = study_result.grouped(said, "point")
+    warnings = grouped(said, "point")
     about = {"varies": curve.axis, "film": curve.film_in_words, "warnings": warnings}
-    data = study_result.study_dataset("product", axis, points, {**provenance(curve.case), **about})
+    data = study_dataset("product", axis, points, {**provenance(curve.case), **about})
     return TractionCurve(data, directory, case=curve.case)
 
 
@@ -234,40 +235,36 @@ def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyR
     solution = replace(film.solutions[-1], case=case)
     values = with_coefficients(solution.record, case.scales)
     sliding, rolling = values["mu_sliding"], values["mu_rolling"]
-    convolutions = Rolling(film.solutions).convolutions
-    work = sum(s.newton for s in film.solutions), sum(s.krylov for s in film.solutions), convolutions
-    values |= {
+    values = {
+        **{name: values[name] for name in names_where(lambda variable: variable.at_moment) if name in values},
         "mu_1": rolling + sliding,
         "mu_2": rolling - sliding,
         "tau_max": float(np.hypot(*np.asarray(solution.account.friction.stress)).max()),
-        **dict(zip(study_result.CURVE_WORK, work if fresh else (0, 0, 0.0), strict=True)),
+        "newton_iterations": fresh * sum(s.newton for s in film.solutions),
+        "krylov_iterations": fresh * sum(s.krylov for s in film.solutions),
+        "convolutions": fresh * Rolling(film.solutions).convolutions,
     }
     warnings, status = [*beyond(case), *diagnostics.steady_warnings(case, film.solutions)], film.status
     if status.ok and (warm := solution.heat):
-        values |= _warm_values(case, values, warm)
+        values |= _warm_values(solution, values)
         warnings += diagnostics.thermal_warnings(case, warm)
         status = status if warm.converged else Status.NEWTON_STALLED
     if status.ok:
         warnings += diagnostics.friction_warnings(case, values["mu_sliding"])
-    return StudyRun(point_scalars(case, values if status.ok else {}), warnings, status.value, directory)
+    return StudyRun(point_numbers(case, values) if status.ok else {}, warnings, status.value, directory)
 
 
-def _warm_values(case: Case, cold: Mapping[str, float], warm: Heated) -> dict[str, float]:
+def _warm_values(solution: GridSolution, cold: Mapping[str, float]) -> dict[str, Any]:
     """The numbers that heat changes: film (by its inlet factor), traction, the part of sliding in the power loss."""
-    unit = case.scales.a_over_R if case.scales else 1.0
-    sliding, factor = float(warm.sliding[0]) * unit, warm.inlet.factor
+    case, heat, warm = solution.case, solution.heat, heat_numbers(solution.case, solution)
+    assert case.scales is not None and heat is not None
+    unit, sliding = case.scales.a_over_R, float(heat.sliding[0]) * case.scales.a_over_R
     less = (cold["mu_sliding"] - sliding) / unit * case.motion.load(0.0) * case.motion.sliding(0.0)
-    temperatures = {f"{name}_max": float(np.max(getattr(warm, name))) for name in ("T_1", "T_2", "T_film")}
     return {
-        "mu_isothermal": cold["mu_sliding"],
-        "mu_sliding": sliding,
-        "mu_sliding_y": float(warm.sliding[1]) * unit,
-        "mu_1": cold["mu_rolling"] + sliding,
-        "mu_2": cold["mu_rolling"] - sliding,
-        "power_loss": cold["power_loss"] - less,
-        "H_c": factor * cold["H_c"],
-        "H_min": factor * cold["H_min"],
-        "tau_max": float(np.hypot(*np.asarray(warm.stress)).max()),
-        "phi_T": factor,
-        **temperatures,
+        **warm,
+        "mu_sliding_y_warm": float(heat.sliding[1]) * unit,
+        "mu_1_warm": cold["mu_rolling"] + sliding,
+        "mu_2_warm": cold["mu_rolling"] - sliding,
+        "power_loss_warm": cold["power_loss"] - less,
+        "tau_max_warm": float(np.hypot(*np.asarray(heat.stress)).max()),
     }

@@ -26,15 +26,14 @@ def never() -> bool:
 class Task:
     """One run of a function with its arguments.
 
-    name: unique among the tasks; it also names the file that keeps the result.  seconds: expected duration.  program:
-    tasks of the same one need the same compiled programs; "" for one that shares none.  has_compiled: whether these
-    programs are there, asked in the process that waits for the task, while the task runs.
+    name: unique among the tasks.  program: tasks of the same one need the same compiled programs; "" for one that
+    shares none.  has_compiled: whether these programs are there, asked in the process that waits for the task, while
+    the task runs.
     """
 
     name: str
     function: Callable[..., Any]
     arguments: tuple[Any, ...] = ()
-    seconds: float = 0.0
     program: str = ""
     has_compiled: Condition = never
 

@@ -20,6 +20,7 @@ from ertel.equations.approach import ClosureLine
 from ertel.equations.contact import Contact, PressureFlow
 from ertel.equations.flow import Rate, downstream, flow_aligned, upstream_of, void_change
 from ertel.equations.linearised import linear_film
+from ertel.equations.outside import UNCHANGED, Surroundings
 from ertel.numerics import multigrid, newton, stencils
 from ertel.numerics.grid import Grid
 from ertel.numerics.line_smoother import line_smoother
@@ -27,6 +28,7 @@ from ertel.numerics.stencils import FloatLike
 
 PRECISION = "float32"  # of the preconditioner
 INFLOW = 3.0  # weight of what flows into a cavity: a mean around a node counts the cavity on both sides of the node
+HOLDING = 20  # Newton iterations after which a starved film is kinked where it is: it may fill and empty nodes in turns
 LOAD_WEIGHT = 200.0  # weight of the load misfit relative to the residual: every search keeps the load
 
 
@@ -37,7 +39,8 @@ class Problem:
 
     contact, rate, line: the surfaces, the rate of change following the flow, the closure's line.
     tolerance: of Reynolds' equation at each node, (n, n) or a number.  load_tolerance: of a line with Delta unknown.
-    elastic: the deformation operators of the preconditioner's grids.
+    elastic: the deformation operators of the preconditioner's grids.  outside: the change of the oil outside with
+    Delta, from the first guess of an unknown Delta.
     """
 
     contact: Contact
@@ -47,6 +50,7 @@ class Problem:
     tolerance: FloatLike
     load_tolerance: FloatLike
     algorithms: "Algorithms" = field(metadata={"static": True})
+    outside: Surroundings = UNCHANGED
 
 
 Preconditioner = Callable[[Problem, Array, Array, Array], newton.Map]  # from P, H and the free nodes
@@ -73,33 +77,45 @@ class ClosedSystem(NamedTuple):
     approach: Callable[[newton.Solution], Array]
 
 
+class Shared(NamedTuple):
+    """What the residual and its inverse share in an iteration: the flow, where a starved film is kinked, its number."""
+
+    flow: PressureFlow
+    kinked: Any  # None of any other film
+    times: Array
+
+
 @jax.jit
 def solve(problem: Problem, P: Array, approach: FloatLike) -> tuple[newton.Solution, Array]:
     """P, H and Delta from a first guess of P and Delta (which is not used where Delta follows from P).
 
-    `shared` of the solution is the flow in its film; None of a steady film, whose program is exported.
+    `shared` of the solution is the flow in its film; of a steady film, whose program is exported, where it is kinked.
     """
     turned = partial(flow_aligned, problem.rate)
     problem, P = _flow_aligned(problem), turned(P)
     how, c = problem.algorithms, problem.contact
     closed = how.close(problem, P, approach)
 
-    def residual(P: Array, H: Array, flow: PressureFlow) -> Array:
-        return contact.residual(replace(c, flow=flow), P, H, problem.rate)
+    def residual(P: Array, H: Array, at: Shared) -> Array:
+        return contact.residual(replace(c, flow=at.flow), P, H, problem.rate._replace(held=at.kinked))
 
-    def inverse(P: Array, H: Array, free: Array, flow: PressureFlow) -> newton.Map:
-        return how.preconditioner(replace(problem, contact=replace(c, flow=flow)), P, H, free)
+    def inverse(P: Array, H: Array, free: Array, at: Shared) -> newton.Map:
+        now = replace(problem, contact=replace(c, flow=at.flow), rate=problem.rate._replace(held=at.kinked))
+        return how.preconditioner(now, P, H, free)
 
-    def flow(P: Array, H: Array, last: PressureFlow | None) -> PressureFlow:
-        return (last or c.flow).at(c, P, H)
+    def shared(P: Array, H: Array, last: Shared | None) -> Shared:
+        flow, kinked = (last.flow if last else c.flow).at(c, P, H), problem.rate.kinked(P)
+        if last is None or kinked is None:
+            return Shared(flow, kinked, jnp.zeros((), int))
+        return Shared(flow, jnp.where(last.times < HOLDING, kinked, last.kinked), last.times + 1)
 
     fill = partial(filled, problem)
     system = newton.NewtonKrylov(
-        residual, closed.film_change, inverse, problem.tolerance, how.options, closed.border, fill, flow
+        residual, closed.film_change, inverse, problem.tolerance, how.options, closed.border, fill, shared
     )
     solution = system.solve(P, closed.H)
     fields = {name: turned(getattr(solution, name)) for name in ("P", "H", "left")}
-    flow_there = solution.shared if problem.rate.wedge is None else None
+    flow_there = solution.shared.flow if problem.rate.wedge is None else turned(solution.shared.kinked)
     return solution._replace(**fields, shared=flow_there), closed.approach(solution)
 
 
@@ -122,6 +138,7 @@ class Middle(NamedTuple):
             elastic=self.elastic,
             rate=rate._replace(past=jnp.asarray(rate.past)[middle]),
             tolerance=jnp.asarray(problem.tolerance)[middle],
+            outside=problem.outside._replace(edge=0.0),  # P = 0 there
         )
         solution, found = solve(inner, P[middle], approach)
         P = jnp.zeros_like(P).at[middle].set(solution.P)
@@ -183,16 +200,17 @@ def eliminate_approach(problem: Problem, P: Array, approach: FloatLike) -> Close
 
 def approach_as_unknown(problem: Problem, P: Array, approach: FloatLike) -> ClosedSystem:
     """Delta as one more unknown, with the closure as its equation."""
-    c, line = problem.contact, problem.line
+    c, line, outside, first = problem.contact, problem.line, problem.outside, approach
 
     def misfit(P: Array, approach: Array) -> Array:
-        return line.approach_weight * approach + line.load_weight * contact.pressure_load(c, P) - line.value
+        load = contact.pressure_load(c, P) + outside.load * (approach - first)
+        return line.approach_weight * approach + line.load_weight * load - line.value
 
     def film_change(dP: Array) -> Array:
         return contact.deformation(c, dP)
 
     weight = LOAD_WEIGHT * (1.0 + problem.rate.new) / c.spacing
-    border = newton.Border(approach, -1.0, misfit, problem.load_tolerance, weight)
+    border = newton.Border(approach, outside.uplift - 1.0, misfit, problem.load_tolerance, weight, outside.edge)
     return ClosedSystem(contact.film_thickness(c, P, approach), film_change, border, lambda s: s.s)
 
 

@@ -20,11 +20,11 @@ from jax import Array
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
-from ertel.case.definition import radii
+from ertel.case.spaces import radii
 from ertel.equations import account, outside
 from ertel.equations.approach import ClosureLine, NewtonsLaw, rate_of_change
 from ertel.equations.contact import traceable
-from ertel.equations.state import Method, State, Stepping, StepSolution, lowest_point, padded
+from ertel.equations.state import State, StepNumbers, Stepper, StepSolution, lowest_point, packed, padded
 from ertel.numerics import bdf
 from ertel.numerics.integrals import Disc
 from ertel.numerics.programs import ANY_SIZE, Program, require_double
@@ -233,9 +233,9 @@ def solve_ring_step(p: RadialProblem) -> StepSolution:
     error = ring_film_error(p.ring, p.mesh.volume, oil, jnp.tensordot(p.predict_mass, masses, axes=1), s.P)
     velocity = rate_of_change(p.rates, approach, p.approaches)
     load_rate = rate_of_change(p.rates, terms["load"], p.loads)
-    record = account.in_units(terms, velocity, p.around, CIRCLE.hertz_load, load_rate)
-    values = approach, velocity, terms["load"], p.around.load, error, s.size <= tolerance, s.newton, 0
-    return StepSolution({"P": s.P, "H": s.H, "mass": oil}, account.step_numbers(values, record))
+    numbers = StepNumbers(approach, velocity, terms["load"], p.around.load, error, s.size <= tolerance, s.newton, 0)
+    record = account.with_outside(terms, velocity, p.around, CIRCLE.hertz_load, load_rate)
+    return StepSolution({"P": s.P, "H": s.H, "mass": oil}, packed({**numbers._asdict(), **record}))
 
 
 _step_program = Program(solve_ring_step)
@@ -248,7 +248,7 @@ def ring_film_error(ring: Array, volume: Array, oil: Array, predicted: Array, P:
     return jnp.sqrt(jnp.sum(pressed * errors**2) / jnp.maximum(pressed.sum(), jnp.finfo(P.dtype).tiny))
 
 
-class RadialImpact(Method):
+class RadialImpact(Stepper):
     """The method "radial".
 
     The default distribution of nodes suits the first touch, the trapped film and the thin edge.  Recommended values are
@@ -279,8 +279,8 @@ class RadialImpact(Method):
         fields = jax.device_put({"P": P, "H": H, "mass": oil})
         return State(0.0, motion.approach, 1.0, fields, outside=around.load, load=float(weights @ P))
 
-    def attempt(self, levels: Sequence[State], step: float) -> Stepping:
-        """One BDF step (BDF1 from one level, BDF2 from more), newest level first: yields one `RadialProblem`."""
+    def advance(self, levels: Sequence[State], step: float) -> State:
+        """See `Method.advance`: BDF1 from one level, BDF2 from more."""
         T = levels[0].T + step
         times = [level.T for level in levels]
         rates = bdf.derivative_weights([T, *times[:2]])
@@ -302,15 +302,11 @@ class RadialImpact(Method):
             self.tolerance,
             self.ring,
         )
-        new = account.new_level(T, (yield problem))
+        new = account.new_level(T, _step_program(problem))
         return replace(new, record={**self.measure(new), **new.record})
 
-    def solve(self, problem: RadialProblem) -> StepSolution:
-        """The step's solution, on this device."""
-        return _step_program(problem)
-
     def measure(self, level: State) -> dict[str, float]:
-        """See `Method.measure`; places are radii."""
+        """See `Stepper.measure`; places are radii."""
         P, H, r = np.asarray(level.P), np.asarray(level.H), self.coordinates["r"]
         X_min, H_min = lowest_point(r, H)
         F = (float(np.asarray(self.mesh.disc.weights) @ P) + level.outside) / CIRCLE.hertz_load
@@ -323,7 +319,7 @@ class RadialImpact(Method):
         return {"F": F, "P_c": float(P[0]), **peak, **films}
 
     def friction(self, level: State) -> account.Friction:
-        """See `Method.friction`."""
+        """See `Stepper.friction`."""
         P, H = jax.device_put((level.P, level.H))
         return _friction_program(self.mesh, P, H)
 
@@ -346,7 +342,7 @@ def ring_account(eq: Equations, P: Array, H: Array, oil: Array, approach: float)
     deformation = H + approach - CIRCLE.gap(eq.mesh.r, 0.0)
     growth = ring_residual(eq, P, H) - eq.rate * (eq.mesh.oil.density(P) * H - oil).at[-1].set(0.0)
     film = account.Film(P, H, oil, oil, eps, friction.loss, deformation, growth, 0.0, 0.0)
-    return account.account_terms(eq.mesh.disc, eq.mesh.oil, film, friction)
+    return account.account_terms(eq.mesh.disc, eq.mesh.oil, film, friction, CIRCLE.hertz_load)
 
 
 def ring_friction(mesh: Mesh, P: Array, H: Array) -> account.Friction:

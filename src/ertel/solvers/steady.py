@@ -4,7 +4,7 @@ The unknowns are P and the approach Delta; Newton's iteration solves for both.  
 guess on the next finer grid (nested iteration), and gives an error estimate of the film thickness at no extra cost.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -25,7 +25,7 @@ from ertel.equations import account, contact, discretise
 from ertel.equations.approach import balanced
 from ertel.equations.contact import Contact
 from ertel.equations.flow import OilContent, Rate, steady_rate, wedge
-from ertel.equations.state import measure
+from ertel.equations.state import SteadySolver, measure
 from ertel.numerics import multigrid, newton, stencils
 from ertel.numerics.grid import Grid, check_coarsening, expected_next
 from ertel.numerics.integrals import Plane
@@ -66,7 +66,7 @@ class GridSolution:
 
     The account of the film and its temperatures are computed once, when they are first asked for.
     history: maximum residual before the first and after each Newton iteration.  convolutions: work on this grid.
-    outside: the load that the oil outside the grid carries (double integral of P).
+    outside: the load that the oil outside the grid carries (double integral of P).  kinked: where a starved film is.
     """
 
     case: Case
@@ -81,6 +81,7 @@ class GridSolution:
     convolutions: float
     history: tuple[float, ...] = ()
     outside: float = 0.0
+    kinked: Any = None
 
     def measure(self) -> dict[str, float]:
         """Films, pressures and load, see `state.measure`, and Delta."""
@@ -113,10 +114,11 @@ class GridSolution:
         gap_change = discretise.gap_change(self.case, self.grid, 0.0)
         moment = account.Moment(self.approach, U, m.sliding(0.0), gap_change, load, scale)
         c, rate = discretise.contact_of(self.case, self.grid), steady_rate(U, discretise.layer_of(self.case, self.grid))
+        rate = rate._replace(held=self.kinked)
         terms, friction, content = _account_program(Plane.of(self.grid), c, self.P, self.H, rate, moment)
         around = discretise.outside_of(self.case, self.grid).at(motion_of(self.case, self.approach))
         around = around._replace(load=self.outside)
-        terms = account.in_units(jax.tree.map(float, jax.device_get(terms)), 0.0, around, scale)
+        terms = account.with_outside(jax.tree.map(float, jax.device_get(terms)), 0.0, around, scale)
         return SteadyAccount(terms, friction, content)
 
     @cached_property
@@ -145,6 +147,25 @@ class GridSolution:
         odd: whether it changes its sign at the axis Y = 0.
         """
         return stencils.unfolded(np.asarray(field), self.grid.even, odd)  # type: ignore[arg-type]
+
+
+class SteadyFilm(SteadySolver):
+    """The method "steady"."""
+
+    def __init__(self, case: Case):
+        self.case, self.grids = case, grids_of(case)[::-1]
+
+    def compile_ahead(self) -> None:
+        """See `SteadySolver.compile_ahead`."""
+        compile_ahead(self.case)
+
+    def solve(self, done: Sequence[GridSolution]) -> GridSolution:
+        """The solution on the next grid."""
+        return next(nested(self.case, done))
+
+    def restored(self, number: int, stored: Mapping[str, Any]) -> GridSolution:
+        """The solution from what was stored of it."""
+        return GridSolution(self.case, self.grids[number], **stored)
 
 
 @dataclass(frozen=True)
@@ -273,7 +294,8 @@ def solve_on_grid(case: Case, grid: Grid, c: Contact, P: Array | Floats, approac
     n, k = int(s.newton), int(s.krylov)
     work = nonlinear.convolutions(grid, n, k)
     history = tuple((np.asarray(s.history)[: n + 1] * problem.tolerance).tolist())
-    return GridSolution(case, grid, s.P, s.H, float(Delta), history[-1], status, n, k, work, history, around.load)
+    numbers = float(Delta), history[-1], status, n, k, work, history, around.load
+    return GridSolution(case, grid, s.P, s.H, *numbers, s.shared)
 
 
 def problem_of(case: Case, grid: Grid, c: Contact, outside: float) -> nonlinear.Problem:

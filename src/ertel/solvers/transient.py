@@ -21,13 +21,13 @@ from ertel.equations.account import Friction, Moment
 from ertel.equations.approach import ClosureLine, NewtonsLaw, rate_of_change
 from ertel.equations.contact import Contact
 from ertel.equations.flow import Flow, OilContent, Rate, rate_in_time
-from ertel.equations.outside import Surroundings
-from ertel.equations.state import Method, State, Stepping, StepSolution, Work, padded
+from ertel.equations.outside import UNCHANGED, Surroundings
+from ertel.equations.state import State, Stepper, StepSolution, Work, padded
 from ertel.numerics import bdf, halfspace, multigrid, newton, stencils
 from ertel.numerics.grid import Symmetry, check_coarsening
 from ertel.numerics.integrals import Plane
 from ertel.numerics.programs import Compiled, Program
-from ertel.numerics.stencils import total, unfolded
+from ertel.numerics.stencils import FloatLike, total, unfolded
 from ertel.solvers import nonlinear, steady
 from ertel.solvers.nonlinear import PRECISION, Algorithms, Problem
 
@@ -43,7 +43,6 @@ FALLING = Algorithms(nonlinear.eliminate_approach, nonlinear.point_preconditione
 SHARPER = replace(OPTIONS, krylov_limit=10, first_reduction=0.01)
 ROLLING = Algorithms(nonlinear.approach_as_unknown, nonlinear.point_preconditioner, SHARPER)
 
-MEASURED = (*state.KEY_VALUES[:-1], "F")  # of a step, besides the numbers of the account
 SMALL = 512  # nodes a side of a grid on which one program more takes longer than it saves
 
 
@@ -71,7 +70,7 @@ class Known(NamedTuple):
 
     predict, rates: weights of the prediction and of the time derivative (for the new level, and the last two), both of
     shape (3,).  approaches, loads: of the last three levels.  sliding: u1 - u2 in a/t0.  load_around, uplift: of the
-    oil outside.
+    oil outside, at the predicted Delta and per change of Delta.
     """
 
     predict: bdf.Weights
@@ -80,8 +79,10 @@ class Known(NamedTuple):
     approaches: Any
     loads: Any
     sliding: float
-    load_around: float
-    uplift: float
+    load_around: Any
+    uplift: Any
+    load_change: float
+    uplift_change: float
 
     def packed(self) -> bdf.Weights:
         """One array: each one that goes to the device costs the same time, however small."""
@@ -98,8 +99,8 @@ class StepProblem:
     """One BDF step, ready to be solved.
 
     past: fields of the last three levels, newest first.  known: from `Known.packed`.  middle: where P > 0, None if
-    elsewhere too.  edge: P on the edge.  flow: how the oil moves, None where it stays.  roughness_change: the rate of
-    change of the roughness following the flow, shape (n, n) or a number.
+    elsewhere too.  edge, edge_change: P on the edge, and its change with Delta.  flow: how the oil moves, None where it
+    stays.  roughness_change: the rate of change of the roughness following the flow, shape (n, n) or a number.
     """
 
     setting: Setting
@@ -108,12 +109,13 @@ class StepProblem:
     known: bdf.Weights
     middle: nonlinear.Middle | None
     edge: Array | NDArray[np.float64]
+    edge_change: FloatLike | NDArray[np.float64]
     flow: Flow | None
     roughness_change: Array | float
     algorithms: Algorithms = field(metadata={"static": True})
 
 
-class Transient2D(Method):
+class Transient2D(Stepper):
     """The methods "2d" and "transient".
 
     An impact starts with the bodies apart, rolling from its steady film.
@@ -137,7 +139,7 @@ class Transient2D(Method):
         self.layer = discretise.layer_of(case, self.grid)
         self.closure = NewtonsLaw(case.motion.inertia, case.motion.load, self.geometry.hertz_load)
         elastic = multigrid.deformation_operators(self.grid, self.geometry.compliance, PRECISION)
-        self.coordinates = {"Y": self.grid.y, "X": self.grid.x}
+        self.coordinates = self.grid.coordinates
         tolerance = case.solver.tolerance
         if not case.schedule.step:
             rest = FALLING_RESIDUAL if case.starts_apart else ROLLING_RESIDUAL
@@ -188,11 +190,23 @@ class Transient2D(Method):
         """The oil of the film from which the run starts: of steady rolling, of the gap of an impact, or its layer."""
         if not self.case.starts_apart:
             return self._rolling.finest.content
-        gap, layer = self.contact.gap, self.layer
-        return OilContent.without_void(gap if layer is None else jnp.broadcast_to(layer, gap.shape))
+        gap = self.contact.gap
+        if self.layer is None:
+            return OilContent.without_void(gap)
+        return OilContent.without_void(jnp.broadcast_to(self.layer, gap.shape), jnp.zeros(gap.shape, bool))
 
-    def attempt(self, levels: Sequence[State], step: float) -> Stepping:
-        """One BDF step (BDF1 from one level, BDF2 from more): yields one `StepProblem`."""
+    def advance(self, levels: Sequence[State], step: float) -> State:
+        """See `Method.advance`: BDF1 from one level, BDF2 from more."""
+        T, problem = levels[0].T + step, self.problem(levels, step)
+        new = self._level(T, self.solve(problem), in_the_middle=problem.middle is not None)
+        if problem.middle is not None and not new.status.ok:  # P > 0 elsewhere too
+            tried = new.work.convolutions
+            new = self._level(T, self.solve(replace(problem, middle=None)))
+            new = replace(new, work=new.work._replace(convolutions=tried + new.work.convolutions))
+        return new
+
+    def problem(self, levels: Sequence[State], step: float) -> StepProblem:
+        """The equations of one step on from one to three levels, newest level first."""
         T = levels[0].T + step
         times = [level.T for level in levels]
         rates = bdf.derivative_weights([T, *times[:2]])
@@ -201,36 +215,34 @@ class Transient2D(Method):
         line = self.closure.line(T, rates, approaches, velocities)
         predict = bdf.interpolation_weights(T, times)
         motion = outside.predicted(levels, T, self.geometry.hertz_load, self.case.motion.entrainment(T))
+        change, sliding = UNCHANGED, self.case.motion.sliding(T)
         if not self.case.starts_apart:
-            # with little or no inertia V follows from the film of the same step: extrapolating it is unstable, and an
-            # estimate moves the rupture outside, where oil would appear in the cavity
-            motion = motion._replace(velocity=0.0)
-        around, sliding = self.outside.at(motion), self.case.motion.sliding(T)
+            # with little or no inertia V follows from the film of the same step, and extrapolating it is unstable
+            V = rate_of_change(rates, bdf.three(predict) @ approaches, approaches)
+            loads_given = [self.case.motion.load(time) for time in (T, *times)]
+            motion = motion._replace(velocity=V, load_rate=rate_of_change(rates, loads_given[0], loads_given[1:]))
+            change = Surroundings(*(rates[0] * part for part in self.outside.change(motion)))
+        around = self.outside.at(motion)
         weights = bdf.three(predict), bdf.three(rates)
-        known = Known(*weights, line, approaches, loads, sliding, around.load, around.uplift)
+        known = Known(*weights, line, approaches, loads, sliding, around.load, around.uplift, *change[1:])
         # the Delta of a light ball that rolls is a small difference of large numbers, so it is not eliminated
         falls = self.case.starts_apart and line.approach_weight
-        problem = StepProblem(
+        return StepProblem(
             self.setting,
             self.contact_at(T),
             tuple(level.fields for level in past),
             known.packed(),
             self._middle_under(levels[0], around.edge),
             around.edge,
+            change.edge,
             self.flow(T, [*times, times[-1]][:2]),
             discretise.roughness_change(self.case, self.grid, T),
             FALLING if falls else ROLLING,
         )
-        new = self._level(T, (yield problem), in_the_middle=problem.middle is not None)
-        if problem.middle is not None and not new.status.ok:  # P > 0 elsewhere too
-            tried = new.work.convolutions
-            new = self._level(T, (yield replace(problem, middle=None)))
-            new = replace(new, work=new.work._replace(convolutions=tried + new.work.convolutions))
-        return new
 
     def _level(self, T: float, solution: StepSolution, in_the_middle: bool = False) -> State:
         """The state after a step with its work: in the middle, the film on the whole grid is one convolution more."""
-        new = account.new_level(T, solution, MEASURED)
+        new = account.new_level(T, solution)
         newton, krylov, _ = new.work
         grid = self.grid.middle() if in_the_middle else self.grid
         convolutions = in_the_middle + nonlinear.convolutions(grid, newton, krylov) * grid.size / self.grid.size
@@ -260,7 +272,7 @@ class Transient2D(Method):
         return self._programs[kind](problem)
 
     def measure(self, level: State) -> dict[str, float]:
-        """See `Method.measure`."""
+        """See `Stepper.measure`."""
         values = state.measure(self.grid, level.P, level.H)
         values["F"] = (values.pop("load") + level.outside) / self.geometry.hertz_load
         return self._on_rings(values)
@@ -273,7 +285,7 @@ class Transient2D(Method):
         return values
 
     def friction(self, level: State) -> Friction:
-        """See `Method.friction`."""
+        """See `Stepper.friction`."""
         c, sliding, scale = self.contact_at(level.T), self.case.motion.sliding(level.T), self.geometry.hertz_load
         load = (level.load + level.outside) / scale
         P, H = jax.device_put((level.P, level.H))
@@ -338,11 +350,17 @@ def solve_step(p: StepProblem) -> StepSolution:
         allowed,
         LOAD_TOLERANCE * s.tolerance,
         p.algorithms,
+        Surroundings(p.edge_change, known.load_change, known.uplift_change),
     )
-    solution, approach = (p.middle.solve if p.middle else nonlinear.solve)(problem, P, known.predict @ known.approaches)
+    predicted = known.predict @ known.approaches
+    solution, approach = (p.middle.solve if p.middle else nonlinear.solve)(problem, P, predicted)
+    more = approach - predicted
+    known = known._replace(
+        load_around=known.load_around + more * known.load_change, uplift=known.uplift + more * known.uplift_change
+    )
     P, H = solution.P, solution.H
     fields = {"P": P, "H": H, "mass": oil_there(p.contact, P, H, solution.left, rate)}
-    return StepSolution(fields, _numbers(p, known, rate, solution, fields, approach))
+    return StepSolution(fields, state.packed(_numbers(p, known, rate, solution, fields, approach)))
 
 
 _step_program = Program(solve_step)
@@ -350,11 +368,12 @@ _step_program = Program(solve_step)
 
 def _numbers(
     p: StepProblem, known: Known, rate: Rate, s: newton.Solution, fields: Mapping[str, Array], approach: Array
-) -> Array:
-    """The numbers of the step, see `account.step_numbers`, with those of `MEASURED`."""
+) -> dict[str, Any]:
+    """The numbers of the step, see `StepSolution`."""
     c, mass, setting = replace(p.contact, flow=s.shared), fields["mass"], p.setting
     U = 0.0 if p.flow is None else p.flow.entrainment
-    *measured, load = state.key_values(setting.space, s.P, s.H)
+    values = state.key_values(setting.space, s.P, s.H)
+    load = values.pop("load")
     F = (load + known.load_around) / setting.hertz_load
     gap_change = U * setting.gap_slope - p.roughness_change
     passing = mass if p.flow is None else p.flow.passing(mass)
@@ -367,9 +386,10 @@ def _numbers(
     # half a cell around the grid counts as outside
     beyond = Surroundings(p.edge, known.load_around + load - terms["load"], known.uplift)
     load_rate = rate_of_change(known.rates, load, known.loads)
-    record = account.in_units(terms, velocity, beyond, setting.hertz_load, load_rate)
-    values = approach, velocity, load, known.load_around, error, s.converged, s.newton, s.krylov, *measured, F
-    return account.step_numbers(values, record)
+    around, work = known.load_around, (s.newton, s.krylov)
+    numbers = state.StepNumbers(approach, velocity, load, around, error, s.converged, *work)
+    of_account = account.with_outside(terms, velocity, beyond, setting.hertz_load, load_rate)
+    return {**numbers._asdict(), **values, "F": F, **of_account}
 
 
 def _weighted(weights: bdf.Weights, fields: Sequence[Array]) -> Array:

@@ -147,7 +147,7 @@ class Slider:
 
     def _label_time(self) -> None:
         if (T := self.T(self.index)) is not None:
-            in_seconds = f"{with_prefix(T * self._info.t0, 's')}  ·  " if self._info.t0 else ""
+            in_seconds = f"{with_prefix((T - self._info.zero) * self._info.t0, 's')}  ·  " if self._info.t0 else ""
             self._label.set_text(f"{in_seconds}T = {T:.3f}")
 
     def _moved(self) -> None:

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 from ertel.apps.browser.folder import Folder
 from ertel.case.conditions import RADII
 from ertel.case.definition import SECTIONS
+from ertel.case.methods import METHODS, NEW, Method, Supports, of_kind
 from ertel.case.records import inner_laws
 from ertel.inputs import materials, oils
 from ertel.inputs.case_files import apply_overrides, parse_case
@@ -27,11 +28,6 @@ OWN, NAMED = "own", "named"  # oils: by values, "own" also in place of its name;
 ROUND, ELLIPTIC = "round", "elliptic"
 SHAPE, LAW = "roughness.shape", "lubricant.rheology.law"  # which open the keys of their tables
 MATERIALS = {name: name for name in ("steel", *materials.names())}
-METHODS: Mapping[str, dict[str, str]] = {
-    "impact": {"radial": "radial: seconds", "2d": "plane: minutes"},
-    "rolling": {"steady": "steady", "transient": "in time"},
-}
-NODES = {"radial": "257", "2d": "129", "steady": "257", "transient": "129"}  # that answer within a minute
 OPTIONS: Mapping[str, Mapping[str, str]] = {  # with their labels, the first one first
     "contact.kind": {"impact": "Impact", "rolling": "Rolling"},
     "given": {"si": "Quantities", "moes": "M and L"},
@@ -71,7 +67,7 @@ ROWS = (  # group, the choices that show its fields, and these by their paths in
     ("Oil", f"si {OWN}", "lubricant.eta0 lubricant.alpha"),
     ("Oil", "si rolling", LAW),
     (LAYER, "", "lubricant.layer lubricant.layer_1 lubricant.layer_2"),
-    (HEAT, "si steady", "thermal"),
+    (HEAT, "si heated", "thermal"),
     (ROUGHNESS, "", SHAPE),
     ("Computation", "", "solver.method solver.nodes"),
     ("Computation", "impact", "time.until"),
@@ -146,27 +142,36 @@ class Form:
 
     def __init__(self) -> None:
         self.values = {name: next(iter(options)) for name, options in OPTIONS.items()}
-        self.choose("solver.method", "radial")
+        self.choose("contact.kind", self.values["contact.kind"])
 
     @property
     def is_round(self) -> bool:
         """Whether the contact of the bodies is a circle."""
         return self.values["bodies"] in ("ball", "balls")
 
+    @property
+    def method(self) -> Method:
+        """The method that is chosen."""
+        return METHODS[self.values["solver.method"]]
+
+    def _is_able(self, supports: Supports) -> bool:
+        return (supports.roughness or not self.values[SHAPE]) and (supports.ellipse or self.is_round)
+
     def choose(self, name: str, value: str) -> None:
         """Change a field.  With what is chosen the methods change that suit it, with these and the bodies the grid."""
         self.values[name] = value
         methods = list(self.options("solver.method"))
-        if self.values["solver.method"] not in methods:
+        if self.values.get("solver.method") not in methods:
             self.choose("solver.method", methods[0])
         elif name in ("solver.method", "bodies"):
-            self.choose("solver.nodes", NODES[self.values["solver.method"]] if self.is_round else "")
+            self.choose("solver.nodes", str(self.method.new_nodes) if self.is_round else "")
 
     def options(self, name: str) -> Mapping[str, str]:
         """The values from which a field is chosen, with their labels; empty for a text."""
         if name == "solver.method":
-            methods, needs_plane = METHODS[self.values["contact.kind"]], self.values[SHAPE] or not self.is_round
-            return {method: methods[method] for method in methods if method != "radial" or not needs_plane}
+            kind: Any = self.values["contact.kind"]
+            able = of_kind(kind, lambda method: self._is_able(method.supports))
+            return {method.name: method.title for method in sorted(able, key=lambda method: method is not NEW[kind])}
         return self.shown()[name].options or {}
 
     def hint(self, name: str) -> str:
@@ -180,6 +185,7 @@ class Form:
     def shown(self) -> dict[str, Field]:
         """The fields that the choices so far leave to be filled in, by name.  Those that are new get their values."""
         choices = {self.values[name] for name in CHOICES}
+        choices |= {"heated"} if self.method.supports.thermal else set()
         choices |= {OWN if self.values["lubricant.oil"] == OWN else NAMED, ROUND if self.is_round else ELLIPTIC}
         found: dict[str, Field] = {}
         for group, when, names in ROWS:

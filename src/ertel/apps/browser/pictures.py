@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from ertel.inputs.fits import interferometer
 from ertel.results.numbers import Number, number, scales_in
-from ertel.results.variables import figures_of, is_steady, unit_of, with_prefix
+from ertel.results.variables import figures_of, is_steady, names_where, unit_of, with_clock, with_prefix
 from ertel.runs.directory import DATA
 
 if TYPE_CHECKING:  # imported in the process that draws
@@ -49,7 +49,6 @@ FIGURES = {  # in the order of their tabs: label, icon
     "convergence": ("Grids", "grid_on"),
     "overview": ("Overview", "dashboard"),
 }
-LATEST = ("H_c", "H_min", "P_max", "F", "mu_sliding")  # shown of a run that goes on
 HEAVY = ("ertel.plots", "ertel.runs.arrays", "ertel.runs.outlook")  # imported before they are needed
 PICTURES = "pictures"  # where pages get them, as seen from a page
 MEMORY = {-3: 2**17, -1: 2**17, -8: 1}  # M_MMAP_THRESHOLD, M_TRIM_THRESHOLD, M_ARENA_MAX of glibc's malloc.h
@@ -67,13 +66,15 @@ class RunInfo:
     """The facts on a run that a page must know.
 
     figures: the names of its pictures.  T: the times of its maps in t0, empty for a steady contact; t0: in s, 0 where
-    it is not known.  events: the maps of events by name.  latest: the values of the last step or grid.
+    it is not known; zero: T at t = 0.  events: the maps of events by name.  latest: the values of the last step or
+    grid.
     """
 
     title: str = ""
     figures: tuple[str, ...] = ()
     T: tuple[float, ...] = ()
     t0: float = 0.0
+    zero: float = 0.0
     events: dict[str, int] = field(default_factory=dict)
     latest: tuple[Number, ...] = ()
 
@@ -168,16 +169,15 @@ def run_info(run: Path, stamp: int) -> RunInfo:
     scales = scales_in({**about, "si": about}) if "R_m" in about else None
     drawn = {*figures_of(data), *([INTERFEROGRAM] if scales else [])}
     figures = tuple(name for name in FIGURES if name in drawn and (name != "front" or about["kind"] == "impact"))
-    last = {name: float(data[name].values[-1]) for name in LATEST if name in data and data[name].size}
-    latest = tuple(
-        number(about["kind"], scales, name, value)
-        for name, value in last.items()
-        if value or name != "mu_sliding"  # of a contact that does not slide
-    )
+    there = [name for name in names_where(lambda variable: variable.shown) if name in data and data[name].size]
+    last = {name: float(data[name].values[-1]) for name in there}
+    latest = tuple(number(about["kind"], scales, name, value) for name, value in last.items() if value)
     if steady:
         return RunInfo(str(about["title"]), figures, latest=latest)
-    T, t0 = tuple(float(t) for t in data["frame"].values), scales.t0 if scales else 0.0
-    return RunInfo(str(about["title"]), figures, T, t0, dict(events_of(data)), latest)
+    frames = with_clock(data)["frame"]
+    T = tuple(float(t) for t in frames.values)
+    t0, zero = (frames.attrs.get(key, 0.0) for key in ("si_factor", "si_zero"))
+    return RunInfo(str(about["title"]), figures, T, t0, zero, dict(events_of(data)), latest)
 
 
 def draw_picture(request: PlotRequest) -> Picture:

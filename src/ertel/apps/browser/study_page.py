@@ -19,9 +19,9 @@ def study_report(study: Path, kind: str, stamp: int) -> tuple[str, str]:
 
     For the process that draws.  stamp: of the data, see `stamp_of`.  Raises ValueError where they cannot be read.
     """
-    from ertel.results.fit_result import FitResult
-    from ertel.results.study_result import StudyResult
     from ertel.runs.arrays import open_data
+    from ertel.runs.fit_result import FitResult
+    from ertel.runs.study_result import StudyResult
 
     try:
         data = open_data(study / f"{kind}.zarr", consolidated=False).load()

@@ -11,8 +11,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from ertel.results.study_result import DONE, StudyResult
+from ertel.results.study_table import DONE
 from ertel.results.variables import name_in_si
+from ertel.runs.study_result import StudyResult
 
 NUMBERS = {"restitution": "restitution", "contact_time": "duration", "F_max": "force"}  # of a run, in a law
 

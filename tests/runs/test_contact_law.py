@@ -10,8 +10,10 @@ import xarray as xr
 from numpy.testing import assert_allclose
 
 import ertel
-from ertel.results.numbers import Scalar
-from ertel.results.study_result import StudyResult, StudyRun, study_dataset
+from ertel.results.numbers import Number
+from ertel.results.study_table import StudyRun, study_dataset
+from ertel.results.variables import VARIABLES
+from ertel.runs.study_result import StudyResult
 
 SPEEDS, LAYERS = [0.4, 0.1, 0.2], [3e-6, 12e-6]
 
@@ -27,8 +29,11 @@ def failed() -> StudyRun:
 
 
 def run(v: float, h: float, status: str = "converged") -> StudyRun:
-    about = zip({"restitution": "1", "t_contact": "s", "f_max": "N"}.items(), expected(v, h), strict=True)
-    numbers = {name: Scalar(float(value), {"units": unit}) for (name, unit), value in about}
+    values = zip(("restitution", "contact_time", "F_max"), expected(v, h), strict=True)
+    numbers = {}
+    for name, value in values:
+        one = Number(name, VARIABLES[name], float(value), factor=1.0 if VARIABLES[name].scale else None).in_si
+        numbers[one.name] = one
     return StudyRun(numbers if status == "converged" else {}, [], status, f"runs/{v}-{h}")
 
 

@@ -9,7 +9,7 @@ deviations that are given and is not scaled by chi square.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import exp, log
 from pathlib import Path
 from typing import Any
@@ -19,8 +19,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
-from ertel.results.study_result import StudyResult
 from ertel.results.variables import in_celsius, with_prefix
+from ertel.runs.study_result import StudyResult
 from ertel.version import installed_version
 
 Values = NDArray[np.float64]
@@ -38,7 +38,8 @@ class FitPoint:
     names: of the unknowns, short.  values, bounds, priors: in SI; bounds (2, unknown), priors with their standard
     deviations (2, unknown), nan where there is none.  units: "" of plain numbers.  residuals: (predicted -
     measured)/sigma.  jacobian: of these, with respect to the logarithms of the unknowns.  aligned: how many values the
-    alignment of measurements takes from the data.
+    alignment of measurements takes from the data.  grid: the error of the grid in the data, in sigma, whose part it is;
+    all data have it together, so that many of them do not make it smaller.
     """
 
     names: tuple[str, ...]
@@ -49,6 +50,7 @@ class FitPoint:
     residuals: Values
     jacobian: Values
     aligned: int = 0
+    grid: Values | float = 0.0
 
     @property
     def rows(self) -> tuple[Values, Values]:
@@ -57,6 +59,10 @@ class FitPoint:
         there = np.isfinite(sigma)
         residuals = np.concatenate([self.residuals, ((self.values - expected) / sigma)[there]])
         return residuals, np.vstack([self.jacobian, np.diag(self.values / sigma)[there]])
+
+    def with_noise(self, ratio: Values, grid: Values) -> "FitPoint":
+        """The same with another sigma, in which the old one is `ratio`, and the error of the grid."""
+        return replace(self, residuals=self.residuals * ratio, jacobian=self.jacobian * ratio[:, None], grid=grid)
 
     @property
     def chi_square(self) -> float:
@@ -71,8 +77,18 @@ class FitPoint:
     @property
     def covariance(self) -> Values:
         """The covariance of the logarithms; very large in directions that nothing fixes."""
+        return self._of_noise + np.outer(self.moved, self.moved)
+
+    @property
+    def _of_noise(self) -> Values:
+        """The covariance by independent noise."""
         _, s, v = np.linalg.svd(self.rows[1], full_matrices=False)
         return np.asarray((v.T / np.maximum(s, 1e-9 * max(s[0], 1.0)) ** 2) @ v)
+
+    @property
+    def moved(self) -> Values:
+        """The logarithms by which the error of the grid moves the unknowns."""
+        return np.asarray(self._of_noise @ self.jacobian.T @ (self.grid * np.ones(len(self.residuals))))
 
     @property
     def products(self) -> tuple[Values, Values]:
@@ -81,7 +97,8 @@ class FitPoint:
         s = np.pad(singular, (0, len(v) - len(singular)))
         largest = v[np.arange(len(v)), np.argmax(np.abs(v), axis=1)]
         with np.errstate(divide="ignore"):
-            return 1.0 / (s * np.abs(largest)), v / largest[:, None]
+            exponents = v / largest[:, None]
+            return np.hypot(1.0 / (s * np.abs(largest)), exponents @ self.moved), exponents
 
     @property
     def in_words(self) -> str:
@@ -187,6 +204,28 @@ def fit_dataset(solution: FitPoint, data: Mapping[str, tuple[Any, str]], about: 
     )
 
 
+def with_laws(fits: Mapping[str, "FitResult"]) -> "FitResult":
+    """The first of several fits, by the law of viscosity, with the values, errors and chi squares of all.
+
+    Over `law`: value_under and standard_error_under of each unknown, in SI, and chi_square_under.
+    """
+    first, *_ = fits.values()
+    chi = {law: float(each.dataset.attrs["chi_square"]) for law, each in fits.items()}
+    about = {law: f"{'; '.join(fit.dataset.attrs['found'])}; chi square {chi[law]:.3g}" for law, fit in fits.items()}
+    best, second, *_ = sorted(chi, key=lambda law: chi[law])
+    apart = f"the data speak for {best}: the chi square of {second} is larger by {chi[second] - chi[best]:.3g}"
+    if chi[second] - chi[best] < -2.0 * log(UNLIKELY):
+        apart = "the data do not tell these laws apart: measure at a second speed"
+    under: dict[str, Any] = {"chi_square_under": ("law", list(chi.values()), {"long_name": "chi square under a law"})}
+    for name in ("value", "standard_error"):
+        values = [fit.dataset[name].values for fit in fits.values()]
+        under[f"{name}_under"] = ("law", "unknown"), values, first.dataset[name].attrs
+    texts = [*(f"under {law}: {text}" for law, text in about.items()), apart]
+    runs = sum(fit.dataset.attrs["runs"] for fit in fits.values())
+    data = first.dataset.assign(under).assign_coords(law=np.array(list(fits), dtype=object))
+    return replace(first, dataset=data.assign_attrs(laws=texts, runs=runs, under=""))
+
+
 @dataclass(frozen=True, repr=False, eq=False, kw_only=True)
 class FitResult(StudyResult):
     """The result of a fit.
@@ -220,7 +259,7 @@ class FitResult(StudyResult):
 
     def _frame(self) -> Any:
         """The unknowns as a table, in SI."""
-        return self.dataset.drop_dims(["datum", "product", "other"]).to_dataframe().reset_index()
+        return self._along("unknown").to_dataframe().reset_index()
 
     def as_data(self) -> dict[str, Any]:
         """The fit as plain data for JSON."""
@@ -232,7 +271,10 @@ class FitResult(StudyResult):
 
     def to_csv(self, path: str | Path) -> None:
         """Write the data as a CSV file: what is measured, predicted and left over."""
-        self.dataset.drop_dims(["unknown", "other", "product"]).to_dataframe().to_csv(path, index=False)
+        self._along("datum").to_dataframe().to_csv(path, index=False)
+
+    def _along(self, dimension: str) -> xr.Dataset:
+        return self.dataset.drop_dims([str(other) for other in self.dataset.dims if other != dimension])
 
     def table(self) -> list[list[str]]:
         """The columns of a table to read, each with its heading first."""
@@ -253,5 +295,5 @@ class FitResult(StudyResult):
         chi, freedom, runs = (self.dataset.attrs[name] for name in ("chi_square", "degrees_of_freedom", "runs"))
         per = f"{chi / freedom:.3g} for each of {freedom} degrees of freedom" if freedom else "no degree of freedom"
         work = f"{self.dataset.sizes['datum']} data, chi square {chi:.3g}, {per}; {runs} runs"
-        said = [text for name in ("decided", "under", "aligned") if (text := self.dataset.attrs.get(name))]
-        return [*said, work, *(f"warning: {warning}" for warning in self.warnings)]
+        said = [text for name in ("decided", "under", "grid", "aligned") if (text := self.dataset.attrs.get(name))]
+        return [*said, work, *self.dataset.attrs.get("laws", []), *(f"warning: {warning}" for warning in self.warnings)]

@@ -176,14 +176,14 @@ class Result:
             The case is dimensionless, the run has no film, or there is no roughness.
         """
         scales, table = self.case.scales, numbers(self.summary)
-        minimum, heat = table.get("h_min_warm") or table.get("H_min"), self.summary.get("thermal") or {}
+        minimum = table.get("H_min_warm") or table.get("H_min")
         if scales is None or minimum is None:
             raise ValueError(f"lambda ratio: {'the run has no film' if scales else 'the case is dimensionless'}")
         given = [sigma for sigma in (sigma_1, sigma_2) if sigma is not None]
         if given:
             if not minimum.known:
                 raise ValueError("lambda ratio: the minimum film is not known, its error is too large; use more nodes")
-            return lambda_ratio(minimum.value * (minimum.factor or 1.0), *(_sigma(sigma) for sigma in given))
+            return lambda_ratio(minimum.in_si.value, *(_sigma(sigma) for sigma in given))
         own = _rms(self.case)
         if not own:
             what = (
@@ -192,11 +192,11 @@ class Result:
             raise ValueError(f"sigma_1: missing; {what}")
         data = self.dataset[["H", "P"]]
         data = data if self.case.is_steady else data.isel(frame=moment_of(self.dataset).frame)
-        return lambda_ratio(heat.get("phi_T", 1.0) * float(np.average(data["H"], weights=data["P"])), *own)
+        return lambda_ratio(self.summary.get("phi_T", 1.0) * float(np.average(data["H"], weights=data["P"])), *own)
 
     @property
     def verdict(self) -> str:
-        """The outcome in one line; see `results.result.verdict`."""
+        """The outcome in one line; see `runs.result.verdict`."""
         return verdict(self)
 
     @property
@@ -232,16 +232,15 @@ def verdict(result: Result, *sigma: Sigma) -> str:
     table = numbers(result.summary)
     if not values_of(result.summary):
         return ""
-    parts = [f"{'warm ' * ('h_c_warm' in table)}film {_film(table.get('h_c_warm') or table['H_c'])}"]
+    parts = [f"{'warm ' * ('H_c_warm' in table)}film {_film(table.get('H_c_warm') or table['H_c'])}"]
     if sigma or (result.case.scales and _rms(result.case)):
         parts.append(f"Lambda = {result.lambda_ratio(*sigma):.2g}")
     friction = table.get("mu_sliding_warm") or table.get("mu_sliding")
     if friction and friction.unit == "1" and abs(friction.value) > 0:
         parts.append(f"mu = {abs(friction.value):.3g}")
     parts += [f"restitution {table['restitution'].value:.3f}"] if "restitution" in table else []
-    thermal, data = result.summary.get("thermal"), result.case.thermal
-    if thermal and data:
-        parts.append(f"{thermal['T_film_mean_K'] - data.temperature:.3g} K")
+    if "T_film_mean" in table and result.case.thermal:
+        parts.append(f"{table['T_film_mean'].value - result.case.thermal.temperature:.3g} K")
     return ", ".join(parts)
 
 
@@ -261,6 +260,6 @@ def _rms(case: Case) -> list[float]:
 def _film(film: Number) -> str:
     if not film.known:
         return "not known"
-    factor, unit = (1.0, film.unit) if film.factor is None else (film.factor, film.about.si_units)
-    one, name = prefixed(unit, film.value * factor)
-    return f"{plus_minus(film.value * factor / one, (film.error or 0.0) * factor / one)} {name}"
+    film = film.in_si
+    one, name = prefixed(film.unit, film.value)
+    return f"{plus_minus(film.value / one, (film.error or 0.0) / one)} {name}"
