@@ -265,7 +265,7 @@ def test_laws_side_by_side() -> None:
     assert found.as_data()["laws"][0].startswith("under roelands: ") and "law" not in found.rows()[0]
     data = [(measured(FILM, speed=speed), {"contact.speed": f"{0.1 * speed} m/s"}) for speed in (0.1, 1.0, 10.0)]
     apart = fitted(*data, measured(RESTITUTION), laws=("barus", "roelands"))
-    assert "the data speak for roelands: the chi square of barus is larger by " in repr(apart)
+    assert "the data speak for roelands: twice the log of the likelihood is larger by " in repr(apart)
     assert apart.case.to_data()["lubricant"]["viscosity"] == "barus"
     assert "fit laws = " in repr(fitted(measured(FILM), measured(RESTITUTION)))
 

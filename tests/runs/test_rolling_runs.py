@@ -99,7 +99,7 @@ def test_a_run_that_gives_up(tmp_path, monkeypatch, grids):
     data = run.dataset()
     assert np.isnan(data["H"]).all() and np.isnan(data["P"]).all()  # the first guess stood there
     assert np.isfinite(data["H_c"]).values.tolist() == np.isfinite(data["mass"]).values.tolist() == [True, False]
-    assert np.isfinite(data["newton_iterations"]).all()
+    assert np.isfinite(data["history"][1, 0]) and data["newton_iterations"].dtype == float
     with pytest.raises(ValueError, match=r"has no solution \(Newton iteration stalled\)"):
         plots.draw(data, "film")
     said = ertel_("export", str(tmp_path / "run")).stderr

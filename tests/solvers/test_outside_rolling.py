@@ -70,6 +70,20 @@ def test_the_film_of_an_ellipse_is_of_second_order_also_beside_much_oil_outside(
     assert orders([s.measure()["H_c"] for s in solutions])[0] == pytest.approx(2.0, abs=0.35)
 
 
+@pytest.mark.slow
+def test_a_stop_is_the_same_in_both_directions() -> None:
+    """The rupture outside stays where the flow left it; it went to the other side where U had been below zero."""
+
+    def films(direction: float) -> list[float]:
+        way = [[0.0, direction], [0.5, direction], [1.0, 0.0]]
+        solver = {"nodes": 33, "half_width": 3.0, "method": "transient"}
+        contact = {"kind": "rolling", "M": 5, "L": 2}
+        method = Transient2D(parse_case({"contact": contact, "solver": solver, "motion": {"entrainment": way}}))
+        return [method.measure(level)["H_c"] for level in march(method, 0.1, 15)]
+
+    assert films(-1.0) == pytest.approx(films(1.0), rel=1e-6)
+
+
 # H_c/lambda_bar^2 of a rigid ball in an isoviscous oil: M = 0.3, extrapolated from 257 and 513 nodes.  With oil outside
 # that ended beside the contact, 65 nodes on domains of 1, 2 and 4 times the width gave .2132, .2179 and .2205, .2234 in
 # the limit, where they give .2234 now.  Brewe, Hamrock and Taylor (1979) have .2218.

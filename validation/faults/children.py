@@ -26,7 +26,7 @@ from ertel.runs.store import RunStore, open_run
 from ertel.runs.studies import RUNS
 
 KILLED = 137
-PATIENCE = 900.0  # s: a child that takes longer, on a busy machine too, is taken for one that never ends
+PATIENCE = 3600.0  # s: a child that takes longer, on a busy machine too, is taken for one that never ends
 CHANGES = {"os.rename", "os.remove", "os.mkdir", "os.rmdir", "os.truncate", "os.link", "os.symlink"}
 WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC
 OWN = {

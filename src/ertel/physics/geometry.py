@@ -14,7 +14,7 @@ Source: Johnson KL. Contact Mechanics. Cambridge 1985, section 4.2.  Scaling by 
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from math import cos, exp, hypot, log, pi, radians, sin
+from math import copysign, cos, exp, hypot, log, pi, radians, sin
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -184,8 +184,8 @@ class Geometry:
     ) -> Floats:
         """The same where the oil ruptures behind the contact, not above zero there.
 
-        constant: the gap less the parabola.  held: whether V leaves the rupture in its place; at rest (U = 0) it is
-        where it was while U was above zero.
+        constant: the gap less the parabola.  held: whether V leaves the rupture in its place; at rest it is where
+        the flow left it: the sign of the zero is that of U before.
         """
         flow = self.far_flow(0.0 if held else velocity, entrainment, X, Y)
         if entrainment == 0.0 and not held:
@@ -193,7 +193,7 @@ class Geometry:
         from ertel.physics.rupture import rupture  # imports SciPy, which an impact does not need
 
         (x, y), (c, s), r = self._axes(X, Y), self._direction, np.hypot(X, Y)
-        angle = np.arctan2(y, x) + (0.0 if entrainment >= 0.0 else pi)  # seen from the other side
+        angle = np.arctan2(y, x) + (0.0 if copysign(1.0, entrainment) > 0.0 else pi)  # seen from the other side
         table, across, k = rupture(self.radius_ratio, c, s), abs(entrainment) * r, constant / r**2
         flow += across * table.correction(np.zeros_like(r) if held else velocity / across, angle, k)
         return table.squeezed(np.maximum(flow, 0.0), velocity, angle) if held else flow

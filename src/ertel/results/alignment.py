@@ -11,6 +11,7 @@ the gain of an intensity, or n/n_assumed of a film that was computed with an ass
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -101,13 +102,15 @@ def with_start(measured: Sequence[Any], result: Any) -> list[Any]:
     """
     if "frame" not in result.dataset.dims:
         raise ValueError(f"{measured[0].name}: has a clock to align, and a steady contact has no time")
-    maps = with_clock(result.dataset)["frame"]
-    first, last = (shifted(float(T), maps.attrs) for T in (maps[0], maps[-1]))
-    moments = [moment for each in measured for moment in each.moments()]
-    low, high = max(moments) - last, min(moments) - first
+    data, low, high = with_clock(result.dataset), -inf, inf
+    for each in measured:
+        axis = data["time" if each.kind == "history" else "frame"]  # a profile needs a map
+        first, last = (shifted(float(T), axis.attrs) for T in (axis[0], axis[-1]))
+        begins, ends = each.moments()
+        low, high = max(low, ends - last), min(high, begins - first)
     if low > high:
-        ends = [with_prefix(moment, "s") for moment in (min(moments), max(moments), first, last)]
-        raise ValueError("{}: reaches from {} to {}, and the maps only from {} to {}".format(measured[0].name, *ends))
+        reach = [with_prefix(moment, "s") for moment in (begins, ends, first, last)]
+        raise ValueError("{}: reaches from {} to {}, and the run only from {} to {}".format(each.name, *reach))
 
     def on(start: float) -> list[Any]:
         return [replace(m, start=start, align=[name for name in m.align if name != "start"]) for m in measured]

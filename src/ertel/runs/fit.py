@@ -181,9 +181,8 @@ class Search:
         fine = self.at(values).residuals * self.sigma + self.measured
         half = self._predicted(values[None], Case.on_half_grid)[0]
         if not np.isfinite(half).all():
-            self.grid_in_words = (
-                self.grid_in_words or f"the error of the grid is not in the noise: {self._failures[-1]}"
-            )
+            why = (self._failures or ["a number is not finite"])[-1]
+            self.grid_in_words = self.grid_in_words or f"the error of the grid is not in the noise: {why}"
             return
         orders = np.array([ORDERS.get(name, 2.0) for name in self.columns["quantity"][0]])
         self.grid, before, given = (half - fine) / (2.0**orders - 1.0), self.sigma, self.columns["sigma"][0]

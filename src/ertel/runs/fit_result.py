@@ -76,12 +76,19 @@ class FitPoint:
 
     @property
     def covariance(self) -> Values:
-        """The covariance of the logarithms; very large in directions that nothing fixes."""
-        return self._of_noise + np.outer(self.moved, self.moved)
+        """The covariance of the logarithms; very large in directions that nothing fixes.
+
+        The residuals are weighted by all of sigma; of it the noise is independent, the error of the grid is not.
+        """
+        rows = self.rows[1]
+        noise = np.ones(len(rows))
+        noise[: len(self.residuals)] -= np.square(self.grid)
+        gain = self._of_noise @ rows.T
+        return np.asarray((gain * noise) @ gain.T + np.outer(self.moved, self.moved))
 
     @property
     def _of_noise(self) -> Values:
-        """The covariance by independent noise."""
+        """The covariance if all of sigma were independent noise."""
         _, s, v = np.linalg.svd(self.rows[1], full_matrices=False)
         return np.asarray((v.T / np.maximum(s, 1e-9 * max(s[0], 1.0)) ** 2) @ v)
 
@@ -93,12 +100,14 @@ class FitPoint:
     @property
     def products(self) -> tuple[Values, Values]:
         """Relative uncertainty (product,) and exponents (product, unknown) of what the data fix, the best one first."""
-        _, singular, v = np.linalg.svd(self.jacobian)
-        s = np.pad(singular, (0, len(v) - len(singular)))
+        u, singular, v = np.linalg.svd(self.jacobian)
+        missing = (0, len(v) - len(singular))
+        noise = np.sqrt((1.0 - np.square(self.grid) * np.ones(len(u))) @ u[:, : len(singular)] ** 2)
+        s, noise = np.pad(singular, missing), np.pad(noise, missing, constant_values=1.0)
         largest = v[np.arange(len(v)), np.argmax(np.abs(v), axis=1)]
         with np.errstate(divide="ignore"):
             exponents = v / largest[:, None]
-            return np.hypot(1.0 / (s * np.abs(largest)), exponents @ self.moved), exponents
+            return np.hypot(noise / (s * np.abs(largest)), exponents @ self.moved), exponents
 
     @property
     def in_words(self) -> str:
@@ -212,9 +221,12 @@ def with_laws(fits: Mapping[str, "FitResult"]) -> "FitResult":
     first, *_ = fits.values()
     chi = {law: float(each.dataset.attrs["chi_square"]) for law, each in fits.items()}
     about = {law: f"{'; '.join(fit.dataset.attrs['found'])}; chi square {chi[law]:.3g}" for law, fit in fits.items()}
-    best, second, *_ = sorted(chi, key=lambda law: chi[law])
-    apart = f"the data speak for {best}: the chi square of {second} is larger by {chi[second] - chi[best]:.3g}"
-    if chi[second] - chi[best] < -2.0 * log(UNLIKELY):
+    sigma = {law: np.hypot(fit.dataset["sigma"], fit.dataset["grid_error"]) for law, fit in fits.items()}
+    unlikely = {law: chi[law] + 2.0 * float(np.log(sigma[law]).sum()) for law in fits}
+    best, second, *_ = sorted(unlikely, key=lambda law: unlikely[law])  # each with the error of its own grid
+    off = unlikely[second] - unlikely[best]
+    apart = f"the data speak for {best}: twice the log of the likelihood is larger by {off:.3g} than for {second}"
+    if off < -2.0 * log(UNLIKELY):
         apart = "the data do not tell these laws apart: measure at a second speed"
     under: dict[str, Any] = {"chi_square_under": ("law", list(chi.values()), {"long_name": "chi square under a law"})}
     for name in ("value", "standard_error"):
