@@ -25,7 +25,7 @@ from ertel.results.profiles import profile
 from ertel.runs import studies
 from ertel.runs.fit import FitError, fit, solve_fit
 from ertel.runs.fit_problem import fit_problem, load_fit_problem
-from ertel.runs.fit_result import FitResult
+from ertel.runs.fit_result import FitPoint, FitResult
 from ertel.runs.result import Result
 from ertel.runs.workers import Failure
 
@@ -485,3 +485,15 @@ def test_measured_frames_give_the_oil_whatever_the_gap_at_the_start_and_the_cloc
     assert np.all(np.abs(np.array(list(found.values.values())) - [0.135, 24e-9]) < 3 * errors)
     assert np.all(found.dataset["relative_error"].values < 0.2)
     assert not any("bound" in warning or "does not explain" in warning for warning in found.warnings)
+
+
+@pytest.mark.parametrize(("data", "grid"), [(1, 1.0), (2, 3.0), (5, 0.5)])
+def test_the_error_of_the_grid_counts_once(data: int, grid: float) -> None:
+    """One unknown: the variance is that of the mean of independent noise, and the square of the error of the grid."""
+    sigma, ones = np.hypot(1.0, grid), np.ones(data)
+    bounds, prior = np.array([[0.5], [2.0]]), np.array([[np.nan], [np.nan]])
+    seen, share = ones[:, None] / sigma, grid / sigma * ones
+    point = FitPoint(("eta0",), ("Pa*s",), np.ones(1), bounds, prior, 0.0 * ones, seen, 0, share)
+    expected = 1.0 / data + grid**2
+    assert point.covariance[0, 0] == pytest.approx(expected)
+    assert point.products[0][0] ** 2 == pytest.approx(expected)
