@@ -1,7 +1,7 @@
 """What drives a contact: signals and their integrals, and how far the surfaces travel."""
 
 from dataclasses import replace
-from math import isclose, pi
+from math import copysign, isclose, pi
 
 import pytest
 from hypothesis import given
@@ -85,3 +85,11 @@ def test_seconds_are_not_the_time_of_a_case() -> None:
     for signal in (swing, line):
         with pytest.raises(TypeError, match="is in SI"):
             signal(0.5)
+
+
+def test_a_rest_keeps_the_sign_of_the_flow_before() -> None:
+    """Which says on which side the oil outside ruptured."""
+    for U in (1.0, -0.5):
+        motion = Motion(constant(1.0), Polyline(((0.0, U), (1.0, 0.0))), 0.0)
+        assert motion.flow_at(0.5) == U / 2
+        assert motion.flow_at(3.0) == 0.0 and copysign(1.0, motion.flow_at(3.0)) == copysign(1.0, U)

@@ -11,7 +11,7 @@ Mixed cases are possible: impact on a moving track, a loaded ball that bounces, 
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from math import cos, inf, pi, sin
+from math import copysign, cos, inf, pi, sin
 from typing import Annotated, ClassVar, Literal, Protocol
 
 import numpy as np
@@ -173,6 +173,12 @@ class Motion:
     def flows(self) -> bool:
         """Whether the entrainment speed is non-zero at any time."""
         return any(self.entrainment.range(inf))
+
+    def flow_at(self, T: float) -> float:
+        """U at time T; where the surfaces rest a zero with the sign of U before, whose flow left the rupture."""
+        U = self.entrainment(T)
+        earlier = (self.entrainment(time) for time in np.linspace(T, 0.0, 1001).tolist()) if U == 0.0 else ()
+        return copysign(U, next((before for before in earlier if before), U))
 
     def sliding(self, T: float) -> float:
         """The sliding speed u1 - u2 at time T, in units a/t0."""

@@ -221,7 +221,7 @@ class Transient2D(Stepper):
             V = rate_of_change(rates, bdf.three(predict) @ approaches, approaches)
             loads_given = [self.case.motion.load(time) for time in (T, *times)]
             load_rate = rate_of_change(rates, loads_given[0], loads_given[1:])
-            motion = motion._replace(velocity=V, load_rate=load_rate, entrainment=self._entrainment(T))
+            motion = motion._replace(velocity=V, load_rate=load_rate, entrainment=self.case.motion.flow_at(T))
             change = Surroundings(*(rates[0] * part for part in self.outside.change(motion)))
         around = self.outside.at(motion)
         weights = bdf.three(predict), bdf.three(rates)
@@ -240,12 +240,6 @@ class Transient2D(Stepper):
             discretise.roughness_change(self.case, self.grid, T),
             FALLING if falls else ROLLING,
         )
-
-    def _entrainment(self, T: float) -> float:
-        """U at a time; where the surfaces rest a zero with the sign of the flow before, which left the rupture."""
-        U = self.case.motion.entrainment
-        earlier = (U(time) for time in np.linspace(T, 0.0, 1001)) if U(T) == 0.0 else ()
-        return float(np.copysign(U(T), next((before for before in earlier if before), U(T))))
 
     def _level(self, T: float, solution: StepSolution, in_the_middle: bool = False) -> State:
         """The state after a step with its work: in the middle, the film on the whole grid is one convolution more."""
