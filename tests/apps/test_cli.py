@@ -165,6 +165,9 @@ def test_formulas_of_a_contact_that_is_too_light_to_run():
     light = [f"contact.{entry}" for entry in ball] + ["lubricant.eta0=50 mPa*s", "lubricant.alpha=22 / GPa"]
     told = ertel_("check", *given(*light), code=2)
     assert "9.458 mm" in told.stdout and "a rigid ball's" in told.stderr
+    assert "ertel check" not in told.stderr
+    told = ertel_("check", "--json", *given(*light), code=2)
+    assert json.loads(told.stdout)["films"][0]["central"] > 0 and "M = " in told.stderr
 
 
 def test_films_side_by_side():
@@ -183,6 +186,7 @@ def test_films_side_by_side():
 def test_earlier_commands_say_which_one_to_use():
     for command, now in MOVED.items():
         assert f"{command}: ertel {now} does this now" in refused(command, "case.toml")
+    assert "ertel show runs/a --about does this now" in refused("about", "runs/a")
 
 
 # -- wrong input: code 2, one line on stderr, nothing on stdout, nothing written ---------------------------------------

@@ -143,6 +143,7 @@ def test_about_a_run(ball):
         assert said in text
     for name in ("machine", "jaxlib"):
         assert re.search(rf"^{name} +\S", text, re.MULTILINE)
+    assert json.loads(ertel_("show", "my run", "--about", "--json").stdout)["ertel"] == ertel.__version__
 
 
 def test_cite():

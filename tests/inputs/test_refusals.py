@@ -204,7 +204,19 @@ SECTIONS: Rows = [
     ({"contact": ROLLING, "roughness": [SPOT | {"surface": 2}], "motion": BACK}, ["roughness[1].surface = 2: moves"]),
     (
         {"contact": ROLLED, "solver": IN_TIME, "thermal": HOT},
-        ['thermal: solver.method = "transient" is for contacts without [thermal]; use solver.method = "steady"'],
+        [
+            'thermal: solver.method = "transient" is for contacts',
+            'without [thermal]; use solver.method = "steady", or leave [thermal] out',
+        ],
+    ),
+    ({"thermal": HOT}, ["thermal: ", "no method of impact supports it; leave [thermal] out"]),
+    (
+        {
+            "contact": ROLLED,
+            "thermal": HOT,
+            "motion": {"load": {"mean": 1, "amplitude": 0.5, "period": 2}},
+        },
+        ["motion.load = ", "varies in time", 'use solver.method = "transient" without [thermal]'],
     ),
     ({"contact": ROLLING, "lubricant": {}, "thermal": HOT}, ["thermal: needs a contact in SI"]),
     # which field is named where several could be wrong

@@ -121,9 +121,12 @@ def test_drafts_of_killed_processes_are_deleted_and_nothing_else_is(tmp_path, vi
     for name in ("stop.0123abcd.partial", "notes.partial", "a.txt.0123abcd.part"):
         (tmp_path / name).touch()
     (tmp_path / "summary.json.89abcdef.partial").symlink_to(victim / "a.txt")
+    for path in tmp_path.glob("*.partial"):
+        os.utime(path, (0, 0), follow_symlinks=False)
+    (tmp_path / "stop.89abcdef.partial").touch()  # of a process that asks to stop now
     with files.locked(tmp_path):
         found = {path.name for path in tmp_path.iterdir()}
-    assert found == {".lock", "notes.partial", "a.txt.0123abcd.part", "victim"}
+    assert found == {".lock", "stop.89abcdef.partial", "notes.partial", "a.txt.0123abcd.part", "victim"}
 
 
 @pytest.mark.parametrize("name", ["runs", "runs/{digest}"])

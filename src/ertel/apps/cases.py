@@ -116,15 +116,21 @@ def check(
     """
     from ertel.apps import tables
     from ertel.case.records import ConfigError
-    from ertel.case.rules import TooLight
+    from ertel.case.rules import AT_FORMULAS, TooLight
+    from ertel.results.parameters import parameter_summary
     from ertel.runs.outlook import outlook
 
     try:
         case = _case_given(case_file, set_)
     except ConfigError as error:
-        if isinstance(error.__cause__, TooLight) and not as_json:  # for a run; the formulas know such contacts
-            tables.print_formulas(error.__cause__.case)
-        raise
+        if not isinstance(error.__cause__, TooLight):
+            raise
+        light = error.__cause__.case  # for a run; the formulas know such contacts
+        if as_json:
+            print_json({**parameter_summary(light), "films": tables.films_as_data(light)})
+        else:
+            tables.print_formulas(light)
+        raise ConfigError(str(error).removesuffix(AT_FORMULAS)) from error
     content = outlook(case)
     if as_json:
         print_json({**content, "films": tables.films_as_data(case)})

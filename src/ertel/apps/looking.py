@@ -209,7 +209,7 @@ def show(
         leave(BAD_INPUT, f"--sigma {sigma}: must be one length or two, of the two surfaces")
     run = RunStore.open(directory)
     if about:
-        tables.print_names(of_run(run))
+        print_json(of_run(run)) if as_json else tables.print_names(of_run(run))
         return
     summary = run.summary() or run.summary_so_far()
     running.report(run, summary, Report(as_json), sigma.split(",") if sigma is not None else ())

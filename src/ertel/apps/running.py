@@ -165,4 +165,5 @@ def report(run: RunStore, summary: Mapping[str, Any], options: Report, sigma: Se
         tables.print_summary(out, run.case, summary)
         if line:
             out.say(line, style="bold")
-        out.print(f"Stored in {shown(run.directory)}; for figures: ertel plot {in_shell(run.directory)}")
+        figures = "" if status.failed else f"; for figures: ertel plot {in_shell(run.directory)}"
+        out.print(f"Stored in {shown(run.directory)}{figures}")

@@ -94,7 +94,9 @@ def placing(directory: Path, overwrite: bool = False, may_be_link: bool = True) 
             for path, place in ((path, directory / path.name) for path in new):
                 is_other = not overwrite and _kind(path) != _kind(place)
                 if lexists(place) and (is_other or (place.is_dir() and not place.is_symlink())):
-                    leave(BAD_INPUT, f"{shown(place)}: ertel did not write this file; move it, or add --overwrite")
+                    no_mark = "has no mark of ertel (a picture of an earlier version has none)"
+                    why = no_mark if place.is_file() and _kind(path)[1] else "ertel did not write this file"
+                    leave(BAD_INPUT, f"{shown(place)}: {why}; move it, or add --overwrite")
             for path in new:
                 path.replace(directory / path.name)
     finally:

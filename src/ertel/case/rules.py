@@ -24,6 +24,7 @@ LONGEST_RUN = 1e5  # t0; an impact lasts about 3
 MOST_STEPS = 1e7  # of a fixed length
 MOST_MAPS = 1e5
 LARGEST_OUTPUT = 1e11  # bytes of the maps, uncompressed
+AT_FORMULAS = "; ertel check prints the formulas"
 FIELDS = 6  # pressure, film, oil, two components of the shear stress, power loss
 
 Complaints = Iterator[tuple[str, str]]  # the field, to which its value is added unless it is there; what is wrong
@@ -120,7 +121,9 @@ def _supported(case: Definition) -> Complaints:
             others = of_kind(case.kind, lambda method: all(getattr(method.supports, each) for each, _, _ in asked))
             instead = f"use {as_written(others)}" if others else f"no method of {case.kind} supports it"
             this = "" if place == "solver.method" else f"{case.entry('solver.method')} "
-            yield place, f"{this}is for {only}; {instead}"
+            joined = ", or" if others else ";"
+            without = f"{joined} leave [{place}] out" if place in ("thermal", "roughness") else ""
+            yield place, f"{this}is for {only}; {instead}{without}"
 
 
 def computes(method: Method, case: Definition) -> bool:
@@ -168,8 +171,10 @@ def _pressure_scale(case: Definition) -> Complaints:
 
 
 def _in_time(case: Definition) -> str:
-    """The methods in time of a kind of contact, as they are written."""
-    return as_written(of_kind(case.kind, lambda method: not method.is_steady))
+    """The methods in time of a kind of contact, as they are written, and what none of them supports."""
+    methods = of_kind(case.kind, lambda method: not method.is_steady)
+    heat = case.thermal is None or any(method.supports.thermal for method in methods)
+    return as_written(methods) + ("" if heat else " without [thermal]")
 
 
 def _time(case: Definition) -> Complaints:
@@ -304,7 +309,7 @@ def _outside(case: Definition) -> Complaints:
     if needed > WIDEST_HALF_WIDTH:
         beyond = f"reaches beyond the largest domain (half_width = {WIDEST_HALF_WIDTH:g})"
         in_si = f" = {rigid_film(p.M) * case.scales.film * 1e6:.3g} um" if case.scales else ""
-        film = f"the film is a rigid ball's, {rigid_film(p.M):.3g} a^2/R{in_si}; ertel check prints the formulas"
+        film = f"the film is a rigid ball's, {rigid_film(p.M):.3g} a^2/R{in_si}{AT_FORMULAS}"
         error = TooLight(f"contact: M = {p.M:.3g} is too low: the oil that carries the load {beyond}; {film}")
         error.case = case
         raise error

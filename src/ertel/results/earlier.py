@@ -2,14 +2,15 @@
 
 Summaries had the values of an impact under `max_approach`, the numbers with heat in SI under `thermal`, and the
 coefficients of friction in units a/R, or in SI under `si`.  Datasets had the coefficients in units a/R.
+Times in SI counted from the start.
 """
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from ertel.physics.scales import Scales
-from ertel.results.numbers import Outcome, scales_in
-from ertel.results.variables import COEFFICIENT, EVENT, VARIABLES, names_where
+from ertel.results.numbers import ERRORS, Outcome, scales_in
+from ertel.results.variables import COEFFICIENT, EVENT, TOUCH, VARIABLES, names_where
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -20,7 +21,7 @@ def as_now(summary: Outcome) -> dict[str, Any]:
 
     Temperatures and traction of a heat balance that has not converged are None.
     """
-    now, si = dict(summary), dict(summary.get("si", {}))
+    now, si = {**dict.fromkeys(ERRORS), **summary}, dict(summary.get("si", {}))
     if "max_approach" in now:
         now |= now.pop("max_approach") or {}
         si |= si.pop("max_approach", None) or {}
@@ -35,6 +36,18 @@ def as_now(summary: Outcome) -> dict[str, Any]:
             si |= {"h_c_warm_m": heat["h_c_m"], "h_min_warm_m": heat["h_min_m"]}
             now |= _with_heat(heat, scales)
     return now
+
+
+def from_touch(summary: Outcome, touch: float) -> dict[str, Any]:
+    """The summary of an impact in SI whose times there counted from its start; now from the first touch, at T."""
+    seconds = touch * summary["si"]["t0_s"]
+
+    def later(values: Outcome) -> dict[str, Any]:
+        return {**values, **({"t_s": values["t_s"] - seconds} if values.get("t_s") is not None else {})}
+
+    si = later(summary["si"])
+    si |= {"extremes": {name: later(one) for name, one in si["extremes"].items()}} if "extremes" in si else {}
+    return {**summary, TOUCH: touch, "si": si}
 
 
 def _with_heat(heat: Mapping[str, Any], scales: Scales) -> dict[str, Any]:

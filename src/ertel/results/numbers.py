@@ -33,6 +33,7 @@ from ertel.results.variables import (
 
 Outcome = Mapping[str, Any]  # of a run, as `results.summary` and `summary.json` have it
 
+ERRORS = [f"{name}_{ending}" for ending in ("error", "extrapolated") for name in FILMS]
 UNKNOWN = 0.5  # error of a film over its value, above which the film is not known
 IN_SI = (KELVIN, "s")  # units of numbers that are in SI in the summary itself
 FREE = ("name", "reference")  # keys of a case that change no result

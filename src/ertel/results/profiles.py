@@ -15,6 +15,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ertel.case.status import Status
 from ertel.physics.units import TIME, Quantity, in_si, si_numbers
 from ertel.results.dataset import with_units
 from ertel.results.variables import EVENTS, VARIABLES, is_steady, shifted, to_si, with_clock, with_prefix
@@ -49,7 +50,8 @@ def is_without_moments(dataset: xr.Dataset, at: At) -> bool:
         return False
     if at is not None:
         raise ValueError(f"at = {at!r}: a steady contact has no moments to choose from; leave it out")
-    if np.isnan(dataset["H_c"].values[-1:]).all():  # of a run that has just begun, or failed
+    failed = Status(dataset.attrs.get("status", "converged")).failed  # earlier versions kept its numbers
+    if failed or np.isnan(dataset["H_c"].values[-1:]).all():  # it has just begun
         raise ValueError(f"dataset: has no solution ({dataset.attrs['status']})")
     return True
 

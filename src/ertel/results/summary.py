@@ -18,6 +18,7 @@ from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.results import balances, diagnostics
 from ertel.results.dataset import SteadyGrid
+from ertel.results.numbers import ERRORS
 from ertel.results.parameters import parameters_of, scale_values
 from ertel.results.variables import (
     COEFFICIENT,
@@ -35,7 +36,6 @@ NARROW = 0.1
 LIGHT = 0.01  # of the largest load, from which an impact counts as contact
 UNLOADED = 1e-8  # of the dry maximum load, below which the ball is free
 EXTREMES = {"H_min": (np.argmin, "X_min", "Y_min"), "P_max": (np.argmax, "X_P_max", "Y_P_max")}  # and their places
-ERRORS = [f"{name}_{ending}" for ending in ("error", "extrapolated") for name in FILMS]
 Values = Mapping[str, float | None]
 
 

@@ -21,7 +21,7 @@ import numpy as np
 from jax import export, tree
 
 from ertel.numerics.programs import LEVEL, LEVEL_OF_SMALL, Compiled, Program, build, compiled_at, largest
-from ertel.runs.files import content_of, replace, with_checksum, without_checksum
+from ertel.runs.files import content_of, delete_drafts, replace, with_checksum, without_checksum
 
 HURRIED = 2 * 513 * 513  # entries of the largest array, up to which a film is solved sooner than its program optimised
 KNOWN = ("ertel", "jax", "jaxlib", "numpy", "functools", "builtins")  # the stamp covers the code of these packages
@@ -100,6 +100,7 @@ class ExportedPrograms:
     def _write(self, file: Path, content: bytes) -> None:
         """Keep a program whose machine code JAX has kept."""
         with suppress(OSError):  # a full disk, ...: it is exported again next time
+            delete_drafts(self.directory, 3600.0)
             replace(file, with_checksum(self.stamp.encode() + b"\n" + content))
 
 

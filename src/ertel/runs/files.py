@@ -11,7 +11,7 @@ import shutil
 import time
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
 from hashlib import sha256
 from itertools import chain
@@ -83,6 +83,14 @@ def delete(path: Path) -> None:
         path.unlink()
     else:
         shutil.rmtree(path, ignore_errors=True)
+
+
+def delete_drafts(directory: Path, age: float) -> None:
+    """Delete the drafts of `replace` that are older than so many seconds: those of killed processes."""
+    for draft in directory.glob(f"*.{'[0-9a-f]' * 8}{DRAFT}"):
+        with suppress(FileNotFoundError):
+            if time.time() - draft.lstat().st_mtime > age:
+                delete(draft)
 
 
 def all_below(directory: Path) -> Iterator[Path]:
@@ -210,8 +218,7 @@ def locked(directory: Path) -> Iterator[None]:
         return
     try:
         _hold(handle, directory)
-        for draft in directory.glob(f"*.{'[0-9a-f]' * 8}{DRAFT}"):  # of a killed process
-            delete(draft)
+        delete_drafts(directory, 60.0)
         yield
     finally:
         os.close(handle)

@@ -199,7 +199,9 @@ class Processes:
         if any(files.is_locked(each) for each in (place, *runs)) or {place, *runs} & {*self.ours()}:
             raise ValueError(f"{name}: is running; stop it before you delete it")
         if others := others_in(place):
-            raise ValueError(f"{name}: holds other files ({', '.join(sorted(others)[:5])}); move them away first")
+            pictures = any(Path(other).parent.name == "plots" for other in others)
+            mark = "; ertel plot DIR --overwrite marks the pictures of an earlier version" if pictures else ""
+            raise ValueError(f"{name}: holds other files ({', '.join(sorted(others)[:5])}); move them away first{mark}")
         hidden = place.with_name(f".{place.name}-{uuid4().hex[:8]}")
         with files.locked(place):
             place.rename(hidden)
