@@ -50,9 +50,9 @@ def is_without_moments(dataset: xr.Dataset, at: At) -> bool:
         return False
     if at is not None:
         raise ValueError(f"at = {at!r}: a steady contact has no moments to choose from; leave it out")
-    failed = Status(dataset.attrs.get("status", "converged")).failed  # earlier versions kept its numbers
-    if failed or np.isnan(dataset["H_c"].values[-1:]).all():  # it has just begun
-        raise ValueError(f"dataset: has no solution ({dataset.attrs['status']})")
+    status = Status(dataset.attrs.get("status", "running"))
+    if status.failed or np.isnan(dataset["H_c"].values[-1:]).all():  # earlier versions kept numbers of failed runs
+        raise ValueError(f"dataset: has no solution ({status.value})")
     return True
 
 
