@@ -51,7 +51,8 @@ def is_without_moments(dataset: xr.Dataset, at: At) -> bool:
     if at is not None:
         raise ValueError(f"at = {at!r}: a steady contact has no moments to choose from; leave it out")
     status = Status(dataset.attrs.get("status", "running"))
-    if status.failed or np.isnan(dataset["H_c"].values[-1:]).all():  # earlier versions kept numbers of failed runs
+    unsolved = status.failed and not status.is_solved  # earlier versions kept the numbers of such runs
+    if unsolved or np.isnan(dataset["H_c"].values[-1:]).all():
         raise ValueError(f"dataset: has no solution ({status.value})")
     return True
 

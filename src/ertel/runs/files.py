@@ -28,6 +28,7 @@ except ImportError:  # not on Windows
 CHECKSUM = "checksum"  # the key of it in a JSON file
 LENGTH = 2 * sha256().digest_size  # of a checksum, in hexadecimal digits
 DRAFT = ".partial"  # how the name of a file ends that is being written
+YOUNG = 60.0  # seconds: a younger draft may be that of a process that writes
 LOCK = ".lock"  # the file in a directory that is locked
 ASKING = 0.2  # s: `is_locked` holds the lock for much less
 LARGEST = 64 * 10**6  # bytes: a summary has some kB, the metadata of all arrays some 100 kB
@@ -218,7 +219,7 @@ def locked(directory: Path) -> Iterator[None]:
         return
     try:
         _hold(handle, directory)
-        delete_drafts(directory, 60.0)
+        delete_drafts(directory, YOUNG)
         yield
     finally:
         os.close(handle)
