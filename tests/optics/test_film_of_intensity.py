@@ -131,7 +131,7 @@ FORTY = [(40, points, noise, 2) for points in (200, 400, 800, 1600) for noise in
 
 @pytest.mark.parametrize(
     ("films", "points", "noise", "most"),
-    [(6, 400, 0.02, 1), (6, 1600, 0.02, 1), *(pytest.param(*films, marks=pytest.mark.slow) for films in FORTY)],
+    [(10, 400, 0.02, 1), (10, 1600, 0.02, 1), *(pytest.param(*films, marks=pytest.mark.slow) for films in FORTY)],
 )
 def test_few_noisy_films_are_wrong_and_those_are_said_to_be_doubtful(films, points, noise, most):
     """More points do not make it worse."""

@@ -164,7 +164,7 @@ class Film(NamedTuple):
 
     P, H, eps: pressure, film thickness, mobility.  oil, passing: what is there and what passes with the flow, as mass.
     heat: - rho q.grad h at the nodes.  deformation: of the solids.  growth: the rate of the oil + div(Poiseuille
-    flux) - source, which vanishes.  U: entrainment.  gap_change: DG/DT.  source: as from `PressureFlow`.
+    flux) - source, which vanishes.  U: entrainment.  gap_change: DG/DT.
     """
 
     P: Array
@@ -177,7 +177,6 @@ class Film(NamedTuple):
     growth: Array
     U: FloatLike
     gap_change: FloatLike
-    source: FloatLike = 0.0
 
 
 class Moment(NamedTuple):
@@ -203,11 +202,17 @@ def account(
     oil: what is there, as mass.  passing: what passes with the flow.  change: the rate of the oil, following the flow.
     """
     details = c.flow.details(c, P, H, m.sliding, space)
-    source = inside(jnp.broadcast_to(c.flow.source(c, P, H), P.shape), c.even)
-    growth, deformed = change - inside(details.gain, c.even) - source, H + m.approach - c.gap
-    film = Film(P, H, oil, passing, details.mobility, details.heat, deformed, growth, m.U, m.gap_change, source)
+    source = c.flow.source(c, P, H)
+    growth, deformed = change - inside(details.gain + source, c.even), H + m.approach - c.gap
+    film = Film(P, H, oil, passing, details.mobility, details.heat, deformed, growth, m.U, m.gap_change)
     forces = friction_of_details(space, details, P, H, m.sliding, m.load, m.hertz_load)
-    return account_terms(space, c.lubricant, film, forces, m.hertz_load), forces
+    terms = account_terms(space, c.lubricant, film, forces, m.hertz_load)
+    if isinstance(source, Array):  # not the plain zero of surfaces without one
+        source = inside(source, c.even)
+        terms["inflow"] += space.total(jnp.maximum(source, 0.0))
+        terms["outflow"] += space.total(jnp.maximum(-source, 0.0))
+        terms["outside_power"] -= space.total(source * c.lubricant.enthalpy(P)) / m.hertz_load
+    return terms, forces
 
 
 def account_terms(
@@ -217,22 +222,22 @@ def account_terms(
 
     hertz_load: F* in a^2 p_h.
     """
-    P, H, eps, U, source = film.P, film.H, film.eps, film.U, jnp.zeros_like(film.P) + film.source
+    P, H, eps, U = film.P, film.H, film.eps, film.U
     mass, enthalpy, compressed = film.oil, oil.enthalpy(P), oil.compression(P) * H
     squeezed_out = space.flow_out(eps, P)
     out = squeezed_out + U * space.along_x(film.passing)
     energy_out = squeezed_out * space.edge(enthalpy) + U * space.along_x(compressed)
     return {
         "mass": space.total(mass),
-        "inflow": space.around(jnp.maximum(-out, 0.0)) + space.total(jnp.maximum(source, 0.0)),
-        "outflow": space.around(jnp.maximum(out, 0.0)) + space.total(jnp.maximum(-source, 0.0)),
+        "inflow": space.around(jnp.maximum(-out, 0.0)),
+        "outflow": space.around(jnp.maximum(out, 0.0)),
         "cavity_source": space.total(jnp.where(P > 0.0, 0.0, film.growth)),
         "elastic_energy": space.total(P * film.deformation) / 2 / hertz_load,
         "oil_energy": space.total(compressed) / hertz_load,
         "dissipation": space.total(film.heat) / hertz_load,
         "power_from_surfaces": space.total(P * jnp.maximum(-film.gap_change, 0.0)) / hertz_load,
         "power_to_surfaces": space.total(P * jnp.maximum(film.gap_change, 0.0)) / hertz_load,
-        "outside_power": (space.around(energy_out) - space.total(source * enthalpy)) / hertz_load,
+        "outside_power": space.around(energy_out) / hertz_load,
         "load": space.total(P),
         **numbers_of(friction),
     }

@@ -1,9 +1,10 @@
 """The lubricated contact: film thickness and residual of Reynolds' equation, for impact and rolling.
 
-    D(rho H)/DT + div(Poiseuille flux) = 0   where P > 0
-                                      >= 0   where P = 0
+    D(rho H)/DT + div(Poiseuille flux) = source   where P > 0
+                                      >= source   where P = 0
 
-The Poiseuille flux of a Newtonian oil is -eps grad P, so that
+The source is the oil that comes through the surfaces, zero unless a flow has one (`PressureFlow.source`).  The
+Poiseuille flux of a Newtonian oil is -eps grad P, so that between tight surfaces
 
     D(rho H)/DT - d/dX(eps dP/dX) - d/dY(eps dP/dY) = 0,    eps = rho H^3 / (eta lambda_bar)
 
@@ -151,7 +152,7 @@ def mobility(contact: Contact, P: Array, H: Array) -> Array:
 
 
 def residual(contact: Contact, P: Array, H: Array, rate: Rate) -> Array:
-    """Reynolds' equation, eq. (1): rate of change following the flow + div(Poiseuille flux), zero on the edge.
+    """Reynolds' equation, eq. (1): rate of change following the flow + div(Poiseuille flux) - source; zero on the edge.
 
     Where P = 0 it is the rate at which a void grows.  In a starved film the flow also brings void from upstream.
     """

@@ -50,17 +50,7 @@ from ertel.inputs.case_files import ConfigError, parse_case, read_toml, to_toml
 from ertel.results.earlier import as_now, from_touch
 from ertel.results.numbers import Number, lines, scalars
 from ertel.results.variables import FIGURES_IN_TIME, FIGURES_STEADY, MADE_BY, TOUCH, with_clock
-from ertel.runs.files import (
-    LOCK,
-    StoreError,
-    all_below,
-    content_of,
-    is_locked,
-    reading,
-    replace,
-    sync_directory,
-    unsealed,
-)
+from ertel.runs.files import LOCK, StoreError, content_of, is_locked, reading, replace, sync_directory, unsealed, within
 
 if TYPE_CHECKING:  # it brings JAX, which readers do not need
     from ertel.runs.drive import Run
@@ -145,7 +135,7 @@ def others_in(directory: Path) -> list[str]:
 
     Files of other names, and pictures in `plots` without ertel's mark.
     """
-    found = [path for path in all_below(directory) if path.is_symlink() or not path.is_dir()]
+    found = [path for path in within(directory) if path.is_symlink() or not path.is_dir()]
     return [name for path in found if not _is_written(path, name := path.relative_to(directory).as_posix())]
 
 

@@ -94,7 +94,7 @@ def delete_drafts(directory: Path, age: float) -> None:
                 delete(draft)
 
 
-def all_below(directory: Path) -> Iterator[Path]:
+def within(directory: Path) -> Iterator[Path]:
     """A directory and all that it holds, at any depth; links are not followed."""
     return chain([directory], (Path(folder) / name for folder, *names in os.walk(directory) for name in chain(*names)))
 

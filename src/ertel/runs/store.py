@@ -135,7 +135,7 @@ class RunStore:
         with files.locked(self.directory), heeding_stop(self.directory):
             self._require_same(read_case(self.directory), self.case.digest, self.case.to_data())
             self._require_own_data()
-            files.require_no_links(files.all_below(arrays.present(self._data)))
+            files.require_no_links(files.within(arrays.present(self._data)))
             self._alone = True
             try:
                 yield

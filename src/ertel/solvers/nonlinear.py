@@ -80,7 +80,7 @@ class ClosedSystem(NamedTuple):
 class Shared(NamedTuple):
     """The part of an iteration that the residual and its inverse share.
 
-    flow: at the film.  kinked: the nodes at which a starved film is kinked.  number: of the iteration.
+    flow: at the film.  kinked: the nodes at which a starved film is kinked.  times: iterations before.
     """
 
     flow: PressureFlow

@@ -280,7 +280,7 @@ class RadialImpact(Stepper):
         return State(0.0, motion.approach, 1.0, fields, outside=around.load, load=float(weights @ P))
 
     def advance(self, levels: Sequence[State], step: float) -> State:
-        """See `Method.advance`: BDF1 from one level, BDF2 from more."""
+        """See `Stepper.advance`: BDF1 from one level, BDF2 from more."""
         T = levels[0].T + step
         times = [level.T for level in levels]
         rates = bdf.derivative_weights([T, *times[:2]])

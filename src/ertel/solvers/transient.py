@@ -196,7 +196,7 @@ class Transient2D(Stepper):
         return OilContent.without_void(jnp.broadcast_to(self.layer, gap.shape), jnp.zeros(gap.shape, bool))
 
     def advance(self, levels: Sequence[State], step: float) -> State:
-        """See `Method.advance`: BDF1 from one level, BDF2 from more."""
+        """See `Stepper.advance`: BDF1 from one level, BDF2 from more."""
         T, problem = levels[0].T + step, self.problem(levels, step)
         new = self._level(T, self.solve(problem), in_the_middle=problem.middle is not None)
         if problem.middle is not None and not new.status.ok:  # P > 0 elsewhere too
