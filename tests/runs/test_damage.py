@@ -1,6 +1,7 @@
 """Damaged run directories: what is read is what was written, or the damaged file is named; nothing in between."""
 
 import io
+import itertools
 import json
 import os
 import pickle
@@ -17,7 +18,7 @@ import numpy as np
 import pytest
 import xarray as xr
 import zarr
-from cases import changed_cases
+from cases import changed_cases, physics, stop_after
 from stored_runs import CASES, Evil
 
 import ertel
@@ -107,6 +108,25 @@ def test_no_edit_mixes_two_cases(runs, copy, tmp_path):
     assert runs.opened(cut) and runs.opened(finished)
 
 
+def test_name_and_reference_may_be_edited(impact, copy):
+    directory = copy(impact.cut)
+    text = (directory / "case.toml").read_text()
+    renamed = text.replace('"small"', '"renamed"').replace("[lubricant]", '[lubricant]\nreference = "new"')
+    (directory / "case.toml").write_text(renamed)
+    assert RunStore.open(directory).case.name == "renamed"
+
+
+def test_an_edit_is_noticed_by_what_is_left(impact, copy):
+    directory = copy(impact.finished)
+    edited_root(directory, lambda root: root.clear())  # now the data do not tell
+    text = (directory / "case.toml").read_text()
+    (directory / "case.toml").write_text(text.replace("0.033", "0.034"))
+    run = RunStore.open(directory)
+    for file, read in (("summary.json", run.summary), ("checkpoint.npz", run.item)):
+        with pytest.raises(StoreError, match=f"{file} is not that of case"):
+            read()
+
+
 # -- the data ---------------------------------------------------------------------------------------------------------
 
 
@@ -121,6 +141,16 @@ def test_a_missing_chunk_is_noticed(impact, copy, chunk):
     if name in ("H_c", "event"):  # xarray alone reads what is no value of a run
         values = xr.open_zarr(directory / "run.zarr")[name].values
         assert np.isnan(values).all() if name == "H_c" else (values == -1).all()
+
+
+def test_a_chunk_that_was_cut_short_is_noticed(impact, copy):
+    directory = copy(impact.finished)
+    chunk = directory / "run.zarr" / "P" / "c" / "0" / "0" / "0"
+    whole = chunk.read_bytes()
+    for length in (0, 3, -1):
+        chunk.write_bytes(whole[:length])
+        with pytest.raises(Damaged, match=r"run\.zarr/P: .*checksum do not match"):
+            ertel.open(directory)
 
 
 def edited_root(directory: Path, edit: Callable[[dict[str, Any]], object]) -> None:
@@ -151,6 +181,14 @@ def test_changed_metadata_are_noticed(impact, copy, edit, said):
         with pytest.raises(Damaged, match=rf"zarr\.json: is damaged \(.*{said}.*; the run must be computed again"):
             read(directory)
     assert (directory / "summary.json").exists()
+
+
+def test_metadata_of_single_arrays_do_not_matter(impact, copy):
+    """They are written for others, and written again when the run goes on."""
+    directory = copy(impact.cut)
+    for file in (directory / "run.zarr").glob("*/zarr.json"):
+        file.write_text("[]")
+    assert impact.resumed(directory)
 
 
 def test_damaged_data_stop_a_run_before_it_computes(impact, copy):
@@ -184,6 +222,29 @@ def test_a_run_that_an_earlier_version_left_unfinished_is_refused(impact, copy):
             compute(RunStore.open(directory))
     arrays.write_root(directory / "run.zarr", whole)
     assert impact.resumed(directory)
+
+
+def test_data_that_are_replaced_while_they_are_read(steady, copy, monkeypatch):
+    """By the process that computes them, grid by grid."""
+    data, read, attempts = copy(steady.finished) / "run.zarr", arrays._read, itertools.count()
+
+    def replaced(path, advice):
+        if next(attempts) == 0:
+            arrays.update_attributes(data, {"title": "the next grid"}, advice)
+            raise Damaged(path, "chunks are missing", advice)
+        return read(path, advice)
+
+    monkeypatch.setattr(arrays, "_read", replaced)
+    assert RunStore.open(data.parent).dataset().attrs["title"] == "the next grid"
+    assert next(attempts) == 2
+
+
+def test_steady_data_are_written_again_from_the_checkpoint(steady, copy):
+    directory = copy(steady.finished)
+    flip(directory / "run.zarr" / "H" / "c" / "0" / "0", random.Random(4))
+    with pytest.raises(Damaged, match=r"run\.zarr/H: is damaged .*; it is written again when the run is continued"):
+        ertel.open(directory)
+    assert steady.resumed(directory)
 
 
 # -- the summary ------------------------------------------------------------------------------------------------------
@@ -222,6 +283,11 @@ def test_a_damaged_checkpoint_is_named(runs, copy):
     assert runs.resumed(directory)
 
 
+def test_numpy_reads_a_checkpoint(impact):
+    with np.load(impact.cut / "checkpoint.npz") as file:
+        assert str(file["store_digest"]) == IMPACT.digest
+
+
 # -- nothing is executed ----------------------------------------------------------------------------------------------
 
 
@@ -252,6 +318,15 @@ def test_data_of_the_earlier_zarr_format_are_refused(impact, copy):
     for look in (ertel.open, lambda path: compute(RunStore.open(path))):
         with pytest.raises(Damaged, match=r"run\.zarr/zarr\.json: is damaged \(missing\)"):
             look(directory)
+
+
+def test_the_format_does_not_depend_on_the_environment(runs, tmp_path):
+    """Zarr takes its default from ZARR_DEFAULT_ZARR_FORMAT; all runs were broken by it."""
+    with zarr.config.set({"default_zarr_format": 2}):
+        compute(RunStore.create(tmp_path / "run", runs.case), [stop_after(1)])
+        assert runs.resumed(tmp_path / "run")
+    found = xr.open_zarr(tmp_path / "run" / "run.zarr").load()
+    xr.testing.assert_identical(physics(found), physics(runs.whole.dataset))
 
 
 # -- kills, full disks and damage: a short form of validation/faults -------------------------------------------------

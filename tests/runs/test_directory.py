@@ -15,6 +15,7 @@ from cases import SHORT_FALL, names, stop_after
 
 import ertel
 from ertel.runs import files
+from ertel.runs.arrays import AppendedData
 from ertel.runs.directory import Taken
 from ertel.runs.files import StoreError
 from ertel.runs.store import RunStore, compute
@@ -67,6 +68,25 @@ def test_existing_output_is_left_alone(tmp_path):
         with pytest.raises(StoreError, match=said):
             RunStore.create(tmp_path / target, SHORT_FALL)
     assert [path.name for path in tmp_path.rglob("*")] == ["run", "precious"]
+
+
+def test_an_empty_directory_will_do_where_it_is_named(tmp_path):
+    """A move onto an empty directory replaces it, so another name is found where none is given."""
+    (tmp_path / "small").mkdir()
+    assert RunStore.create_unused(SHORT_FALL, tmp_path).directory == tmp_path / "small-2"
+    assert names(tmp_path / "small") == set()
+    RunStore.create(tmp_path / "small", SHORT_FALL)
+    assert RunStore.open(tmp_path / "small").case == SHORT_FALL
+
+
+def test_failure_while_making_leaves_nothing(tmp_path, monkeypatch):
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(AppendedData, "create", full)
+    with pytest.raises(StoreError, match="run: cannot write there, no space left on device"):
+        RunStore.create(tmp_path / "run", SHORT_FALL)
+    assert names(tmp_path) == set()
 
 
 @pytest.mark.parametrize("missing", ["case.toml", "run.zarr"])
@@ -190,6 +210,27 @@ def refusing(monkeypatch, place, name, number, when=lambda *arguments: True):
         return system(*arguments, **options)
 
     monkeypatch.setattr(place, name, call)
+
+
+@locking
+@pytest.mark.parametrize("kept", [False, True])
+def test_a_directory_that_may_only_be_read(tmp_path, monkeypatch, kept):
+    """It is asked as others are.  Whoever computes there all the same is warned, unless the lock file can be read."""
+    if kept:
+        (tmp_path / files.LOCK).touch()
+    refusing(monkeypatch, os, "open", errno.EROFS, lambda path, flags, *_: flags & (os.O_RDWR | os.O_CREAT))
+    assert not files.is_locked(tmp_path)
+    with warnings.catch_warnings(record=True) as said, files.locked(tmp_path):
+        assert files.is_locked(tmp_path) is kept
+    assert len(said) == (0 if kept else 1)
+    assert all(f"{tmp_path}: cannot be locked (read-only" in str(each.message) for each in said)
+
+
+@locking
+def test_a_lock_file_that_cannot_be_made(tmp_path, monkeypatch):
+    refusing(monkeypatch, os, "open", errno.ENOSPC)
+    with pytest.raises(OSError, match=os.strerror(errno.ENOSPC)), files.locked(tmp_path):
+        pytest.fail("not locked")
 
 
 @locking

@@ -6,11 +6,14 @@ from functools import cache
 import numpy as np
 import pytest
 import xarray as xr
-from cases import OIL, impact, rolled, steady_solver
+from cases import OIL, SMALL, impact, rolled, steady_solver
 
 from ertel.case.case import Case
+from ertel.case.methods import METHODS
 from ertel.case.sections import Drive
+from ertel.inputs.case_files import parse_case
 from ertel.inputs.python import quantity
+from ertel.physics.lubricant import Oil
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature, RingWaviness, Shape, Waviness
 from ertel.runs.response import respond, respond_in_rolling, respond_linearly
@@ -60,7 +63,26 @@ def test_the_tangent_linear_run_is_the_limit_of_the_finite_ones() -> None:
     assert errors[1] < errors[0] / 4
 
 
+def test_rings_keep_the_impact_round() -> None:
+    case = impact(200, 10, 33, time={"step": 0.05, "start_approach": -0.5})
+    data = respond(case, [[Feature(RingWaviness(1e-3, 0.5))]])
+    dH = data.dH[0].values
+    np.testing.assert_allclose(dH, dH.T, atol=1e-9)
+    np.testing.assert_allclose(dH, dH[::-1], atol=1e-9)
+
+
 SHORT = {"step": 0.1, "start_approach": -0.5}
+
+
+@pytest.mark.parametrize("response", [respond, respond_linearly])
+def test_roughness_may_be_given_in_si(response: Callable[..., xr.Dataset]) -> None:
+    case = parse_case({**SMALL, "time": SHORT, "solver": {"nodes": 17}})
+    assert case.scales
+    height, length = quantity("10 nm"), quantity("60 um")
+    plain = Waviness(10e-9 / case.scales.film, 60e-6 / case.scales.a)
+    found = response(case, [[Feature(Waviness(height, length))], [Feature(plain)]])
+    assert float(abs(found.dH[0]).max()) > 0
+    np.testing.assert_allclose(found.dH[0].values, found.dH[1].values, rtol=1e-6, atol=1e-12)
 
 
 @pytest.mark.parametrize("response", [respond, respond_linearly])
@@ -71,8 +93,14 @@ def test_roughness_in_si_is_refused_before_a_dimensionless_impact(response: Call
     assert not steps
 
 
+def test_only_the_2d_method_has_waves() -> None:
+    with pytest.raises(ValueError, match=r'^solver\.method = "radial"'):
+        respond(impact(200, 10, 65, solver={"method": "radial", "nodes": 65}), [waviness(1e-3)])
+
+
 # -- rolling (the solver's own tests: solvers/test_wave_response) -----------------------------------------------------
 
+ROELANDS = Oil()
 TURN = 1.5  # wavelength: 8 nodes
 
 
@@ -107,6 +135,21 @@ def test_responses_add_up() -> None:
     assert np.abs(both - both[::-1]).max() > 0.001  # the second is not even in Y, so the whole plane is computed
 
 
+def test_an_unresolved_response_in_rolling_says_so() -> None:
+    """On 257 nodes it is 0.53, on 65 nodes 0.65."""
+    case = rolled(Parameters.from_moes(200, 10), ROELANDS, steady_solver(65, tolerance=0.03))
+    with pytest.warns(UserWarning, match=r"^roughnesses\[1\]: the response at the centre is uncertain by up to 29%"):
+        data = respond_in_rolling(case, [[Feature(Waviness(1.0, 1.0))]])
+    assert data.attrs["status"] == "converged"
+    assert float(data["dH_error"][0]) > abs(float(data["dH_amplitude"].sel(X=0, Y=0, method="nearest")[0]) - 0.53)
+
+
+def test_a_response_without_a_coarser_grid_has_no_error() -> None:
+    with pytest.warns(UserWarning, match="there is no error estimate of the response"):
+        data = respond_in_rolling(rolling(), [[Feature(Waviness(0.01, TURN, TURN))]])
+    assert np.isnan(data["dH_error"].values).all()
+
+
 @pytest.mark.parametrize(
     ("features", "message"),
     [
@@ -119,3 +162,9 @@ def test_responses_add_up() -> None:
 def test_what_does_not_repeat_has_no_periodic_response(features: list[Shape], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         respond_in_rolling(rolling(), [[Feature(shape) for shape in features]])
+
+
+def test_only_a_steady_case_has_a_periodic_response() -> None:
+    case = rolled(Parameters.from_moes(20, 5), OIL, METHODS["transient"].defaults)
+    with pytest.raises(ValueError, match=r'^solver\.method = "transient": must be "steady"'):
+        respond_in_rolling(case, [[Feature(Waviness(0.01, 0.5))]])

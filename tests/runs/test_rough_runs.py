@@ -18,7 +18,9 @@ from ertel.case.height_map import HeightMap, Measured
 from ertel.equations import discretise
 from ertel.inputs.case_files import load_case
 from ertel.physics.surfaces import Feature, SelfAffine
+from ertel.plots.view import View
 from ertel.results import diagnostics
+from ertel.runs.compile import compilations
 from ertel.runs.drive import simulate
 from ertel.runs.files import StoreError
 from ertel.runs.store import RunStore, compute
@@ -112,6 +114,14 @@ def test_what_the_grid_and_the_map_lack_is_said(shape, nodes, said) -> None:
     assert bool(warned) == bool(said)
 
 
+def test_another_surface_needs_no_compilation() -> None:
+    simulate(rough(33))
+    compiled = compilations()
+    for shape in (replace(ROUGH, seed=5, longest=0.7), DISC):
+        simulate(rough(33, shape))
+    assert compilations() == compiled
+
+
 # -- in a run directory -----------------------------------------------------------------------------------------------
 
 
@@ -140,6 +150,16 @@ def test_a_run_is_resumed_shown_and_plotted_without_the_file(tmp_path, case) -> 
     ertel_("plot", str(moved), "--what", "maps")
     data, whole = ertel.open(moved).dataset, simulate(case).dataset
     xr.testing.assert_identical(physics(data), physics(whole))
+
+
+def test_the_dataset_alone_shows_the_roughness(tmp_path, case) -> None:
+    compute(RunStore.create(tmp_path / "run", case), [stop_after(1)])
+    data = xr.open_zarr(tmp_path / "run" / "run.zarr")
+    X, Y = np.linspace(-1, 1, 9)[None, :], np.linspace(-1, 1, 5)[:, None]
+    spacing = grid_of(case).spacing
+    (feature,) = case.features
+    shown = View(data).roughness(X, Y)
+    np.testing.assert_allclose(shown, feature.shape.heights_above(4 * spacing, X, Y), atol=1e-15)
 
 
 def test_the_resolved_case_runs_from_its_directory_and_nowhere_else(tmp_path, case) -> None:
