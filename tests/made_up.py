@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 from ertel.case.case import Case
-from ertel.case.definition import grid_of
+from ertel.case.estimates import grid_of
 from ertel.case.methods import METHODS
 from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case

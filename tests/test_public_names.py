@@ -47,7 +47,7 @@ check(Path("case.toml"))
 """
 USUAL_UNITS = """
 import ertel
-from ertel.case.definition import grid_of
+from ertel.case.estimates import grid_of
 from ertel.results.dataset import assemble_steady
 sizes = {"radius": "10 mm", "load": "20 N", "mean_speed": "800 mm/s", "E_prime": "230 GPa"}
 case = ertel.rolling(**sizes, oil=ertel.Oil(eta0="40 mPa*s", alpha="22 / GPa"), nodes=33)
@@ -67,7 +67,7 @@ assert "film" in dir(xarray.Dataset({"H": 0.1}).ertel.plot)
     [
         ("import ertel; dir(ertel)", "jax xarray matplotlib zarr pint pydantic scipy numpy"),
         ("import ertel; ertel.impact(M=1, L=1)", "jax xarray matplotlib zarr"),
-        ("import ertel.case.case, ertel.case.definition", "jax"),
+        ("import ertel.case.case, ertel.case.estimates", "jax"),
         ("import ertel.apps.cli", "jax matplotlib xarray pint distributed"),  # so that `ertel --help` answers at once
         (CHECK.format("rolling", "steady"), "jax xarray matplotlib zarr"),  # an estimate of memory and time
         (CHECK.format("impact", "radial"), "jax xarray matplotlib zarr"),

@@ -14,7 +14,7 @@ from tempfile import mkdtemp
 from matplotlib import pyplot as plt
 
 import ertel
-from ertel.case.definition import newtonian_stress
+from ertel.case.estimates import newtonian_stress
 from ertel.runs.result import verdict
 
 # %%

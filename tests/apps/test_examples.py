@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import ertel
-from ertel.case.definition import grid_of
+from ertel.case.estimates import grid_of
 from ertel.equations import discretise
 from ertel.inputs.case_files import load_case
 from ertel.inputs.studies import load_study

@@ -9,9 +9,8 @@ from cases import STEEL_BODIES, changed_cases
 
 from ertel.case.case import Case
 from ertel.case.conditions import Conditions
-from ertel.case.definition import SECTIONS
 from ertel.case.methods import METHODS
-from ertel.case.sections import Drive, Output, Solver, Time
+from ertel.case.sections import SECTIONS, Drive, Output, Solver, Time
 from ertel.physics.lubricant import Barus, Oil
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Oscillation, Polyline, constant
 from ertel.physics.scales import Parameters

@@ -8,7 +8,7 @@ import pytest
 from cases import BARUS, BARUS_LIMIT, OIL, rolled, steady_solver
 
 from ertel.case.case import Case
-from ertel.case.definition import grid_of
+from ertel.case.estimates import grid_of
 from ertel.case.sections import Drive
 from ertel.equations import contact, discretise
 from ertel.physics.lubricant import Oil

@@ -14,7 +14,7 @@ from jax import Array
 from numpy.testing import assert_allclose
 
 from ertel.case.case import Case
-from ertel.case.definition import grid_of
+from ertel.case.estimates import grid_of
 from ertel.case.sections import Drive
 from ertel.case.status import Status
 from ertel.equations.account import Friction, friction

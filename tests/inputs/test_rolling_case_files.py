@@ -8,7 +8,7 @@ from cases import BALL
 
 import ertel
 from ertel.case.case import Case
-from ertel.case.definition import grid_of
+from ertel.case.estimates import grid_of
 from ertel.case.methods import METHODS, ROLLING_UNTIL
 from ertel.case.sections import Time
 from ertel.inputs.case_files import parse_case

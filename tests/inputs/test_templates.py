@@ -11,7 +11,7 @@ import pytest
 from cases import python
 
 from ertel.case import case
-from ertel.case.definition import SECTIONS
+from ertel.case.sections import SECTIONS
 from ertel.inputs import layout, oils
 from ertel.inputs.case_files import parse_case
 from ertel.inputs.layout import DataSheet

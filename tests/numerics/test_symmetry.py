@@ -9,7 +9,7 @@ from jax import Array
 from made_up import even_fields, every_symmetry
 from numpy.testing import assert_allclose
 
-from ertel.case.definition import grid_of
+from ertel.case.estimates import grid_of
 from ertel.case.sections import Solver, Time
 from ertel.equations import contact
 from ertel.equations.contact import Contact

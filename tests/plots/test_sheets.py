@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from ertel import plots
-from ertel.case.definition import grid_of
+from ertel.case.estimates import grid_of
 from ertel.inputs.python import rolling
 from ertel.physics.surfaces import Feature, Spot
 from ertel.plots import interferograms

@@ -12,7 +12,7 @@ from cases import STEEL_BODIES
 
 import ertel
 from ertel.apps.tables import console, print_summary
-from ertel.case.definition import grid_of
+from ertel.case.estimates import grid_of
 from ertel.case.sections import Inlet
 from ertel.inputs.case_files import parse_case
 from ertel.physics.thermal import AT_REST, SLOWEST, slow_excess

@@ -13,7 +13,7 @@ from made_up import BALL_FALLS, BALL_ROLLS, C1, MOES_FALLS, MOES_ROLLS, as_in_ti
 import ertel
 from ertel.apps.tables import film_rows, value_rows
 from ertel.case.case import Case
-from ertel.case.definition import grid_of
+from ertel.case.estimates import grid_of
 from ertel.case.sections import Time
 from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 import ertel
-from ertel.case.definition import newtonian_stress
+from ertel.case.estimates import newtonian_stress
 from ertel.runs.outlook import beyond, outlook
 
 STEEL = {"material_1": "steel", "material_2": "steel"}

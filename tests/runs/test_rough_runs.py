@@ -13,7 +13,7 @@ from cases import ertel_, impact, names, physics, stop_after
 
 import ertel
 from ertel.case.case import Case
-from ertel.case.definition import grid_of
+from ertel.case.estimates import grid_of
 from ertel.case.height_map import HeightMap, Measured
 from ertel.equations import discretise
 from ertel.inputs.case_files import load_case

@@ -11,7 +11,7 @@ import pytest
 from cases import OIL, impact, rolled
 from numpy.testing import assert_allclose
 
-from ertel.case.definition import grid_of
+from ertel.case.estimates import grid_of
 from ertel.case.methods import METHODS
 from ertel.case.sections import Drive, Time
 from ertel.equations import discretise

@@ -11,7 +11,7 @@ import pytest
 from cases import march, parse_case
 
 from ertel.case.case import Case
-from ertel.case.definition import grid_of
+from ertel.case.estimates import grid_of
 from ertel.case.sections import Drive
 from ertel.equations import discretise
 from ertel.equations.account import Friction, friction

@@ -13,7 +13,7 @@ from closed_forms import flash_temperature
 from numpy.testing import assert_allclose
 
 from ertel.case.case import Case
-from ertel.case.definition import grid_of
+from ertel.case.estimates import grid_of
 from ertel.equations import discretise
 from ertel.equations.account import friction
 from ertel.inputs.case_files import parse_case

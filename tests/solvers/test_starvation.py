@@ -16,7 +16,7 @@ from numpy.testing import assert_allclose
 
 import ertel
 from ertel.case.case import Case
-from ertel.case.definition import starvation, wet_radius
+from ertel.case.estimates import starvation, wet_radius
 from ertel.equations import contact, discretise
 from ertel.equations.flow import downstream, void_change, void_downstream
 from ertel.equations.state import State

@@ -12,7 +12,7 @@ import pytest
 from cases import BARUS_LIMIT, OIL, free_ball, impact, march, orders, rolled, steps_of
 
 from ertel.case.case import Case
-from ertel.case.definition import coarsenings
+from ertel.case.estimates import coarsenings
 from ertel.case.methods import METHODS
 from ertel.case.sections import Drive, Solver, Time
 from ertel.equations import contact

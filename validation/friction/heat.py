@@ -17,7 +17,7 @@ from jax.tree_util import register_dataclass
 
 import ertel
 from ertel.case.case import Case
-from ertel.case.definition import grid_of
+from ertel.case.estimates import grid_of
 from ertel.equations import discretise
 from ertel.equations.account import friction
 from ertel.numerics.integrals import Plane

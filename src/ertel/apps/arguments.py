@@ -29,7 +29,7 @@ def case_files(incomplete: str) -> list[str]:
 
 def settings(incomplete: str) -> list[str]:
     """section.key= for the keys of case files that begin so."""
-    from ertel.case.definition import SECTIONS
+    from ertel.case.sections import SECTIONS
     from ertel.inputs.layout import section
 
     keys = [f"{name}.{key.name}=" for name in SECTIONS for key in section(name).keys]

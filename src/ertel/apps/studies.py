@@ -9,7 +9,7 @@ from ertel.apps.arguments import Report
 from ertel.apps.process import interruptible
 from ertel.apps.terminal import FAILED, in_shell, leave, print_json, say, shown, writing_to
 from ertel.case.case import Case
-from ertel.case.definition import newtonian_stress
+from ertel.case.estimates import newtonian_stress
 from ertel.case.records import ConfigError
 from ertel.case.status import Status
 from ertel.inputs.studies import Study

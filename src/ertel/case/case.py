@@ -6,31 +6,44 @@ A `Case` holds the input, in SI or dimensionless.  The solvers use the propertie
 
 import hashlib
 import json
-from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import InitVar, dataclass, field, fields, replace
 from functools import cached_property
 from html import escape
 from typing import Any
 
-from ertel.case import records, rules
-from ertel.case.completion import solver_of, with_defaults
-from ertel.case.conditions import Conditions
-from ertel.case.definition import SECTIONS, Definition
+from ertel.case import records
+from ertel.case.conditions import Conditions, Kind
 from ertel.case.height_map import NO_MAPS, HeightMap
+from ertel.case.methods import METHODS, Method
 from ertel.case.reading import Reader, check_keys
-from ertel.case.records import ConfigError, with_own_numbers
-from ertel.case.sections import Drive, Output, Solver, Thermal, Time
-from ertel.physics.lubricant import Oil
+from ertel.case.records import ConfigError, named, scaled, scaled_all, show, with_unit
+from ertel.case.sections import SECTIONS, START_APPROACH, Drive, Output, Schedule, Solver, Thermal, Time
+from ertel.physics import film_formulas, surfaces
+from ertel.physics.geometry import CIRCLE, ContactMotion, Geometry, squeezed_film
+from ertel.physics.lubricant import ALPHA, Lubricant, Oil
+from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, Track, constant, reversed_sign
+from ertel.physics.scales import Parameters, Scales
 from ertel.physics.surfaces import Feature
+from ertel.physics.units import marks
 
 SCHEMA = 1  # of the layout of case files
 READER = Reader()
 KEYS = ("schema", "name", "contact", "lubricant", "solver", "motion", "roughness", "time", "output", "thermal")
 
+Completion = Callable[["Case", Collection[str] | None], None]
+_completions: list[Completion] = []  # the last one counts
 
-@dataclass(frozen=True, repr=False, init=False)
-class Case(Definition):
-    """One contact, ready to be simulated: a definition, completed and checked.
+
+def completes(completion: Completion) -> Completion:
+    """A decorator for the function that completes and checks a case in its constructor: that of `completion`."""
+    _completions.append(completion)
+    return completion
+
+
+@dataclass(frozen=True, repr=False)
+class Case:
+    """One contact, ready to be simulated: completed and checked.
 
     Amounts are numbers in the units of the case, or quantities in SI.
 
@@ -54,6 +67,8 @@ class Case(Definition):
         The name, not part of equality or digest.
     thermal : Thermal, optional
         What the temperatures of a steady contact depend on; None if they are not wanted.
+    written : collection of str, optional
+        The keys of the solver that count, where the others follow from the method and the contact; left out: all.
 
     Raises
     ------
@@ -69,26 +84,19 @@ class Case(Definition):
     True
     """
 
-    def __init__(
-        self,
-        contact: Conditions,
-        oil: Oil | None = None,
-        solver: Solver | None = None,
-        drive: Drive | None = None,
-        roughness: tuple[Feature, ...] = (),
-        time: Time | None = None,
-        output: Output | None = None,
-        name: str = "",
-        thermal: Thermal | None = None,
-    ) -> None:
-        given = Definition(contact, oil or Oil(), solver or Solver(), drive, roughness, time, output, name, thermal)
-        given = with_own_numbers(given)
-        rules.check_values(given)
-        rules.refuse(given, rules.GIVEN)
-        whole = with_defaults(given)
-        rules.refuse(whole, rules.COMPLETE)
-        super().__init__(**{item.name: getattr(whole, item.name) for item in fields(whole)})
-        self.lubricant  # noqa: B018  # raises if its data give no law
+    contact: Conditions
+    oil: Oil = field(default_factory=Oil)
+    solver: Solver = field(default_factory=Solver)
+    drive: Drive | None = None
+    roughness: tuple[Feature, ...] = ()
+    time: Time | None = None
+    output: Output | None = None
+    name: str = field(default="", compare=False)
+    thermal: Thermal | None = None
+    written: InitVar[Collection[str] | None] = None
+
+    def __post_init__(self, written: Collection[str] | None) -> None:
+        _completions[-1](self, written)
 
     def __repr__(self) -> str:
         title, data = self._described
@@ -112,6 +120,136 @@ class Case(Definition):
     def on_half_grid(self) -> "Case":
         """The same case with twice the grid spacing, for the discretisation error estimate."""
         return replace(self, solver=replace(self.solver, nodes=(self.solver.nodes - 1) // 2 + 1))
+
+    # -- what follows -------------------------------------------------------------------------------------------------
+
+    def entry(self, place: str) -> str:
+        """A field as messages have it, time.until = 5.0; the place as it is where there is no such value."""
+        name, _, key = place.partition(".")
+        record = getattr(self, SECTIONS[name].field) if name in SECTIONS else None
+        value = getattr(record, key or "-", None)
+        return place if value is None else f"{place} = {show(with_unit(value, marks(type(record)).get(key)))}"
+
+    @property
+    def kind(self) -> Kind:
+        """ "impact" or "rolling"."""
+        return self.contact.kind
+
+    @property
+    def method(self) -> Method:
+        """The record of its method."""
+        return METHODS[self.solver.method]
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether nothing changes in time."""
+        return self.method.is_steady
+
+    @property
+    def spacing(self) -> float:
+        """The spacing of its grid in a; of a radial grid at the position where the front is judged."""
+        return self.method.space.spacing(self.solver)
+
+    @property
+    def starts_apart(self) -> bool:
+        """Whether the bodies are separated at T = 0, as in an impact; rolling starts from its steady film."""
+        return self.kind == "impact"
+
+    @property
+    def is_axisymmetric(self) -> bool:
+        """Whether the contact is the same in all directions: no entrainment, and no roughness that has a direction."""
+        return self.geometry is CIRCLE and not self.motion.flows and surfaces.axisymmetric(self.features)
+
+    @cached_property
+    def scales(self) -> Scales | None:
+        """The SI value of one unit of each dimensionless quantity; None for a dimensionless case."""
+        return self.contact.scales
+
+    @property
+    def geometry(self) -> Geometry:
+        """The undeformed gap and the constants of the dry contact."""
+        return self.contact.geometry
+
+    @cached_property
+    def parameters(self) -> Parameters:
+        """lambda_bar, alpha_bar and the ratio of the radii."""
+        return self.contact.parameters(self.oil)
+
+    @cached_property
+    def lubricant(self) -> Lubricant:
+        """The laws of the oil as functions of P = p/p_h."""
+        p_h = self.scales.p_h if self.scales else self.parameters.alpha_bar / (self.oil.alpha or ALPHA)
+        return named("lubricant", self.oil.under, p_h or 1.0)
+
+    @cached_property
+    def motion(self) -> Motion:
+        """Load, entrainment, sliding and inertia, from the conditions and the drive together."""
+        usual = FREE_BALL if self.starts_apart else STEADY_ROLLING
+        drive = scaled(self.drive or Drive(), self.scales, "motion")
+        mean, slide = self.contact.speeds
+        load, entrainment = drive.load or usual.load, drive.entrainment or usual.entrainment
+        if self.scales and mean is not None:
+            if self.starts_apart:
+                entrainment = drive.entrainment or constant(mean / self.scales.front_speed)
+            elif mean < 0:
+                entrainment = reversed_sign(entrainment)
+        return Motion(load, entrainment, self._inertia(drive), slide or drive.slide_to_roll or 0.0)
+
+    def _inertia(self, drive: Drive) -> float:
+        if self.starts_apart:
+            return self.geometry.free_inertia
+        s = self.scales
+        return self.contact.ball_mass * s.film / (s.load * s.t0**2) if s else drive.inertia or 0.0
+
+    @cached_property
+    def features(self) -> tuple[Feature, ...]:
+        """The roughness in the units of the case."""
+        return scaled_all(self.roughness, self.scales, "roughness")
+
+    @property
+    def maps(self) -> dict[str, HeightMap]:
+        """The measured heights that belong to the case, by the names of their files in its plain data."""
+        values = [value for feature in self.roughness for value in vars(feature.shape).values()]
+        return {value.name: value for value in values if isinstance(value, HeightMap)}
+
+    @cached_property
+    def schedule(self) -> Schedule:
+        """Start, end, steps and maps in units t0.  Raises ValueError for a steady case, which has none."""
+        if self.time is None or self.output is None:
+            raise ConfigError(f"{self.entry('solver.method')}: a steady contact has no time")
+        given = replace(self.time, start_approach=self.time.start_approach or START_APPROACH)
+        time, output = scaled(given, self.scales, "time"), scaled(self.output, self.scales, "output")
+        return Schedule(**vars(time), **vars(output))
+
+    @property
+    def first_motion(self) -> ContactMotion:
+        """The motion that makes the first pressure of an impact: that of a ball from far; undeformed bodies rest."""
+        given = self.schedule
+        rest = ContactMotion(given.start_approach, 0.0, 0.0, 0.0)
+        return rest if given.start else rest._replace(velocity=1.0, entrainment=self.motion.entrainment(0.0))
+
+    @property
+    def first_film(self) -> tuple[float, float]:
+        """Central film (a^2/R) and load (F*) with which an impact starts."""
+        full = 0.0 if self.layer else self.parameters.lambda_bar  # no pressure before the ball is in its layer
+        return squeezed_film(self.first_motion, full, self.geometry)
+
+    @cached_property
+    def track(self) -> Track | None:
+        """The oil per area that the surfaces bring along, (u1 h1 + u2 h2)/u_m, in a^2/R; None if the gap is full."""
+        slide_to_roll = 0.0 if self.starts_apart else self.motion.slide_to_roll
+        return scaled(self.oil, self.scales, "lubricant").track(slide_to_roll)
+
+    @property
+    def layer(self) -> float | None:
+        """The oil per area in the middle of the track, in a^2/R; None if the gap is full."""
+        return None if self.track is None else self.track(0.0)
+
+    @property
+    def film_scale(self) -> float:
+        """The expected film thickness in a^2/R: the scale of the trapped film (impact) or a formula (rolling)."""
+        p = self.parameters
+        return p.trapped_film if self.starts_apart else film_formulas.expected_film(p, self.contact.angle)
 
     # -- as plain data ------------------------------------------------------------------------------------------------
 
@@ -171,8 +309,8 @@ class Case(Definition):
         sections = ((name, section) for name, section in SECTIONS.items() if name in data)
         given: dict[str, Any] = {each.field: reader.record(each.record, data[name], name) for name, each in sections}
         given["roughness"] = tuple(reader.feature(table, f"roughness[{i}]") for i, table in enumerate(roughness, 1))
-        definition = Definition(name=data.get("name", ""), **given)
-        return cls(**vars(replace(definition, solver=solver_of(definition, data.get("solver") or {}))))
+        written = [key for key, value in data.get("solver", {}).items() if value is not None]
+        return cls(name=data.get("name", ""), written=written, **given)
 
     @cached_property
     def digest(self) -> str:

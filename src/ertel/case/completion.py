@@ -1,46 +1,48 @@
-"""The values that a case leaves out: its solver by the method and the contact, its oil, the end of its run.
+"""The constructor of a case: it fills in the values that are left out, and looks at the rules.
 
-So a case says all that is solved, and a stored run does not change with the defaults.
+These are the solver by the method and the contact, the oil, the end of a run.  So a case says all that is solved, and a
+stored run does not change with the defaults.
 """
 
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Collection
+from dataclasses import fields, replace
 from math import inf
 from typing import Any
 
 from ertel.case import records, rules
-from ertel.case.definition import Definition
+from ertel.case.case import Case, completes
 from ertel.case.methods import of_kind
 from ertel.case.sections import START_APPROACH, Output, Solver, Time
 from ertel.physics.units import plain
 
 
-def with_defaults(case: Definition) -> Definition:
-    """The same with its defaults: the data of a dimensionless oil, the half width along y, time and output."""
-    oil = case.oil if case.contact.is_physical else case.oil.completed()
-    solver = case.solver
-    if solver.inlet == solver.half_width:
-        solver = replace(solver, inlet=None)  # a centred grid is written in one way
-    solver = records.checked(case.method.space.completed(solver, case.geometry), "solver")
-    thermal = case.thermal and case.thermal.completed()
-    if case.is_steady:
-        return replace(case, oil=oil, solver=solver, thermal=thermal)
-    given = case.time or Time()
-    layer = case.track.extremes[1] if case.track else 0.0
-    above = min(START_APPROACH, -layer) if case.starts_apart else None
-    start = above if given.start_approach is None else given.start_approach
-    until = case.method.end if given.until is None else given.until
-    time = replace(given, start_approach=start, until=until)
-    return replace(case, oil=oil, solver=solver, thermal=thermal, time=time, output=case.output or Output())
+@completes
+def complete(case: Case, written: Collection[str] | None) -> None:
+    """Complete and check a case that is being made; the only time when its fields change.
 
-
-def solver_of(case: Definition, written: Mapping[str, Any]) -> Solver:
-    """The solver with what is not written filled in, an inlet of its default's share of the half width.
-
-    written: the section [solver], of which only the keys count.
+    written: the keys of its solver that count; None: all.  Raises ValueError for the first rule that it breaks.
     """
-    given = {key: getattr(case.solver, key) for key, value in written.items() if value is not None}
-    case = replace(case, solver=Solver(given.get("method") or of_kind(case.kind)[0].name))
+    if written is not None:
+        _put(case, solver=_solver(case, written))
+    _put(case, **{item.name: records.with_own_numbers(getattr(case, item.name)) for item in fields(case)})
+    rules.check_values(case)
+    rules.refuse(case, rules.GIVEN)
+    _put(case, **_defaults(case))
+    rules.refuse(case, rules.COMPLETE)
+    case.lubricant  # noqa: B018  # raises if its data give no law
+
+
+def _put(case: Case, **values: Any) -> None:
+    """Set fields of a case, and forget what followed from the earlier ones."""
+    kept = {item.name: getattr(case, item.name) for item in fields(case)}
+    vars(case).clear()
+    vars(case).update(kept | values)
+
+
+def _solver(case: Case, written: Collection[str]) -> Solver:
+    """The solver with what is not written filled in, an inlet of its default's share of the half width."""
+    given = {key: getattr(case.solver, key) for key in written}
+    _put(case, solver=Solver(given.get("method") or of_kind(case.kind)[0].name))
     rules.refuse(case, [rules.method_suits])
     method, half_width, inlet = case.method, case.method.defaults.half_width, case.method.defaults.inlet
     if inlet and not case.is_steady and _reverses(case):
@@ -56,7 +58,7 @@ def solver_of(case: Definition, written: Mapping[str, Any]) -> Solver:
     return replace(default, **{"inlet": inlet, **given})
 
 
-def _reverses(case: Definition) -> bool:
+def _reverses(case: Case) -> bool:
     """Whether the entrainment speed changes sign during a run in time."""
     if case.drive is None or case.drive.entrainment is None:
         return False
@@ -64,3 +66,22 @@ def _reverses(case: Definition) -> bool:
     end = case.method.end if until is None else until
     least, most = case.motion.entrainment.range(inf if isinstance(end, str) or end is None else plain(end))
     return least < 0 < most
+
+
+def _defaults(case: Case) -> dict[str, Any]:
+    """The defaults of a case: the data of a dimensionless oil, the half width along y, time and output."""
+    oil = case.oil if case.contact.is_physical else case.oil.completed()
+    solver = case.solver
+    if solver.inlet == solver.half_width:
+        solver = replace(solver, inlet=None)  # a centred grid is written in one way
+    solver = records.checked(case.method.space.completed(solver, case.geometry), "solver")
+    found: dict[str, Any] = {"oil": oil, "solver": solver, "thermal": case.thermal and case.thermal.completed()}
+    if case.is_steady:
+        return found
+    given = case.time or Time()
+    layer = case.track.extremes[1] if case.track else 0.0
+    above = min(START_APPROACH, -layer) if case.starts_apart else None
+    start = above if given.start_approach is None else given.start_approach
+    until = case.method.end if given.until is None else given.until
+    time = replace(given, start_approach=start, until=until)
+    return {**found, "time": time, "output": case.output or Output()}

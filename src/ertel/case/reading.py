@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import Any, TypeVar, get_args
 
 from ertel.case import records
-from ertel.case.definition import SECTIONS
 from ertel.case.height_map import NO_MAPS, HeightMap
 from ertel.case.records import ConfigError, check_value, is_number, named, refusing, shortened, show
+from ertel.case.sections import SECTIONS
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Density, Viscosity
 from ertel.physics.motion import Oscillation, Polyline, Signal, Track, constant

@@ -3,15 +3,14 @@
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import is_dataclass
 from math import cbrt, inf
-from typing import Any
 
 import numpy as np
 
+from ertel.case.case import Case
 from ertel.case.conditions import MOES_L, MOES_M, REDUCED
-from ertel.case.definition import SECTIONS, Definition
 from ertel.case.methods import Method, as_written, of_kind
 from ertel.case.records import ConfigError, checked, show
-from ertel.case.sections import WIDEST_HALF_WIDTH
+from ertel.case.sections import SECTIONS, WIDEST_HALF_WIDTH
 from ertel.physics.film_formulas import rigid_film
 from ertel.physics.geometry import CIRCLE, HERTZ_LOAD, ContactMotion, far_film
 from ertel.physics.lubricant import DowsonHigginson
@@ -28,23 +27,23 @@ AT_FORMULAS = "; ertel check prints the formulas"
 FIELDS = 6  # pressure, film, oil, two components of the shear stress, power loss
 
 Complaints = Iterator[tuple[str, str]]  # the field, to which its value is added unless it is there; what is wrong
-Rule = Callable[[Definition], Complaints]
+Rule = Callable[[Case], Complaints]
 
 
 class TooLight(ConfigError):
     """A rolling contact that only the formulas know: no domain is wide enough.  case: it, complete in all else."""
 
-    case: Any
+    case: Case
 
 
-def refuse(case: Definition, rules: Iterable[Rule]) -> None:
+def refuse(case: Case, rules: Iterable[Rule]) -> None:
     """Raise ValueError if a case breaks a rule; the message names the field, its value and what is allowed."""
     for rule in rules:
         for place, complaint in rule(case):
             raise ConfigError(f"{case.entry(place)}: {complaint}")
 
 
-def check_values(case: Definition) -> None:
+def check_values(case: Case) -> None:
     """Raise ValueError unless every value is one that its field allows; [contact] checks itself when it is made."""
     for name, section in SECTIONS.items():
         record = getattr(case, section.field)
@@ -52,7 +51,7 @@ def check_values(case: Definition) -> None:
             checked(record, name)
 
 
-def _name(case: Definition) -> Complaints:
+def _name(case: Case) -> Complaints:
     """A name becomes a directory: it must be a plain file name on every system, and safe to print."""
     entry = f"name = {show(case.name)}"
     if not isinstance(case.name, str):
@@ -68,14 +67,14 @@ def plain_name(text: str) -> str:
     return visible.lstrip(".").encode()[:LONGEST_NAME].decode(errors="ignore")
 
 
-def _reference(case: Definition) -> Complaints:
+def _reference(case: Case) -> Complaints:
     """The source of the data is printed with the results: one line without control characters."""
     text = case.oil.reference
     if not isinstance(text, str) or not text.isprintable() or len(text) > LONGEST_TEXT:
         yield "lubricant.reference", f"must be one line of visible characters, at most {LONGEST_TEXT}"
 
 
-def method_suits(case: Definition) -> Complaints:
+def method_suits(case: Case) -> Complaints:
     """Each kind of contact has its own methods, and each method its own keys."""
     methods = of_kind(case.kind)
     if case.solver.method not in [method.name for method in methods]:
@@ -87,7 +86,7 @@ def method_suits(case: Definition) -> Complaints:
             yield f"solver.{key}", f"{case.entry('solver.method')} has none; leave it out"
 
 
-def _shapes(case: Definition) -> Complaints:
+def _shapes(case: Case) -> Complaints:
     for number, feature in enumerate(case.roughness, 1):
         if not (is_dataclass(feature.shape) and hasattr(feature.shape, "heights")):
             name = type(feature.shape).__name__
@@ -95,25 +94,25 @@ def _shapes(case: Definition) -> Complaints:
         checked(feature.shape, f"roughness[{number}]")
 
 
-def oil_is_complete(case: Definition) -> Complaints:
+def oil_is_complete(case: Case) -> Complaints:
     """A physical contact needs the data of its oil."""
     for key, example in {"eta0": "40 mPa*s", "alpha": "22 / GPa"}.items() if case.scales else ():
         if getattr(case.oil, key) is None and not (key == "alpha" and case.oil.is_isoviscous):
             yield f"lubricant.{key}", f'missing, a physical contact needs it, for example "{example}"'
 
 
-def _rheology(case: Definition) -> Complaints:
+def _rheology(case: Case) -> Complaints:
     """An oil that thins under shear has a stress in Pa."""
     if case.scales is None and not case.oil.is_newtonian:
         no_stress = "has stresses in Pa, which a dimensionless case has not"
         yield _law(case), f'{no_stress}; give the contact in SI or lubricant.rheology = "newtonian"'
 
 
-def _law(case: Definition) -> str:
+def _law(case: Case) -> str:
     return f'lubricant.rheology = {{ law = "{FLUIDITY_LAWS.name_of(case.oil.fluidity_law)}", ... }}'
 
 
-def _supported(case: Definition) -> Complaints:
+def _supported(case: Case) -> Complaints:
     """The method must be able to compute what the case asks for."""
     supports, asked = case.method.supports, list(_asked(case))
     for name, place, only in asked:
@@ -126,12 +125,12 @@ def _supported(case: Definition) -> Complaints:
             yield place, f"{this}is for {only}; {instead}{without}"
 
 
-def computes(method: Method, case: Definition) -> bool:
+def computes(method: Method, case: Case) -> bool:
     """Whether a method computes all that a case asks for."""
     return method.kind == case.kind and all(getattr(method.supports, name) for name, _, _ in _asked(case))
 
 
-def _asked(case: Definition) -> Iterator[tuple[str, str, str]]:
+def _asked(case: Case) -> Iterator[tuple[str, str, str]]:
     """The demands of a case on its method: the field of `Supports`, the field of the case, and what others are for."""
     if not case.oil.is_newtonian:
         yield "thinning", _law(case), "Newtonian oils only"
@@ -147,7 +146,7 @@ def _asked(case: Definition) -> Iterator[tuple[str, str, str]]:
         yield "thermal", "thermal", "contacts without [thermal]"
 
 
-def _scales(case: Definition) -> Complaints:
+def _scales(case: Case) -> Complaints:
     """The scales and parameters of the contact must be of a sane size, like its values."""
     p, scales = case.parameters, vars(case.scales) if case.scales else {}
     bounds: dict[str, Mark] = {"alpha_bar": NOT_NEGATIVE, "R": REDUCED, "M": MOES_M, "L": MOES_L}
@@ -157,7 +156,7 @@ def _scales(case: Definition) -> Complaints:
             yield "contact", f"{given}, which {complaint}; check their units"
 
 
-def _pressure_scale(case: Definition) -> Complaints:
+def _pressure_scale(case: Case) -> Complaints:
     """A pressure-dependent law needs a pressure scale."""
     oil = case.oil
     if case.scales or case.parameters.alpha_bar:
@@ -170,14 +169,14 @@ def _pressure_scale(case: Definition) -> Complaints:
         yield 'lubricant.density = "dowson-higginson"', f"{needs}; {allowed}"
 
 
-def _in_time(case: Definition) -> str:
+def _in_time(case: Case) -> str:
     """The methods in time of a kind of contact, as they are written, and what none of them supports."""
     methods = of_kind(case.kind, lambda method: not method.is_steady)
     heat = case.thermal is None or any(method.supports.thermal for method in methods)
     return as_written(methods) + ("" if heat else " without [thermal]")
 
 
-def _time(case: Definition) -> Complaints:
+def _time(case: Case) -> Complaints:
     """A steady contact has no time.  A rolling contact starts from its steady film and has no events."""
     time = case.time
     for name, section in {"time": time, "output": case.output}.items() if case.is_steady else ():
@@ -195,7 +194,7 @@ def _time(case: Definition) -> Complaints:
         yield "time.until", "is an event of an impact; a rolling contact needs a time, in units t0"
 
 
-def _drive(case: Definition) -> Complaints:
+def _drive(case: Case) -> Complaints:
     """[motion] must not repeat what [contact] gives."""
     drive, contact = case.drive, case.contact
     if drive is None:
@@ -211,20 +210,20 @@ def _drive(case: Definition) -> Complaints:
         yield "motion.entrainment", f"is given together with {contact.entry('mean_speed')}; allowed: one of them"
 
 
-def _geometry(case: Definition) -> Complaints:
+def _geometry(case: Case) -> Complaints:
     """An angle needs something that is entrained."""
     if case.contact.entrainment_angle is not None and not case.motion.flows:
         instead = "leave it out, or give motion.entrainment or contact.mean_speed"
         yield "contact.entrainment_angle", f"nothing is entrained; {instead}"
 
 
-def _grid(case: Definition) -> Complaints:
+def _grid(case: Case) -> Complaints:
     """A grid must be large enough, contain the contact, and be one that can be coarsened."""
     for key, complaint in case.method.space.complaints(case.solver, case.geometry):
         yield f"solver.{key}", complaint
 
 
-def _layer(case: Definition) -> Complaints:
+def _layer(case: Case) -> Complaints:
     """The layers of oil are given in one way, move with the flow, cover the roughness and leave the grid's edge dry."""
     oil, solver, motion = case.oil, case.solver, case.motion
     if case.track is None:
@@ -253,7 +252,7 @@ def _layer(case: Definition) -> Complaints:
         yield f"lubricant.layer = {thickest:.4g} a^2/R", f"{wet}; {allowed}"
 
 
-def _schedule(case: Definition) -> Complaints:
+def _schedule(case: Case) -> Complaints:
     """A run must end after a reasonable number of steps, with maps that fit on a disk."""
     if case.is_steady:
         return
@@ -274,7 +273,7 @@ def _schedule(case: Definition) -> Complaints:
         yield "output.interval", f"{given}; {allowed}, take a longer interval or fewer nodes"
 
 
-def _motion(case: Definition) -> Complaints:
+def _motion(case: Case) -> Complaints:
     """A solution must exist, and a steady film needs a motion that does not change in time."""
     load, entrainment = case.motion.load, case.motion.entrainment
     until = inf if case.is_steady else case.schedule.until
@@ -297,7 +296,7 @@ def _motion(case: Definition) -> Complaints:
         yield "motion.load", f"goes down to {lowest:g}; must stay above zero, {why}"
 
 
-def _outside(case: Definition) -> Complaints:
+def _outside(case: Case) -> Complaints:
     """The oil that carries a ball as it rolls must not all lie outside the grid.
 
     Far out P = lambda_bar U |X|/(5 H^2) with H = r^2/2 (`physics.geometry`): on r > w it carries 8 lambda_bar U/(5 w).
@@ -318,7 +317,7 @@ def _outside(case: Definition) -> Complaints:
         yield "solver.half_width", f"{least}; leave it out for a domain that is wide enough"
 
 
-def _roughness(case: Definition) -> Complaints:
+def _roughness(case: Case) -> Complaints:
     """A steady film needs roughness that does not change in time."""
     for number, feature in enumerate(case.features, 1):
         moves = case.motion.travel(feature.surface, 1.0) != 0
@@ -328,7 +327,7 @@ def _roughness(case: Definition) -> Complaints:
             yield place, f"moves, so that its film is not steady; {instead}"
 
 
-def _thermal(case: Definition) -> Complaints:
+def _thermal(case: Case) -> Complaints:
     """Temperatures are those of a steady contact in SI, in which the film's formula has a meaning."""
     thermal, scales, eta0 = case.thermal, case.scales, case.oil.eta0
     if thermal is None:

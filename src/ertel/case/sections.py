@@ -1,10 +1,12 @@
 """The sections solver, time, output, motion and thermal of a case.  All defaults of ertel are here."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
-from ertel.case.conditions import Given
+from ertel.case.conditions import Conditions, Given
 from ertel.physics import hertz, thermal, units
+from ertel.physics.lubricant import Oil
 from ertel.physics.motion import Signal
 from ertel.physics.units import Amount, Bounds, Meaning, Quantity, explained
 
@@ -233,3 +235,25 @@ class Inlet(NamedTuple):
 
     L_t: float
     factor: float
+
+
+# -- all of them ------------------------------------------------------------------------------------------------------
+
+
+class Section(NamedTuple):
+    """A section of a case file: the field of a case that holds it, its record, and what it is about."""
+
+    field: str
+    record: Any
+    text: str
+
+
+SECTIONS: Mapping[str, Section] = {
+    "contact": Section("contact", Conditions, "the two bodies and their operating conditions"),
+    "lubricant": Section("oil", Oil, "the oil: its name, or its data"),
+    "solver": Section("solver", Solver, "grid and tolerance"),
+    "motion": Section("drive", Drive, "load and speed as functions of time"),
+    "time": Section("time", Time, "start, end and steps of a run in time"),
+    "output": Section("output", Output, "which maps are kept, besides those at maximum approach and at the end"),
+    "thermal": Section("thermal", Thermal, "rolling: temperatures of a steady contact in SI, empty if all is named"),
+}

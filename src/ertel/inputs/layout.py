@@ -10,12 +10,11 @@ from math import isfinite
 from typing import Annotated, Any, Literal, NamedTuple, get_args
 
 from ertel.case.conditions import Conditions, Kind
-from ertel.case.definition import SECTIONS
 from ertel.case.height_map import HeightMap, Measured
 from ertel.case.methods import METHODS, of_kind
 from ertel.case.reading import LAWS, Reader
 from ertel.case.records import choices_of, hints_of, show
-from ertel.case.sections import START_APPROACH, Solver, Thermal, Time
+from ertel.case.sections import SECTIONS, START_APPROACH, Solver, Thermal, Time
 from ertel.inputs.quantities import parse_quantity
 from ertel.physics import units
 from ertel.physics.lubricant import Oil

@@ -26,7 +26,7 @@ from pathlib import Path
 from typing import Any
 
 from ertel.case.case import Case
-from ertel.case.definition import LARGEST_NEWTONIAN_STRESS, newtonian_stress
+from ertel.case.estimates import LARGEST_NEWTONIAN_STRESS, newtonian_stress
 from ertel.case.methods import METHODS, as_written
 from ertel.case.records import ConfigError, data_of, law_fields, named, oil_data, show, with_unit
 from ertel.case.sections import Thermal

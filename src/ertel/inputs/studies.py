@@ -26,10 +26,9 @@ from pathlib import Path
 from typing import Any, Literal
 
 from ertel.case.case import Case
-from ertel.case.definition import SECTIONS
 from ertel.case.reading import check_keys
 from ertel.case.records import ConfigError, field_name, is_number, refusing, show
-from ertel.case.sections import FEWEST_NODES
+from ertel.case.sections import FEWEST_NODES, SECTIONS
 from ertel.inputs.case_files import case_data, in_the_case, parse_case, path_of, put
 from ertel.inputs.layout import READER, Key, section, shape_place
 from ertel.inputs.quantities import LOG, check_number, parse_quantity, plain_data, spaced, split

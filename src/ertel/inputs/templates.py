@@ -6,9 +6,9 @@ from textwrap import wrap
 from typing import Any
 
 from ertel.case.conditions import FOREIGN, Kind
-from ertel.case.definition import SECTIONS
 from ertel.case.methods import NEW, of_kind
 from ertel.case.records import inner_laws, show
+from ertel.case.sections import SECTIONS
 from ertel.inputs import layout
 from ertel.inputs.layout import Key, Place
 from ertel.inputs.names import OF_OILS

@@ -11,7 +11,7 @@ import numpy as np
 from jax import tree
 
 from ertel.case.case import Case
-from ertel.case.definition import grid_of
+from ertel.case.estimates import grid_of
 from ertel.equations.contact import traceable
 from ertel.inputs.case_files import parse_case
 from ertel.numerics.programs import double_precision

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from ertel.case import definition
+from ertel.case import estimates
 from ertel.case.case import Case
-from ertel.case.definition import grid_of, wet_radius
+from ertel.case.estimates import grid_of, wet_radius
 from ertel.case.sections import Time
 from ertel.inputs import materials
 from ertel.physics import surfaces
@@ -59,7 +59,7 @@ def outlook(case: Case) -> dict[str, Any]:
         rolling contact at T = 0 by the formulas, in a^2/R; its regime in words, empty for an impact; start: film
         (a^2/R) and load (F*) with which an impact starts, empty for rolling; grid: nodes, nodes_across, spacing and
         sweep (a), cells_in_sweep, and spacing_m of a physical case; starvation: r and share, see
-        `definition.starvation`, and wet_radius (a) of an impact of circular symmetry, empty for a full gap;
+        `estimates.starvation`, and wet_radius (a) of an impact of circular symmetry, empty for a full gap;
         roughness: `roughness_of`; memory:
         needed and available bytes, None where that is not known; time: steps and seconds, roughly; warnings.
     """
@@ -104,7 +104,7 @@ def _starvation(case: Case) -> dict[str, float]:
     if case.track is None:
         return {}
     wet = {"wet_radius": wet_radius(case.track.extremes[1])} if case.starts_apart and case.geometry is CIRCLE else {}
-    return dict(zip(("r", "share"), definition.starvation(case), strict=True)) | wet
+    return dict(zip(("r", "share"), estimates.starvation(case), strict=True)) | wet
 
 
 # -- time -------------------------------------------------------------------------------------------------------------
@@ -182,7 +182,7 @@ def beyond(case: Case, computed: float | None = None) -> list[str]:
 
     computed: the minimum film (m) of the run, None where only the expected one is known.
     """
-    film = ("expected", definition.film_estimate(case)) if computed is None else ("minimum", computed)
+    film = ("expected", estimates.film_estimate(case)) if computed is None else ("minimum", computed)
     oil = (_pressure_of_the_oil(case), _shear_stress(case), _oil_inertia(case), _no_tension(case))
     others = (_thin_film(*film), _layer(case), _sliding(case), *_rough(case), _track(case))
     return [sentence for sentence in (*_yielding(case), *oil, *others) if sentence]
@@ -221,7 +221,7 @@ def roughness_of(case: Case) -> list[dict[str, Any]]:
 
 def _rough(case: Case) -> Iterator[str]:
     """A sentence for every roughness that stands higher than the expected film is thick."""
-    film = case.film_scale * definition.starvation(case)[1]
+    film = case.film_scale * estimates.starvation(case)[1]
     for number, rough in enumerate(roughness_of(case), 1):
         if rough["highest"] > film:
             heights = [_height(case, height) for height in (rough["highest"], film)]
@@ -250,7 +250,7 @@ def _track(case: Case) -> str:
 
 def _yielding(case: Case) -> Iterator[str]:
     """A sentence for every body that yields.  A body is of a material of the library if it has its E and nu."""
-    p, contact = definition.largest_pressure(case), case.contact
+    p, contact = estimates.largest_pressure(case), case.contact
     bodies = dict.fromkeys(((contact.E1, contact.nu1), (contact.E2, contact.nu2)))
     for name in materials.names() if p else ():
         material = materials.get(name)
@@ -269,7 +269,7 @@ def _yielding(case: Case) -> Iterator[str]:
 
 def _pressure_of_the_oil(case: Case) -> str:
     """A sentence where the viscosity is extrapolated beyond the pressures for which the law of the oil has a source."""
-    p, highest = definition.largest_pressure(case), getattr(case.oil.viscosity_law, "highest", None)
+    p, highest = estimates.largest_pressure(case), getattr(case.oil.viscosity_law, "highest", None)
     if highest is None or p <= highest or not (case.motion.slide_to_roll or case.thermal):
         return ""
     return (
@@ -280,8 +280,8 @@ def _pressure_of_the_oil(case: Case) -> str:
 
 def _shear_stress(case: Case) -> str:
     """A sentence where a Newtonian oil would have a shear stress that no oil has."""
-    stress = definition.newtonian_stress(case) if case.oil.is_newtonian else 0.0
-    if stress <= definition.LARGEST_NEWTONIAN_STRESS:
+    stress = estimates.newtonian_stress(case) if case.oil.is_newtonian else 0.0
+    if stress <= estimates.LARGEST_NEWTONIAN_STRESS:
         return ""
     return (
         f"the oil is Newtonian, and sliding would give it a mean shear stress of about {with_prefix(stress, 'Pa')}; "

@@ -20,7 +20,7 @@ import numpy as np
 
 from ertel.case.case import Case
 from ertel.case.conditions import Conditions
-from ertel.case.definition import newtonian_stress
+from ertel.case.estimates import newtonian_stress
 from ertel.case.records import ConfigError, show
 from ertel.case.sections import Drive
 from ertel.case.status import Status

@@ -44,7 +44,7 @@ from jax import Array
 from jax.tree_util import register_dataclass
 
 from ertel.case.case import Case
-from ertel.case.definition import grid_of, starvation
+from ertel.case.estimates import grid_of, starvation
 from ertel.case.sections import Inlet
 from ertel.equations.account import shear_force
 from ertel.equations.contact import opened, traceable

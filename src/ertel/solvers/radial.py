@@ -269,7 +269,7 @@ class RadialImpact(Stepper):
         self.ring = jax.device_put(np.arange(nodes) // -(-nodes // rings))
 
     def start(self) -> State:
-        """The separated ball approaching with unit speed, see `Definition.first_motion`."""
+        """The separated ball approaching with unit speed, see `Case.first_motion`."""
         motion = self.first_motion
         around, P = self.outside.at(motion), np.asarray(self.outside.at_first(motion))
         r, kernel, weights = map(np.asarray, (self.mesh.r, self.mesh.kernel, self.mesh.disc.weights))

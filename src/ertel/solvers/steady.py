@@ -18,7 +18,7 @@ from jax import Array
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
-from ertel.case.definition import grid_of, starvation
+from ertel.case.estimates import grid_of, starvation
 from ertel.case.status import Status
 from ertel.equations import account, contact, discretise
 from ertel.equations.approach import balanced

@@ -15,7 +15,7 @@ from jax.tree_util import register_dataclass
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
-from ertel.case.definition import coarsenings, grid_of
+from ertel.case.estimates import coarsenings, grid_of
 from ertel.equations import account, contact, discretise, outside, state
 from ertel.equations.account import Friction, Moment
 from ertel.equations.approach import ClosureLine, NewtonsLaw, rate_of_change
@@ -157,7 +157,7 @@ class Transient2D(Stepper):
         self._programs: dict[Any, Compiled] = {}
 
     def start(self) -> State:
-        """The separated bodies with unit speed, see `Definition.first_motion`; or the steady film at T = 0."""
+        """The separated bodies with unit speed, see `Case.first_motion`; or the steady film at T = 0."""
         if not self.case.starts_apart:
             s = self._rolling.finest
             work = Work(s.newton, s.krylov, self._rolling.convolutions)

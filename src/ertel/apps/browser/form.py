@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 
 from ertel.apps.browser.folder import Folder
 from ertel.case.conditions import RADII
-from ertel.case.definition import SECTIONS
 from ertel.case.methods import METHODS, NEW, Method, Supports, of_kind
 from ertel.case.records import inner_laws
+from ertel.case.sections import SECTIONS
 from ertel.inputs import materials, oils
 from ertel.inputs.case_files import apply_overrides, parse_case
 from ertel.inputs.layout import NEEDED, TOP, Key, keys_of, section, shape_keys, shape_place
