@@ -155,7 +155,7 @@ def test_a_range_through_zero_contains_zero() -> None:
         ("0:1:3:log", FINITE, "must both be above zero, or both below"),
         ("0:0:3", FINITE, "must rise or fall"),
         ("0, 0.5, 0.2", FINITE, "must rise or fall"),
-        ("a:1:3", FINITE, '"a" must be a number'),
+        ("a:1:3", FINITE, '"a" must be a finite number'),
         ("0:inf:3", FINITE, "must be a finite number"),
         ("", FINITE, "must be a number"),
         ([], FINITE, "must be one value or more"),

@@ -80,8 +80,7 @@ def test_numbers_of_numpy_in_plain_data():
     points = [(np.int64(0), np.float32(1)), (np.float64(1), np.int64(2))]
     signal = ertel.parse_case({"contact": {"M": 20, "L": 5}, "motion": {"load": points}})
     assert signal.motion.load(0.5) == 1.5
-    number = {"from": np.int64(100), "to": np.int64(200), "number": np.int64(2)}
-    for M in (list(np.array([100, 200])), number):
+    for M in (list(np.array([100, 200])), np.str_("100:200:2")):
         study = parse_study({**NUMPY, "contact": {"M": M, "L": np.int64(10)}})
         assert [case.contact.M for case in study.cases] == [100, 200]
 

@@ -157,9 +157,9 @@ def sweep(
 ) -> None:
     """Run a parameter study: all combinations of the values in a case file that are lists or ranges.
 
-    The file is a case file in which a list, or { from = 1, to = 10, number = 4, spacing = "log" }, may stand for any
-    value. The section [sweep] has mode = "product" (all combinations, the default) or mode = "zip" (the first values
-    belong together, then the second ones). --set takes such values too: --set "contact.M=[100, 200]".
+    The file is a case file in which a list, or a range FIRST:LAST:NUMBER, "1:10:4" (with :log at the end equal ratios),
+    may stand for any value. The section [sweep] has mode = "product" (all combinations, the default) or mode = "zip"
+    (the first values belong together, then the second ones). --set takes such values too: --set contact.M=100:400:4.
 
     Each run is an ordinary run directory, DIR/runs/DIGEST of its case. What is missing or unfinished is done: a study
     can be stopped, killed, edited and started again with the same command.

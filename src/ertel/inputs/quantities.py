@@ -9,7 +9,8 @@ from decimal import Decimal
 from fractions import Fraction
 from functools import lru_cache
 from itertools import pairwise
-from typing import Any
+from math import isfinite
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -154,10 +155,11 @@ def _registry() -> Any:
 #     0.1:10 m/s:12:log           the same: a unit at one end holds for both
 #     0, 0.01, 0.05               these values
 #
-# A quantity without any unit is in SI.
+# In studies and on the command line.  A quantity without any unit is in SI, in a study it needs one.
 
 LOG = "log"
 MOST_VALUES = 1000
+_RANGE = re.compile(rf"([^:]+):([^:]+):\s*([0-9]{{1,4}})\s*(:\s*{LOG}\s*)?")
 
 Given = str | float | Sequence[Any]
 
@@ -201,44 +203,52 @@ def _listed(given: Given, mark: Mark) -> tuple[float, ...]:
     return tuple(marked_value(item, mark) for item in items)
 
 
+class Range(NamedTuple):
+    """Values from one end to the other: the numbers and the units of both ends, how many values, which steps."""
+
+    ends: tuple[str, str]
+    units: tuple[str, str]
+    number: int
+    logarithmic: bool
+
+    @classmethod
+    def read(cls, text: str) -> "Range":
+        """The range in a text as above; a unit at one end holds for both.  Raises ValueError for anything else."""
+        match = _RANGE.fullmatch(text)
+        if match is None or not 2 <= int(match[3]) <= MOST_VALUES:
+            number = f"with NUMBER a whole number from 2 to {MOST_VALUES}"
+            raise ValueError(f"must be FIRST:LAST:NUMBER, or FIRST:LAST:NUMBER:{LOG} for equal ratios, {number}")
+        (first, unit), (last, other) = map(split, match.group(1, 2))
+        for end, written in zip((first, last), match.groups(), strict=False):
+            if not end or not isfinite(float(end)):
+                raise ValueError(f"{show(written.strip())} must be a finite number, with or without a unit")
+        return cls((first, last), (unit or other, other or unit), int(match[3]), match[4] is not None)
+
+    def between(self, first: float, last: float) -> tuple[float, ...]:
+        """The values between two ends, equal steps or equal ratios.  Raises ValueError without such ratios."""
+        if self.logarithmic and not first * last > 0:
+            raise ValueError("the ends of a range with equal ratios (log) must both be above zero, or both below")
+        if self.logarithmic:
+            return (first, *(float(value) for value in np.geomspace(first, last, self.number)[1:-1]), last)
+        start, end = Fraction(repr(first)), Fraction(repr(last))  # exact, so that a range through zero contains zero
+        return tuple(float(start + (end - start) * i / (self.number - 1)) for i in range(self.number))
+
+
 def _ranged(text: str, mark: Mark) -> tuple[float, ...]:
-    left, *rest = (part.strip() for part in text.split(":"))
-    if len(rest) not in (2, 3) or rest[2:] not in ([], [LOG]):
-        raise ValueError(f"must be FIRST:LAST:NUMBER, or FIRST:LAST:NUMBER:{LOG} for equal ratios")
-    unit = split(rest[0])[1] or split(left)[1]
-    start, end = (marked_value(text, mark, unit) for text in (left, rest[0]))
-    return spaced(start, end, int(rest[1]) if rest[1].isdecimal() else rest[1], logarithmic=bool(rest[2:]))
+    found = Range.read(text)
+    first, last = (marked_value(" ".join(end), mark) for end in zip(found.ends, found.units, strict=True))
+    return found.between(first, last)
 
 
-def check_number(number: Any) -> None:
-    """Raise ValueError for a number of values that is none."""
-    if type(number) is not int or not 2 <= number <= MOST_VALUES:
-        raise ValueError(f"the number of values must be a whole number from 2 to {MOST_VALUES}")
-
-
-def spaced(start: float, end: float, number: Any, logarithmic: bool) -> tuple[float, ...]:
-    """A number of values from start to end, with equal steps or equal ratios.
-
-    Raises ValueError for a number that is none, and where there are no such ratios.
-    """
-    check_number(number)
-    if logarithmic and not start * end > 0:
-        raise ValueError("the ends of a range with equal ratios (log) must both be above zero, or both below")
-    if logarithmic:
-        return (start, *(float(value) for value in np.geomspace(start, end, number)[1:-1]), end)
-    first, last = Fraction(repr(start)), Fraction(repr(end))  # exact, so that a range through zero contains zero
-    return tuple(float(first + (last - first) * i / (number - 1)) for i in range(number))
-
-
-def marked_value(given: Any, mark: Mark, unit: str = "") -> float:
-    """A plain number, or a quantity in SI; one without its unit is in `unit`, or in SI."""
+def marked_value(given: Any, mark: Mark) -> float:
+    """A plain number, or a quantity in SI; one without its unit is in SI."""
     given = given.item() if isinstance(given, np.generic) else given
     if isinstance(mark, Bounds):
         return parse_number(_plain(given) if isinstance(given, str) else given, mark)
     if isinstance(given, bool) or not isinstance(given, int | float | str):
         raise ValueError(f'must be numbers in {mark.unit}, or quantities such as "{mark.example}"')
     has_unit = isinstance(given, str) and split(given)[1]
-    return parse_quantity(str(given).strip() if has_unit else f"{given} {unit or mark.unit}", mark)
+    return parse_quantity(str(given).strip() if has_unit else f"{given} {mark.unit}", mark)
 
 
 def _plain(text: str) -> float:

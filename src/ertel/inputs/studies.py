@@ -2,14 +2,14 @@
 
     [contact]
     M = [100, 300, 1000]
-    L = { from = 5, to = 20, number = 4 }
+    L = "5:20:4"
 
     [sweep]
     mode = "product"
 
-A list, or a table with `from`, `to` and `number`, in the place of any value makes this value vary; `spacing = "log"`
-gives equal ratios.  A quantity has its unit at both ends, or at one of them for both.  With mode "product" every value
-is combined with every other, with "zip" the first values of all belong together, then the second ones, ...
+A list, or a range FIRST:LAST:NUMBER (see `quantities`), in the place of any value makes this value vary.  With mode
+"product" every value is combined with every other, with "zip" the first values of all belong together, then the second
+ones, ...
 
 Three keys may have a list as their plain value: motion.load and motion.entrainment, whose points [T, value] are one
 signal, and lubricant.layer, whose points [y, thickness] are one track.  A list of such lists makes these vary.  Tables
@@ -26,18 +26,16 @@ from pathlib import Path
 from typing import Any, Literal
 
 from ertel.case.case import Case
-from ertel.case.reading import check_keys
-from ertel.case.records import ConfigError, field_name, is_number, refusing, show
+from ertel.case.records import ConfigError, field_name, refusing, show
 from ertel.case.sections import FEWEST_NODES, SECTIONS
 from ertel.inputs.case_files import case_data, in_the_case, parse_case, path_of, put
 from ertel.inputs.layout import READER, Key, section, shape_place
-from ertel.inputs.quantities import LOG, check_number, parse_quantity, plain_data, spaced, split
+from ertel.inputs.quantities import LOG, Range, parse_quantity, plain_data, split
 from ertel.physics.registry import SHAPES
 from ertel.physics.units import Unit
 
 SWEEP = "sweep"
-RANGE = ("from", "to", "number", "spacing")
-SPACINGS = ("linear", LOG)
+RANGE = ("from", "to", "number")  # the keys of a range in earlier versions
 SIGNALS = (("motion", "load"), ("motion", "entrainment"), ("lubricant", "layer"))
 MOST_RUNS = 10_000
 
@@ -110,7 +108,7 @@ def parse_study(data: Mapping[str, Any], folder: str | Path = ".") -> Study:
             raise ConfigError(f"{axis.field} = {show(list(axis.values))}: the values must differ from each other")
     if not axes:
         parse_case(plain, folder)  # a misspelled section or range is named first
-        several = "give a list, or { from = ..., to = ..., number = ... }, for the value that varies"
+        several = 'give a list, or a range such as "5:20:4", for the value that varies'
         raise ConfigError(f"the study has one case only: {several}")
     cases = tuple(_case(plain, axes, values, folder) for values in _combinations(axes, mode))
     for axis in axes:
@@ -139,8 +137,12 @@ def _axes_in(table: Any, place: Place) -> Iterator[Axis]:
             if not value:
                 raise ConfigError(f"{field_name(here)} = []: must have one value or more")
             yield Axis(here, tuple(value))
+        elif isinstance(value, str) and all(split(end)[0] for end in f"{value}:".split(":")[:2]):
+            with refusing(field_name(here), value):
+                yield Axis(here, _values(Range.read(value)))
         elif isinstance(value, Mapping) and any(end in value for end in RANGE[:2]):
-            yield Axis(here, tuple(_values(field_name(here), value)))
+            parts = [str(value.get(key, key.upper())) for key in RANGE] + [LOG] * (value.get("spacing") == LOG)
+            raise ConfigError(f"{field_name(here)} = {show(value)}: write a range as {show(':'.join(parts))}")
         else:
             yield from _axes_in(value, here)
 
@@ -159,34 +161,16 @@ def _hashable(value: Any) -> Any:
     return value if isinstance(value, Hashable) else id(value)  # which is no value of a case, as will be said
 
 
-def _values(field: str, table: Mapping[str, Any]) -> list[Any]:
+def _values(given: Range) -> tuple[Any, ...]:
     """The values of a range, written like its ends."""
-    check_keys(table, RANGE, field)
-    for key in RANGE[:3]:
-        if key not in table:
-            raise ConfigError(f"{field}.{key}: missing; a range has {', '.join(RANGE)}")
-    number, spacing = table["number"], table.get("spacing", SPACINGS[0])
-    if spacing not in SPACINGS:
-        raise ConfigError(f"{field}.spacing = {show(spacing)}: allowed: {', '.join(SPACINGS)}")
-    with refusing(f"{field}.number", number):
-        check_number(number)
-    with refusing(field, table):
-        (start, of_start), (end, of_end) = (_amount(table[key]) for key in RANGE[:2])
-        if of_start and of_end and of_start != of_end:
-            raise ValueError("both ends must have the same unit")
-        values = spaced(start, end, number, spacing == LOG)
-    if unit := of_start or of_end:
-        return [f"{value!r} {unit}" for value in values]
-    whole = all(isinstance(table[key], int) for key in RANGE[:2]) and all(value.is_integer() for value in values)
-    return [int(value) for value in values] if whole else list(values)
-
-
-def _amount(written: Any) -> tuple[float, str]:
-    """The number and the unit of one end of a range."""
-    number, unit = (written, "") if is_number(written) else split(written)
-    if number == "":
-        raise ValueError(f"{show(written)} must be a number, with or without a unit")
-    return float(number), unit
+    unit, other = given.units
+    if unit != other:
+        raise ValueError("both ends must have the same unit")
+    values = given.between(*map(float, given.ends))
+    if unit:
+        return tuple(f"{value!r} {unit}" for value in values)
+    whole = all(end.lstrip("+-").isdecimal() for end in given.ends) and all(value.is_integer() for value in values)
+    return tuple(map(int, values)) if whole else values
 
 
 # -- the cases --------------------------------------------------------------------------------------------------------
