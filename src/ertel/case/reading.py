@@ -6,12 +6,12 @@ it is written, and what is allowed.
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import MISSING, dataclass, field, fields
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 from math import inf
 from os import fstat
 from pathlib import Path
-from typing import Any, TypeVar, get_args
+from typing import Any, TypeVar
 
 from ertel.case import records
 from ertel.case.height_map import NO_MAPS, HeightMap
@@ -22,7 +22,7 @@ from ertel.physics.lubricant import Density, Viscosity
 from ertel.physics.motion import Oscillation, Polyline, Signal, Track, constant
 from ertel.physics.registry import OIL_LAWS, SHAPES
 from ertel.physics.surfaces import Feature
-from ertel.physics.units import FINITE, Amount, Bounds, Mark, Quantity, Unit, marks
+from ertel.physics.units import FINITE, MUST_BE_GIVEN, Amount, Bounds, Field, Mark, Quantity, Unit, fields_of
 
 T = TypeVar("T")
 Data = Mapping[str, Any]
@@ -140,18 +140,18 @@ class Reader:
         """
         if not isinstance(data, Mapping):
             raise ConfigError(f"{place} = {show(data)}: must be a {'table' if '.' in place else f'section, [{place}]'}")
-        items = {item.name: item for item in fields(record)}  # type: ignore[arg-type]
-        if not data.keys() <= {*items, *also}:
+        known = fields_of(record)
+        if not data.keys() <= {*known, *also}:
             check_keys(data, (*self.keys(record), *also), place, self.full_names)
         values = self.values(record, data, place)
-        for name, item in items.items():
-            if name not in values and item.default is MISSING and item.default_factory is MISSING:
+        for name, each in known.items():
+            if name not in values and each.usual is MUST_BE_GIVEN:
                 raise ConfigError(f"{place}.{name}: missing")
         return named(place, record, **values)
 
     def keys(self, record: Any) -> tuple[str, ...]:
         """The keys of a record (a class), those of names first."""
-        return *self.named.get(record, ()), *(item.name for item in fields(record))
+        return *self.named.get(record, ()), *fields_of(record)
 
     def full_names(self, key: str) -> list[str]:
         """SECTION.KEY for each section that has a key of this name."""
@@ -159,13 +159,12 @@ class Reader:
 
     def values(self, record: Any, data: Data, place: str) -> dict[str, Any]:
         """The values of those fields of a record (a class) that the data give."""
-        kinds, hints = marks(record), records.hints_of(record)
-        given = [item.name for item in fields(record) if data.get(item.name) is not None]
-        return {name: self._value(data[name], hints[name], kinds.get(name), f"{place}.{name}") for name in given}
+        given = {name: each for name, each in fields_of(record).items() if data.get(name) is not None}
+        return {name: self._value(data[name], each, f"{place}.{name}") for name, each in given.items()}
 
-    def _value(self, value: Any, hint: Any, mark: Mark | None, place: str) -> Any:
+    def _value(self, value: Any, of: Field, place: str) -> Any:
         """The value of a field."""
-        options, names = get_args(hint) or (hint,), records.choices_of(hint)
+        options, mark, names = of.options, of.mark, of.choices
         if any(type(value) is type(name) and value == name for name in names):
             return value
         with refusing(place, value):
@@ -214,7 +213,7 @@ class Reader:
         if isinstance(data, Mapping):
             return self.record(Oscillation, data, place)
         if is_number(data):
-            return constant(self._value(data, float, FINITE, place))
+            return constant(parse_number(data, FINITE))
         if not isinstance(data, list | tuple) or not data:
             raise ValueError(f"must be {SIGNAL_TEXT}")
         return self.polyline(Polyline, data, place)
@@ -228,7 +227,7 @@ class Reader:
                 if not isinstance(point, list | tuple) or len(point) != 2:
                     raise ValueError(f"must be [{x}, {value}]")
             parts = enumerate(zip(point, kind.MARKS, strict=True), 1)
-            points.append(tuple(self._value(part, float, mark, f"{where}[{i}]") for i, (part, mark) in parts))
+            points.append(tuple(self._value(part, Field(x, float, mark), f"{where}[{i}]") for i, (part, mark) in parts))
         return kind(tuple(points))
 
     def law(self, data: Any, kind: Any, place: str, by_name: bool = True) -> Any:

@@ -9,9 +9,8 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass, replace
-from functools import cache
 from math import inf, log10
-from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -22,21 +21,9 @@ from ertel.physics.motion import Oscillation, Polyline
 from ertel.physics.registry import FLUIDITY_LAWS, OIL_LAWS, SHAPES, Registry
 from ertel.physics.scales import Scales
 from ertel.physics.surfaces import Feature
-from ertel.physics.units import LARGEST, Bounds, Mark, Quantity, Unit, marks
+from ertel.physics.units import LARGEST, Bounds, Mark, Quantity, Unit, fields_of
 
 T = TypeVar("T")
-
-
-@cache
-def hints_of(record: Any) -> Mapping[str, Any]:
-    """The annotations of the fields of a record (a class), without marks and meanings."""
-    return get_type_hints(record)
-
-
-def choices_of(hint: Any) -> tuple[Any, ...]:
-    """The values that an annotation enumerates."""
-    options = (hint, *get_args(hint))
-    return tuple(value for option in options if get_origin(option) is Literal for value in get_args(option))
 
 
 # -- writing ----------------------------------------------------------------------------------------------------------
@@ -44,11 +31,11 @@ def choices_of(hint: Any) -> tuple[Any, ...]:
 
 def data_of(record: Any) -> dict[str, Any]:
     """A record as plain data; what is None or infinite is left out.  Raises ValueError for what cannot be written."""
-    kinds, data = marks(type(record)), {}
-    for item in fields(record):
-        value = getattr(record, item.name)
+    data = {}
+    for name, field in fields_of(record).items():
+        value = getattr(record, name)
         if value is not None and not (isinstance(value, float | str | tuple) and value in (inf, "", ())):
-            data[item.name] = _plain(value, kinds.get(item.name))
+            data[name] = _plain(value, field.mark)
     return data
 
 
@@ -74,7 +61,7 @@ def _plain(value: Any, mark: object = None) -> Any:
 
 def law_fields(record: Any) -> tuple[str, ...]:
     """The fields of a law (a class) that are laws of shear thinning themselves."""
-    return tuple(name for name, hint in hints_of(record).items() if hint is Fluidity)
+    return tuple(name for name, field in fields_of(record).items() if field.hint is Fluidity)
 
 
 def law_data(law: object, laws: Registry) -> Any:
@@ -131,16 +118,15 @@ def checked(record: T, place: str) -> T:
             for point in record.points:
                 for number, of_number in zip(point, record.MARKS, strict=True):
                     check_value(number, of_number)
-    kinds, hints = marks(type(record)), hints_of(type(record))  # type: ignore[arg-type]
-    for item in fields(record):  # type: ignore[arg-type]
-        value, mark, choices = getattr(record, item.name), kinds.get(item.name), choices_of(hints[item.name])
+    for name, field in fields_of(record).items():
+        value, mark, choices = getattr(record, name), field.mark, field.choices
         if isinstance(value, Polyline) or (is_dataclass(value) and mark is None):
-            checked(value, f"{place}.{item.name}")
+            checked(value, f"{place}.{name}")
             continue
-        is_default = type(value) is type(item.default) and bool(value == item.default)  # which may be infinite
+        is_default = type(value) is type(field.usual) and bool(value == field.usual)  # which may be infinite
         if value is None or is_default or (isinstance(value, str) and value in choices):
             continue
-        with refusing(f"{place}.{item.name}", with_unit(value, mark)):
+        with refusing(f"{place}.{name}", with_unit(value, mark)):
             check_value(value, mark, choices)
     return record
 
@@ -321,14 +307,13 @@ def scaled(record: T, scales: Scales | None, place: str) -> T:
             points.append(tuple(_over(value, mark, scales, f"{place}[{number}]") for value, mark in marked))
         with refusing(place, record):
             return type(record)(tuple(points))
-    kinds = marks(type(record))
     changed: dict[str, Any] = {}
-    for item in fields(record):  # type: ignore[arg-type]
-        value, where = getattr(record, item.name), f"{place}.{item.name}"
+    for name, field in fields_of(record).items():
+        value, where = getattr(record, name), f"{place}.{name}"
         if isinstance(value, Quantity):
-            changed[item.name] = _over(value, kinds[item.name], scales, where)
+            changed[name] = _over(value, field.mark, scales, where)
         elif is_dataclass(value) and not isinstance(value, type):
-            changed[item.name] = scaled(value, scales, where if item.name != "shape" else place)
+            changed[name] = scaled(value, scales, where if name != "shape" else place)
     return named(place, replace, record, **changed) if changed else record
 
 
@@ -347,16 +332,11 @@ def _over(amount: Any, mark: object, scales: Scales | None, place: str) -> float
 
 def amounts(record: Any, place: str) -> Iterator[tuple[str, Unit, Any]]:
     """The amounts of a record, and of records in it: place, unit and value of each."""
-    kinds = marks(type(record))
-    named_parts = [
-        (f"{place}.{item.name}", kinds.get(item.name), getattr(record, item.name)) for item in fields(record)
-    ]
+    parts = [(f"{place}.{name}", field.mark, getattr(record, name)) for name, field in fields_of(record).items()]
     if isinstance(record, Polyline):
         numbered = enumerate(record.points, 1)
-        named_parts = [
-            (f"{place}[{n}]", *part) for n, point in numbered for part in zip(record.MARKS, point, strict=True)
-        ]
-    for where, mark, value in named_parts:
+        parts = [(f"{place}[{n}]", *part) for n, point in numbered for part in zip(record.MARKS, point, strict=True)]
+    for where, mark, value in parts:
         if isinstance(value, Polyline | Oscillation):
             yield from amounts(value, where)
         elif isinstance(mark, Unit) and mark.scale and value is not None:

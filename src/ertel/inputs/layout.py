@@ -3,8 +3,8 @@
 The table of keys, `--help-keys`, new case files and the JSON schema are printed from `places`.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import MISSING, dataclass, fields
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields, replace
 from inspect import getdoc
 from math import isfinite
 from typing import Annotated, Any, Literal, NamedTuple, get_args
@@ -13,14 +13,14 @@ from ertel.case.conditions import Conditions, Kind
 from ertel.case.height_map import HeightMap, Measured
 from ertel.case.methods import METHODS, of_kind
 from ertel.case.reading import LAWS, Reader
-from ertel.case.records import choices_of, hints_of, show
+from ertel.case.records import show
 from ertel.case.sections import SECTIONS, START_APPROACH, Solver, Thermal, Time
 from ertel.inputs.quantities import parse_quantity
 from ertel.physics import units
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import Oscillation, Signal, Track
 from ertel.physics.registry import OIL_LAWS, SHAPES, Registry
-from ertel.physics.units import Mark, Meaning, Unit, marks, meanings
+from ertel.physics.units import MUST_BE_GIVEN, Field, Meaning, Unit, fields_of
 
 # -- keys that name an oil, a material or a file; `names` and `height_maps` replace them by numbers -------------------
 
@@ -87,7 +87,7 @@ NEEDED = "needed"
 
 def field_names(record: Any) -> tuple[str, ...]:
     """The names of the fields of a record (a class)."""
-    return tuple(item.name for item in fields(record))
+    return tuple(fields_of(record))
 
 
 READER = Reader(parse_quantity, named={record: field_names(further) for record, further in NAMING.items()})
@@ -96,17 +96,13 @@ READER = Reader(parse_quantity, named={record: field_names(further) for record, 
 # -- the walk over all keys -------------------------------------------------------------------------------------------
 
 
-class Key(NamedTuple):
+@dataclass(frozen=True)
+class Key(Field):
     """A key of a case file.
 
-    hint, mark: the annotation of its field.  default: as it is written; "" if the meaning says what holds without the
-    key.  example: a value as it is written, "" if there is none.
+    default: as it is written; "" if the meaning says what holds without the key.
     """
 
-    name: str
-    meaning: Meaning
-    hint: Any
-    mark: Mark | None = None
     default: str = ""
 
     @property
@@ -123,16 +119,6 @@ class Key(NamedTuple):
         """Name, kind of value and default."""
         default = f"; default {self.default}" if self.default else ""
         return f"{self.name}  ({self.kind}{'; needed' if self.default == NEEDED else default})"
-
-    @property
-    def options(self) -> Sequence[Any]:
-        """The kinds of values that the annotation allows."""
-        return get_args(self.hint) or (self.hint,)
-
-    @property
-    def choices(self) -> tuple[Any, ...]:
-        """The values that the annotation enumerates."""
-        return choices_of(self.hint)
 
     @property
     def law(self) -> Registry | None:
@@ -177,8 +163,8 @@ class Place(NamedTuple):
 
 def places() -> Iterator[Place]:
     """All sections and tables of a case file, with the laws and shapes that are registered now."""
-    schema = Key("schema", TOP["schema"], Literal[1], None, "1")
-    yield Place("(top)", "the case", (Key("name", TOP["name"], str), schema))
+    schema = Key("schema", Literal[1], meaning=TOP["schema"], default="1")
+    yield Place("(top)", "the case", (Key("name", str, meaning=TOP["name"]), schema))
     for name in SECTIONS:
         if name == "time":
             yield Place("[[roughness]]", TOP["roughness"].text, shape_keys())
@@ -202,8 +188,8 @@ def section(name: str) -> Place:
 
 def shape_keys() -> tuple[Key, ...]:
     """The keys of all shapes."""
-    shapes = Key("shape", Meaning("which shape"), Literal[*SHAPES], None, NEEDED)
-    return shapes, Key("surface", SURFACE, Literal[1, 2], None, "1")
+    shapes = Key("shape", Literal[*SHAPES], meaning=Meaning("which shape"), default=NEEDED)
+    return shapes, Key("surface", Literal[1, 2], meaning=SURFACE, default="1")
 
 
 def shape_place(name: str) -> Place:
@@ -223,14 +209,10 @@ def first_paragraph(record: Any) -> str:
 
 def keys_of(record: Any) -> tuple[Key, ...]:
     """The keys that stand for the fields of a record (a class)."""
-    hints, texts, kinds = hints_of(record), meanings(record), marks(record)
-    keys = []
-    for item in fields(record):
-        meaning = texts.get(item.name, Meaning(""))
-        default = _default(record, item, meaning)
-        hint = Literal[*METHODS] if (record, item.name) == (Solver, "method") else hints[item.name]
-        keys.append(Key(item.name, meaning, hint, kinds.get(item.name), default))
-    return tuple(keys)
+    keys = {name: Key(**vars(field), default=_default(record, field)) for name, field in fields_of(record).items()}
+    if record is Solver:
+        keys["method"] = replace(keys["method"], hint=Literal[*METHODS])
+    return tuple(keys.values())
 
 
 def able_names(laws: Registry) -> tuple[str, ...]:
@@ -238,20 +220,19 @@ def able_names(laws: Registry) -> tuple[str, ...]:
     return tuple(name for name, law in laws.items() if hasattr(law, "of"))
 
 
-def _default(record: Any, item: Any, meaning: Meaning) -> str:
+def _default(record: Any, field: Field) -> str:
     """The value that holds where the key is left out, as it is written."""
+    name, value, example = field.name, field.usual, field.meaning.example
     if record is Solver:
-        return _by_owner({name: getattr(method.defaults, item.name) for name, method in METHODS.items()}, item.name)
-    if record is Time and item.name in ("start_approach", "until"):
+        return _by_owner({method.name: getattr(method.defaults, name) for method in METHODS.values()}, name)
+    if record is Time and name in ("start_approach", "until"):
         ends = {method.kind: method.end for method in METHODS.values() if not method.is_steady}
-        return show(START_APPROACH) if item.name == "start_approach" else _by_owner(ends, item.name)
-    if item.default is MISSING and item.default_factory is MISSING:
+        return show(START_APPROACH) if name == "start_approach" else _by_owner(ends, name)
+    if value is MUST_BE_GIVEN:
         return "" if record is Thermal else NEEDED  # a named oil and named materials complete it
-    value = item.default
     if value in (None, "", ()) or (isinstance(value, float) and not isfinite(value)):
         return ""
-    is_quantity = isinstance(marks(record).get(item.name), Unit) and isinstance(meaning.example, str)
-    return show(meaning.example) if is_quantity else show(value)
+    return show(example) if isinstance(field.mark, Unit) and isinstance(example, str) else show(value)
 
 
 def _by_owner(values: Mapping[Any, Any], name: str) -> str:

@@ -13,7 +13,7 @@ from functools import cache
 from math import isfinite
 from numbers import Real
 from textwrap import wrap
-from typing import Any, TypeVar, get_type_hints
+from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 SMALLEST, LARGEST = 1e-30, 1e30  # sizes of the numbers of a case: far beyond any contact, and no product overflows
 
@@ -153,6 +153,10 @@ class Meaning:
     example: Any = None
 
 
+NO_MEANING = Meaning("")
+MUST_BE_GIVEN = object()  # in the place of the usual value of a field
+
+
 @dataclass(frozen=True)
 class Quantity:
     """A number in an SI unit, not yet converted to the units of a case."""
@@ -174,22 +178,57 @@ def plain(amount: Amount) -> float:
     return amount
 
 
+@dataclass(frozen=True)
+class Field:
+    """A field of a record: all that the reader, the writer, the checks and the texts for users know of it.
+
+    hint: its annotation without mark and meaning.  usual: the value that it has if it is left out; MUST_BE_GIVEN: none.
+    """
+
+    name: str
+    hint: Any
+    mark: Mark | None = None
+    meaning: Meaning = NO_MEANING
+    usual: Any = MUST_BE_GIVEN
+
+    @property
+    def options(self) -> tuple[Any, ...]:
+        """The kinds of values that the annotation allows."""
+        return get_args(self.hint) or (self.hint,)
+
+    @property
+    def choices(self) -> tuple[Any, ...]:
+        """The values that the annotation enumerates."""
+        options = (self.hint, *self.options)
+        return tuple(value for option in options if get_origin(option) is Literal for value in get_args(option))
+
+
+def fields_of(record: Any) -> Mapping[str, Field]:
+    """The fields of a record, or of a class of records, by name."""
+    return _fields_of(record if isinstance(record, type) else type(record))
+
+
+@cache
+def _fields_of(record: Any) -> Mapping[str, Field]:
+    hints, whole, found = get_type_hints(record), get_type_hints(record, include_extras=True), {}
+    for item in fields(record):
+        parts = getattr(whole[item.name], "__metadata__", ())
+        meaning = next((part for part in parts if isinstance(part, Meaning)), NO_MEANING)
+        mark = next((part for part in parts if isinstance(part, Unit | Bounds)), None)
+        usual = MUST_BE_GIVEN if item.default is MISSING else item.default
+        usual = usual if item.default_factory is MISSING else item.default_factory()
+        found[item.name] = Field(item.name, hints[item.name], mark, meaning, usual)
+    return found
+
+
 def marks(record: Any) -> Mapping[str, Mark]:
     """The marks of the fields of a record (a class), by name of the field; fields without a mark are left out."""
-    return _parts(record, Unit | Bounds)
+    return {name: field.mark for name, field in fields_of(record).items() if field.mark}
 
 
 def meanings(record: Any) -> Mapping[str, Meaning]:
     """The meanings of the fields of a record (a class), by name of the field; fields without one are left out."""
-    return _parts(record, Meaning)
-
-
-@cache
-def _parts(record: Any, kind: Any) -> Mapping[str, Any]:
-    """The marks or meanings in the annotations of the fields, by name of the field."""
-    hints = get_type_hints(record, include_extras=True)
-    parts = {name: getattr(hint, "__metadata__", ()) for name, hint in hints.items()}
-    return {name: part for name, given in parts.items() for part in given if isinstance(part, kind)}
+    return {name: field.meaning for name, field in fields_of(record).items() if field.meaning.text}
 
 
 def require_positive(**values: float) -> None:
@@ -249,11 +288,10 @@ def si_numbers(given: Any, unit: Unit, written: str = "") -> Any:
 
 def explained(record: Record) -> Record:
     """A decorator that puts meaning, unit and default of each field into the docstring of a record."""
-    texts, kinds = meanings(record), marks(record)
     lines = ["", "", "Parameters", "----------"]
-    for item in fields(record):
-        default = "" if item.default in (MISSING, None, "") else f", default {item.default!r}"
-        lines += parameter_lines(item.name, texts[item.name], kinds.get(item.name), default)
+    for name, field in fields_of(record).items():
+        default = "" if field.usual in (MUST_BE_GIVEN, None, "") else f", default {field.usual!r}"
+        lines += parameter_lines(name, field.meaning, field.mark, default)
     vars(record)["__init__"].__annotations__ = get_type_hints(record)  # a signature without the marks
     record.__doc__ = (record.__doc__ or "").rstrip() + "\n    ".join(lines) + "\n    "
     return record

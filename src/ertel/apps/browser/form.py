@@ -8,6 +8,7 @@ import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from copy import deepcopy
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -78,8 +79,8 @@ EMPTY = ("radius_ratio", "entrainment_angle", "slide_to_roll", "layer", "layer_1
 ONE_OF = ("wavelength_x", "depth")  # keys of shapes that are filled at first besides those that are needed
 KEYS = {f"{name}.{key.name}": key for name in SECTIONS for key in section(name).keys} | {
     LAW: next(key for key in section("lubricant").keys if key.name == "rheology"),
-    "thermal": Key("thermal", Meaning(SECTIONS["thermal"][2]), None),
-    SHAPE: shape_keys()[0]._replace(meaning=TOP["roughness"]),
+    "thermal": Key("thermal", None, meaning=Meaning(SECTIONS["thermal"].text)),
+    SHAPE: replace(shape_keys()[0], meaning=TOP["roughness"]),
 }
 
 
