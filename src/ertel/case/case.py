@@ -31,14 +31,8 @@ SCHEMA = 1  # of the layout of case files
 READER = Reader()
 KEYS = ("schema", "name", "contact", "lubricant", "solver", "motion", "roughness", "time", "output", "thermal")
 
-Completion = Callable[["Case", Collection[str] | None], None]
-_completions: list[Completion] = []  # the last one counts
-
-
-def completes(completion: Completion) -> Completion:
-    """A decorator for the function that completes and checks a case in its constructor: that of `completion`."""
-    _completions.append(completion)
-    return completion
+# What completes and checks a case in its constructor: `completion`, which knows the rules, puts its function here.
+completions: list[Callable[["Case", Collection[str] | None], None]] = []
 
 
 @dataclass(frozen=True, repr=False)
@@ -96,7 +90,8 @@ class Case:
     written: InitVar[Collection[str] | None] = None
 
     def __post_init__(self, written: Collection[str] | None) -> None:
-        _completions[-1](self, written)
+        [complete] = completions
+        complete(self, written)
 
     def __repr__(self) -> str:
         title, data = self._described

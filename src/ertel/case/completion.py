@@ -10,13 +10,12 @@ from math import inf
 from typing import Any
 
 from ertel.case import records, rules
-from ertel.case.case import Case, completes
+from ertel.case.case import Case, completions
 from ertel.case.methods import of_kind
 from ertel.case.sections import START_APPROACH, Output, Solver, Time
 from ertel.physics.units import plain
 
 
-@completes
 def complete(case: Case, written: Collection[str] | None) -> None:
     """Complete and check a case that is being made; the only time when its fields change.
 
@@ -30,6 +29,9 @@ def complete(case: Case, written: Collection[str] | None) -> None:
     _put(case, **_defaults(case))
     rules.refuse(case, rules.COMPLETE)
     case.lubricant  # noqa: B018  # raises if its data give no law
+
+
+completions.append(complete)
 
 
 def _put(case: Case, **values: Any) -> None:
