@@ -53,6 +53,11 @@ def test_ranges(ends, values):
     assert [case.contact.M for case in parse_study(moes(M=ends)).cases] == values
 
 
+def test_a_text_is_no_range():
+    study = parse_study({**moes(M="100:300:2"), "lubricant": {"reference": "40:60 blend of two oils"}})
+    assert [axis.field for axis in study.axes] == ["contact.M"]
+
+
 def test_whole_numbers_stay_whole():
     study = parse_study({**moes(), "solver": {"method": "radial", "nodes": "101:301:3"}})
     assert [case.solver.nodes for case in study.cases] == [101, 201, 301]

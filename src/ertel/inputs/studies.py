@@ -37,6 +37,7 @@ from ertel.physics.units import Unit
 SWEEP = "sweep"
 RANGE = ("from", "to", "number")  # the keys of a range in earlier versions
 SIGNALS = (("motion", "load"), ("motion", "entrainment"), ("lubricant", "layer"))
+TEXT = "reference"  # of an oil: any text, and no range
 MOST_RUNS = 10_000
 
 Place = tuple[str | int, ...]  # of a value in a case: section, key, ... ; ("roughness", 0, "amplitude")
@@ -137,7 +138,7 @@ def _axes_in(table: Any, place: Place) -> Iterator[Axis]:
             if not value:
                 raise ConfigError(f"{field_name(here)} = []: must have one value or more")
             yield Axis(here, tuple(value))
-        elif isinstance(value, str) and all(split(end)[0] for end in f"{value}:".split(":")[:2]):
+        elif isinstance(value, str) and key != TEXT and all(split(end)[0] for end in value.partition(":")[::2]):
             with refusing(field_name(here), value):
                 yield Axis(here, _values(Range.read(value)))
         elif isinstance(value, Mapping) and any(end in value for end in RANGE[:2]):
