@@ -20,6 +20,8 @@ from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
 from ertel.physics import film_formulas, hertz, surfaces
 from ertel.physics.film_formulas import IMPACT_EXPONENT, ROLLING_EXPONENT, starved_share
 from ertel.physics.geometry import CIRCLE, ContactMotion, Geometry, squeezed_film
+from ertel.physics.line_films import expected_line_film
+from ertel.physics.line_scales import LineParameters
 from ertel.physics.lubricant import ALPHA, Lubricant, Oil
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, Track, constant, reversed_sign
 from ertel.physics.scales import Parameters, Scales
@@ -79,7 +81,7 @@ class Definition:
     @property
     def method(self) -> Method:
         """The record of its method."""
-        return METHODS[self.solver.method]
+        return METHODS[self.solver.method].of(self.geometry)
 
     @property
     def is_steady(self) -> bool:
@@ -190,7 +192,11 @@ class Definition:
     def film_scale(self) -> float:
         """The expected film thickness in a^2/R: the scale of the trapped film (impact) or a formula (rolling)."""
         p = self.parameters
-        return p.trapped_film if self.starts_apart else film_formulas.expected_film(p, self.contact.angle)
+        if self.starts_apart:
+            return p.trapped_film
+        if isinstance(p, LineParameters):
+            return expected_line_film(p)
+        return film_formulas.expected_film(p, self.contact.angle)
 
 
 # -- nodes ------------------------------------------------------------------------------------------------------------
@@ -237,6 +243,8 @@ def starvation(case: Definition) -> tuple[float, float]:
     if case.starts_apart:
         flooded, exponent = sum(case.parameters.impact_films) / 2, IMPACT_EXPONENT
     r = case.layer / (float(case.lubricant.density(1.0)) * flooded)
+    if case.geometry.is_line and not case.starts_apart:
+        return r, min(r, 1.0)  # nothing leaks to the sides
     return r, starved_share(r, exponent)
 
 
@@ -264,7 +272,7 @@ def largest_pressure(case: Definition) -> float:
     if case.scales is None:
         return 0.0
     load = 1.0 if case.starts_apart else case.motion.load.range(inf)[1]
-    return float(case.scales.p_h * cbrt(load))
+    return float(case.scales.p_h * (sqrt(load) if case.geometry.is_line else cbrt(load)))
 
 
 def newtonian_stress(case: Definition) -> float:

@@ -121,6 +121,24 @@ class OnThePlane(Space):
             yield "inlet", f"must be above {along_x:g} and below {most:g} = 2 half_width - {along_x:g}, {inside}"
 
 
+class AlongX(OnThePlane):
+    """A uniform row of nodes along the flow, for a line contact: nothing changes across it."""
+
+    axes, lacks = ("X",), ("half_width_y",)
+
+    def across(self, solver: Solver) -> int:
+        return 1
+
+    def in_words(self, nodes: int, across: int) -> str:
+        return f"{nodes} nodes along x"
+
+    def suited(self, circular: Solver, geometry: Geometry) -> Solver:
+        return circular
+
+    def completed(self, solver: Solver, geometry: Geometry) -> Solver:
+        return solver
+
+
 class AlongTheRadius(Space):
     """Nodes from the centre outwards, finest at the edge of the contact."""
 
