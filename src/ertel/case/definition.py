@@ -6,7 +6,7 @@ Whether it makes sense, `rules` says.
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import cbrt, floor, inf, log2, sqrt
+from math import floor, inf, log2, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,7 +18,7 @@ from ertel.case.records import ConfigError, named, scaled, scaled_all, show, wit
 from ertel.case.sections import START_APPROACH, Drive, Output, Schedule, Solver, Thermal, Time
 from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
 from ertel.physics import film_formulas, hertz, surfaces
-from ertel.physics.film_formulas import IMPACT_EXPONENT, ROLLING_EXPONENT, starved_share
+from ertel.physics.film_formulas import IMPACT_EXPONENT, starved_share
 from ertel.physics.geometry import CIRCLE, ContactMotion, Geometry, squeezed_film
 from ertel.physics.line_films import expected_line_film
 from ertel.physics.line_scales import LineParameters
@@ -162,7 +162,7 @@ class Definition:
             raise ConfigError(f"{self.entry('solver.method')}: a steady contact has no time")
         given = replace(self.time, start_approach=self.time.start_approach or START_APPROACH)
         time, output = scaled(given, self.scales, "time"), scaled(self.output, self.scales, "output")
-        return Schedule(**vars(time), **vars(output))
+        return Schedule(**vars(time), **vars(output), contact_time=self.geometry.hertz.contact_time)
 
     @property
     def first_motion(self) -> ContactMotion:
@@ -239,13 +239,16 @@ def starvation(case: Definition) -> tuple[float, float]:
     """
     if case.layer is None:
         return inf, 1.0
-    flooded, exponent = case.film_scale, ROLLING_EXPONENT
-    if case.starts_apart:
-        flooded, exponent = sum(case.parameters.impact_films) / 2, IMPACT_EXPONENT
+    flooded = sum(case.parameters.impact_films) / 2 if case.starts_apart else case.film_scale
     r = case.layer / (float(case.lubricant.density(1.0)) * flooded)
-    if case.geometry.is_line and not case.starts_apart:
-        return r, min(r, 1.0)  # nothing leaks to the sides
-    return r, starved_share(r, exponent)
+    return r, share_of(case, r)
+
+
+def share_of(case: Definition, r: float) -> float:
+    """The share of the flooded film on a layer of oil that is r times as thick."""
+    if case.starts_apart:
+        return starved_share(r, IMPACT_EXPONENT)
+    return min(r, 1.0) if case.geometry.is_line else starved_share(r)  # nothing leaks out of a line to the sides
 
 
 def wet_radius(layer: float) -> float:
@@ -272,7 +275,7 @@ def largest_pressure(case: Definition) -> float:
     if case.scales is None:
         return 0.0
     load = 1.0 if case.starts_apart else case.motion.load.range(inf)[1]
-    return float(case.scales.p_h * (sqrt(load) if case.geometry.is_line else cbrt(load)))
+    return case.scales.p_h * case.geometry.grown(load)
 
 
 def newtonian_stress(case: Definition) -> float:
@@ -281,13 +284,17 @@ def newtonian_stress(case: Definition) -> float:
     eta u_s/h with the film of a formula, and the mean over the contact of the viscosity at the Hertz pressure:
 
         2 integral from 0 to 1 of eta(p_h s) s ds,      p = p_h s at the radius sqrt(1 - s^2)
+
+    Along a line it is the integral from 0 to 1 of eta(p_h sqrt(1 - x^2)) dx.
     """
     sliding = abs(case.motion.slide_to_roll) * max(map(abs, case.motion.entrainment.range(inf)))
     if case.scales is None or case.oil.eta0 is None or not sliding:
         return 0.0
     z, weight = _PLACES
-    s = (1.0 + z) / 2.0
+    s, share = (1.0 + z) / 2.0, (1.0 + z) / 2.0
+    if case.geometry.is_line:
+        s, share = np.sqrt(1.0 - s**2), np.full_like(s, 0.5)
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
-        growth = float(np.sum(weight * s * case.oil.viscosity_law.viscosity(largest_pressure(case) * s)))
+        growth = float(np.sum(weight * share * case.oil.viscosity_law.viscosity(largest_pressure(case) * s)))
     stress = growth * case.oil.eta0 * sliding * case.scales.front_speed / film_estimate(case)
     return stress if stress >= 0.0 else inf  # beyond the pole of a modulus law

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import is_dataclass
-from math import cbrt, inf
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -341,7 +341,7 @@ def _thermal(case: Definition) -> Complaints:
         thermal.viscosity_of(eta0)
     except ValueError as error:
         yield "thermal.viscosity", str(error)
-    pressure = scales.p_h * cbrt(case.motion.load(0.0)) / scales.E_prime
+    pressure = scales.p_h * case.geometry.grown(case.motion.load(0.0)) / scales.E_prime
     speed = case.motion.entrainment(0.0) * scales.front_speed
     inlet = thermal.inlet(eta0, pressure, speed, case.motion.slide_to_roll)
     if not inlet.factor > 0:

@@ -69,6 +69,13 @@ def masjedi_khonsari_central(parameters: HamrockDowson) -> float:
     return float(2.691 * U**0.705 * G**0.556 * W**-0.135)
 
 
+def starved(film: FormulaFilm, oil: float) -> FormulaFilm:
+    """The central film on a layer of oil (b^2/R, at the density in the contact): nothing leaks to the sides."""
+    assert film.central is not None
+    valid = "the film is the layer, up to the flooded film"
+    return film._replace(name=f"{film.name}, starved", central=min(film.central, oil), minimum=None, valid=valid)
+
+
 def line_films(parameters: LineParameters, ugw: HamrockDowson | None = None) -> list[FormulaFilm]:
     """All formulas for a line contact, in b^2/R.
 

@@ -117,6 +117,11 @@ class LineParameters(Parameters):
     def _isoviscous(self) -> float:
         return 0.44 * sqrt(self.lambda_bar / self.ellipse.approach)
 
+    def at(self, load: float, speed: float) -> "LineParameters":
+        """The parameters under a load w in F* and at a speed U in b/t0, both above zero."""
+        M, L = self.M * load * speed**-0.5, self.L * speed**0.25
+        return LineParameters.from_moes(M, L, length_ratio=self.length_ratio / sqrt(load))
+
     def nabla2(self, wavelength: float) -> float:
         """Operating parameter of amplitude reduction of a line contact, (wavelength/b) M^(3/4)/L^(1/2).
 

@@ -134,6 +134,10 @@ class Parameters:
         isoviscous = ISOVISCOUS_FILM * sqrt(self.lambda_bar * 2 / (1 + self.radius_ratio))
         return max(0.6 * self.trapped_film, 0.95 * isoviscous), max(0.7 * self.trapped_film, isoviscous)
 
+    def at(self, load: float, speed: float) -> "Parameters":
+        """The parameters under a load w in F* and at a speed U in a/t0, both above zero."""
+        return Parameters.from_moes(self.M * load * speed**-0.75, self.L * speed**0.25, self.radius_ratio)
+
     def nabla2(self, wavelength: float) -> float:
         """Operating parameter of amplitude reduction, eq. (16): wavelength sqrt(M_BH/L_BH), wavelength in units a.
 
