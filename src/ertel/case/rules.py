@@ -320,8 +320,11 @@ def _outside(case: Definition) -> Complaints:
 
 
 def _roughness(case: Definition) -> Complaints:
-    """A steady film needs roughness that does not change in time."""
+    """A steady film needs roughness that does not change in time, a line contact one that does not change along y."""
     for number, feature in enumerate(case.features, 1):
+        if case.geometry.is_line and not getattr(feature.shape, "is_uniform_along_y", False):
+            allowed = "allowed along a line: a waviness without wavelength_y, or a measured profile"
+            yield f"roughness[{number}]", f"varies along y; {allowed}"
         moves = case.motion.travel(feature.surface, 1.0) != 0
         if case.is_steady and moves and not getattr(feature.shape, "is_ridges_along_x", False):
             instead = f"use {_in_time(case)}, or a slide_to_roll at which it is at rest (surface 1: -2, surface 2: 2)"

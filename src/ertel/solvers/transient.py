@@ -130,6 +130,7 @@ class Transient2D(Stepper):
     """
 
     def __init__(self, case: Case, small: float = SMALL):
+        case = steady.fed(case)
         self.case, self.small = case, small
         self.grid = grid_of(case)
         check_coarsening(self.grid)
