@@ -154,7 +154,7 @@ class Transient2D(Stepper):
             tolerance,
             case.film_scale,
             self.geometry.hertz_load,
-            coarsenings(case, self.grid.spacing, len(elastic) - 1),
+            coarsenings(case, self.grid.spacing, self.grid.halvings),
         )
         self.setting: Setting = jax.device_put(setting)
         self._programs: dict[Any, Compiled] = {}
