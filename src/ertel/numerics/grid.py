@@ -113,7 +113,6 @@ class Grid:
             grids.append(coarser)
         return tuple(grids)
 
-
     @property
     def halvings(self) -> int:
         """How often every second node can be left out, down to a few nodes; multigrid does not, where there is one row.

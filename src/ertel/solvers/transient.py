@@ -139,9 +139,7 @@ class Transient2D(Stepper):
         self.outside = discretise.outside_of(case, self.grid)
         self.layer = discretise.layer_of(case, self.grid)
         self.closure = NewtonsLaw(case.motion.inertia, case.motion.load, self.geometry.hertz_load)
-        elastic = multigrid.deformation_operators(
-            self.grid, self.geometry.compliance, PRECISION, self.geometry.reach
-        )
+        elastic = multigrid.deformation_operators(self.grid, self.geometry.compliance, PRECISION, self.geometry.reach)
         self.coordinates = self.grid.coordinates
         tolerance = case.solver.tolerance
         if not case.schedule.step:
