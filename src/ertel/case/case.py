@@ -20,7 +20,10 @@ from ertel.case.reading import Reader, check_keys
 from ertel.case.records import ConfigError, named, scaled, scaled_all, show, with_unit
 from ertel.case.sections import SECTIONS, START_APPROACH, Drive, Output, Schedule, Solver, Thermal, Time
 from ertel.physics import film_formulas, surfaces
-from ertel.physics.geometry import CIRCLE, ContactMotion, Geometry, squeezed_film
+from ertel.physics.far_field import ContactMotion, squeezed_film
+from ertel.physics.geometry import CIRCLE, Geometry
+from ertel.physics.line_films import expected_line_film
+from ertel.physics.line_scales import LineParameters
 from ertel.physics.lubricant import ALPHA, Lubricant, Oil
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, Track, constant, reversed_sign
 from ertel.physics.scales import Parameters, Scales
@@ -133,7 +136,7 @@ class Case:
     @property
     def method(self) -> Method:
         """The record of its method."""
-        return METHODS[self.solver.method]
+        return METHODS[self.solver.method].of(self.geometry)
 
     @property
     def is_steady(self) -> bool:
@@ -214,7 +217,7 @@ class Case:
             raise ConfigError(f"{self.entry('solver.method')}: a steady contact has no time")
         given = replace(self.time, start_approach=self.time.start_approach or START_APPROACH)
         time, output = scaled(given, self.scales, "time"), scaled(self.output, self.scales, "output")
-        return Schedule(**vars(time), **vars(output))
+        return Schedule(**vars(time), **vars(output), contact_time=self.geometry.hertz.contact_time)
 
     @property
     def first_motion(self) -> ContactMotion:
@@ -244,7 +247,11 @@ class Case:
     def film_scale(self) -> float:
         """The expected film thickness in a^2/R: the scale of the trapped film (impact) or a formula (rolling)."""
         p = self.parameters
-        return p.trapped_film if self.starts_apart else film_formulas.expected_film(p, self.contact.angle)
+        if self.starts_apart:
+            return p.trapped_film
+        if isinstance(p, LineParameters):
+            return expected_line_film(p)
+        return film_formulas.expected_film(p, self.contact.angle)
 
     # -- as plain data ------------------------------------------------------------------------------------------------
 

@@ -12,8 +12,9 @@ from math import inf, isclose
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
 from ertel.case.records import ConfigError, checked, show, with_unit
-from ertel.physics import materials, scales, units
+from ertel.physics import line_scales, materials, scales, units
 from ertel.physics.geometry import LARGEST_RATIO, LEAST_RATIO, Geometry, geometry
+from ertel.physics.line_scales import LineParameters, LineScales
 from ertel.physics.lubricant import Oil
 from ertel.physics.scales import Parameters, Scales
 from ertel.physics.units import Bounds, Meaning, explained, marks
@@ -33,8 +34,11 @@ ROUND_OFF = 1e-12  # by which the radii of a circular contact may differ
 Keys = tuple[str, ...]
 ALONG_X, ALONG_Y = ("radius_x_1", "radius_x_2"), ("radius_y_1", "radius_y_2")
 PAIRS: Keys = (*ALONG_X, *ALONG_Y)  # a radius that is left out is that of a plane
+OF_CYLINDERS: tuple[Keys, ...] = (("radius",), ("radius_1", "radius_2"), ALONG_X)
 RADII: tuple[Keys, ...] = (("radius",), ("radius_1", "radius_2"), ("radius_x", "radius_y"), PAIRS)
-RATIO = Bounds(ge=LEAST_RATIO, le=LARGEST_RATIO)
+RATIO = Bounds(ge=0, le=LARGEST_RATIO)
+LENGTH_RATIO = Bounds(ge=5, le=1e6)
+DEFAULT_LENGTH_RATIO = 100.0
 MOES: Keys = ("M", "L")
 BARS: Keys = ("lambda_bar", "alpha_bar")
 BALL = (("mass",), ("ball_density",))
@@ -46,8 +50,8 @@ NEEDED: Mapping[Kind, tuple[tuple[Keys, ...], ...]] = {
     "rolling": (RADII, (("load",),), TRACK, ELASTICITY),
 }
 OPTIONAL: Mapping[Kind, Keys] = {
-    "impact": ("mean_speed", "slide_to_roll"),
-    "rolling": ("mass", "ball_density", "slide_to_roll"),
+    "impact": ("length", "mean_speed", "slide_to_roll"),
+    "rolling": ("length", "mass", "ball_density", "slide_to_roll"),
 }
 PHYSICAL: Mapping[Kind, Keys] = {
     kind: (*(key for group in groups for keys in group for key in keys), *OPTIONAL[kind])
@@ -91,7 +95,12 @@ class Conditions:
         Given, units.NOT_NEGATIVE, Meaning("dimensionless pressure-viscosity index; goes with lambda_bar", 36.4)
     ] = None
     radius_ratio: Annotated[
-        Given, RATIO, Meaning("R_x/R_y of an elliptical contact without dimensions; left out: a circle", 0.2)
+        Given, RATIO, Meaning("R_x/R_y of an elliptical contact without dimensions, 0: a line; left out: a circle", 0.2)
+    ] = None
+    length_ratio: Annotated[
+        Given,
+        LENGTH_RATIO,
+        Meaning("length of a line contact (radius_ratio = 0) over its half width; of influence on the approach", 100),
     ] = None
     radius: Annotated[Given, REDUCED, Meaning("radius of a ball on a plane, or reduced radius")] = None
     radius_1: Annotated[
@@ -108,6 +117,9 @@ class Conditions:
     radius_y_1: Annotated[Given, units.RADIUS, Meaning("radius of body 1 along y, as radius_x_1", "6 mm")] = None
     radius_x_2: Annotated[Given, units.RADIUS, Meaning("radius of body 2 along x, as radius_x_1", "20 mm")] = None
     radius_y_2: Annotated[Given, units.RADIUS, Meaning("radius of body 2 along y, as radius_x_1", "-6.24 mm")] = None
+    length: Annotated[
+        Given, REDUCED, Meaning("length of a line contact: of cylinders with parallel axes across the flow", "10 mm")
+    ] = None
     entrainment_angle: Annotated[
         Given,
         units.ANGLE.between(0.0, 180.0),
@@ -148,13 +160,13 @@ class Conditions:
 
     def __post_init__(self) -> None:
         checked(self, "contact")
-        if not self.is_physical:
-            return
-        for alternatives in NEEDED[self.kind]:
-            keys = self._only_one(alternatives)
-            if keys != PAIRS:
+        for place, complaint in self._not_of_lines():
+            raise ConfigError(f"{place}: {complaint}")
+        for alternatives in NEEDED[self.kind] if self.is_physical else ():
+            keys = self._only_one(OF_CYLINDERS if self.is_line and alternatives is RADII else alternatives)
+            if keys not in (PAIRS, ALONG_X):
                 self._complete(keys)
-        for place, complaint in chain(self._wrong_radii(), self._wrong_speeds()):
+        for place, complaint in chain(self._wrong_radii(), self._wrong_speeds()) if self.is_physical else ():
             raise ConfigError(f"{place}: {complaint}")
 
     def __repr__(self) -> str:
@@ -212,18 +224,42 @@ class Conditions:
             present = next(key for key in keys if key in self.given)
             raise ConfigError(f"contact.{missing[0]}: missing; {self.entry(present)} needs " + " and ".join(keys))
 
+    def _not_of_lines(self) -> Iterator[tuple[str, str]]:
+        """The keys that cylinders do not have, and those that only they have."""
+        if self.radius_ratio and self.radius_ratio < LEAST_RATIO:
+            yield self.entry("radius_ratio"), "allowed: 1/100 to 100, or 0 for a line contact"
+        if self.length_ratio is not None and self.radius_ratio != 0:
+            yield self.entry("length_ratio"), "belongs to a line contact without dimensions; give radius_ratio = 0"
+        if not self.is_line:
+            return
+        along_y = "a line contact has no radius along y; leave it out, or leave length out for an ellipse"
+        for key in self.given:
+            if key in (*ALONG_Y, "radius_y"):
+                yield self.entry(key), along_y
+            elif key == "radius_x":
+                yield self.entry(key), "the reduced radius of a line contact is radius"
+            elif key == "entrainment_angle":
+                yield self.entry(key), "the axes of a line contact lie across the flow; leave it out"
+            elif key == "ball_density":
+                yield self.entry(key), "the moving body is not a ball; give contact.mass"
+
     def _wrong_radii(self) -> Iterator[tuple[str, str]]:
-        """The bodies must touch at a point, in an ellipse that is not too long."""
+        """The bodies must touch at a point or along a line, in an ellipse that is not too long."""
         R_x, R_y = self._radii
-        for keys, R in ((ALONG_X, R_x), (ALONG_Y, R_y)) if any(key in self.given for key in PAIRS) else ():
+        along = ((ALONG_X, R_x),) if self.is_line else ((ALONG_X, R_x), (ALONG_Y, R_y))
+        for keys, R in along if any(key in self.given for key in PAIRS) else ():
             given = [key for key in keys if key in self.given]
             for zero in [key for key in given if not getattr(self, key)]:
                 yield self.entry(zero), "must not be zero; leave it out for a plane"
             if not 0 < R < inf:
+                kind = "line" if self.is_line else "point"
                 sum_is_positive = f"the curvatures 1/{keys[0]} + 1/{keys[1]} must add up to more than zero"
                 place = " and ".join(map(self.entry, given)) or f"contact.{keys[0]}: missing"
-                yield place, f"{sum_is_positive}, otherwise the bodies do not form a point contact"
-        if not LEAST_RATIO <= R_x / R_y <= LARGEST_RATIO:
+                yield (
+                    place,
+                    f"{sum_is_positive}, otherwise the bodies do not form a {kind} contact",
+                )
+        if not self.is_line and not LEAST_RATIO <= R_x / R_y <= LARGEST_RATIO:
             ratio = f"the reduced radii {R_x:g} m along x and {R_y:g} m along y have the ratio {R_x / R_y:g}"
             yield "contact", f"{ratio}; allowed: from 1/100 to 100"
         if not self.is_ball and self.ball_density is not None:
@@ -251,10 +287,19 @@ class Conditions:
             return None
         R, _ = self._radii
         E_prime = self.E_prime or _following(materials.reduced_modulus, self.E1, self.nu1, self.E2, self.nu2)
+        if self.is_line:
+            return self._scales_of_cylinders(R, E_prime)
         if self.kind == "rolling":
             return _following(scales.rolling_scales, R, self.load, abs(self.speeds.mean or 0.0), E_prime, self.ratio)
         speed = self.speed or _following(materials.drop_speed, self.drop_height)
         return _following(scales.impact_scales, R, self.ball_mass, speed, E_prime, self.ratio)
+
+    def _scales_of_cylinders(self, R: float, E_prime: float) -> Scales:
+        if self.kind == "rolling":
+            speed = abs(self.speeds.mean or 0.0)
+            return _following(line_scales.line_rolling_scales, R, self.load, speed, E_prime, self.length)
+        speed = self.speed or _following(materials.drop_speed, self.drop_height)
+        return _following(line_scales.line_impact_scales, R, self.mass, speed, E_prime, self.length)
 
     @property
     def _radii(self) -> tuple[float, float]:
@@ -272,9 +317,16 @@ class Conditions:
         """Whether the bodies are balls, or a ball and a plane."""
         return self.radius is not None or self.radius_1 is not None
 
+    @cached_property
+    def is_line(self) -> bool:
+        """Whether the bodies are cylinders that touch along a line."""
+        return self.radius_ratio == 0 or self.length is not None
+
     @property
     def ratio(self) -> float:
-        """R_x/R_y."""
+        """R_x/R_y; 0 of a line contact."""
+        if self.is_line:
+            return 0.0
         if not self.is_physical:
             return self.radius_ratio or 1.0
         R_x, R_y = self._radii
@@ -288,7 +340,14 @@ class Conditions:
     @cached_property
     def geometry(self) -> Geometry:
         """The undeformed gap and the constants of the dry contact."""
-        return geometry(self.ratio, self.angle)
+        return geometry(self.ratio, self.angle, self._length_ratio)
+
+    @property
+    def _length_ratio(self) -> float:
+        """The length of a line contact over its half width."""
+        if isinstance(self.scales, LineScales):
+            return self.scales.length_ratio
+        return self.length_ratio or DEFAULT_LENGTH_RATIO
 
     @property
     def ball_mass(self) -> float:
@@ -318,8 +377,9 @@ class Conditions:
             raise ConfigError(f'{self.entry(second)}: must be 0 or left out with lubricant.viscosity = "isoviscous"')
         if not (oil.is_isoviscous and first in self.given):
             self._complete(route)
-        make = Parameters.from_moes if route is MOES else Parameters
-        return _following(make, getattr(self, first), value or 0.0, self.ratio)
+        kind = LineParameters if self.is_line else Parameters
+        shape = (self.ratio, self._length_ratio) if self.is_line else (self.ratio,)
+        return _following(kind.from_moes if route is MOES else kind, getattr(self, first), value or 0.0, *shape)
 
 
 def _following(law: Callable[..., T], *values: Any) -> T:

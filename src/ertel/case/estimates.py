@@ -1,13 +1,13 @@
 """The grid of a case on the plane, and estimates without a run: of layers of oil and of a physical contact."""
 
-from math import cbrt, floor, inf, log2, sqrt
+from math import floor, inf, log2, sqrt
 
 import numpy as np
 
 from ertel.case.case import Case
 from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
 from ertel.physics import hertz, surfaces
-from ertel.physics.film_formulas import IMPACT_EXPONENT, ROLLING_EXPONENT, starved_share
+from ertel.physics.film_formulas import IMPACT_EXPONENT, starved_share
 
 CELLS_SHOWN, CELLS_OF_DETAIL = 16.0, 8.0  # least number in the contact's half width, in the finest detail of a surface
 LARGEST_NEWTONIAN_STRESS = 6e6  # Pa: the stress at which squalane begins to thin (Liu et al. 2023, see the library)
@@ -51,11 +51,16 @@ def starvation(case: Case) -> tuple[float, float]:
     """
     if case.layer is None:
         return inf, 1.0
-    flooded, exponent = case.film_scale, ROLLING_EXPONENT
-    if case.starts_apart:
-        flooded, exponent = sum(case.parameters.impact_films) / 2, IMPACT_EXPONENT
+    flooded = sum(case.parameters.impact_films) / 2 if case.starts_apart else case.film_scale
     r = case.layer / (float(case.lubricant.density(1.0)) * flooded)
-    return r, starved_share(r, exponent)
+    return r, share_of(case, r)
+
+
+def share_of(case: Case, r: float) -> float:
+    """The share of the flooded film on a layer of oil that is r times as thick."""
+    if case.starts_apart:
+        return starved_share(r, IMPACT_EXPONENT)
+    return min(r, 1.0) if case.geometry.is_line else starved_share(r)  # nothing leaks out of a line to the sides
 
 
 def wet_radius(layer: float) -> float:
@@ -82,7 +87,7 @@ def largest_pressure(case: Case) -> float:
     if case.scales is None:
         return 0.0
     load = 1.0 if case.starts_apart else case.motion.load.range(inf)[1]
-    return float(case.scales.p_h * cbrt(load))
+    return case.scales.p_h * case.geometry.grown(load)
 
 
 def newtonian_stress(case: Case) -> float:
@@ -91,13 +96,17 @@ def newtonian_stress(case: Case) -> float:
     eta u_s/h with the film of a formula, and the mean over the contact of the viscosity at the Hertz pressure:
 
         2 integral from 0 to 1 of eta(p_h s) s ds,      p = p_h s at the radius sqrt(1 - s^2)
+
+    Along a line it is the integral from 0 to 1 of eta(p_h sqrt(1 - x^2)) dx.
     """
     sliding = abs(case.motion.slide_to_roll) * max(map(abs, case.motion.entrainment.range(inf)))
     if case.scales is None or case.oil.eta0 is None or not sliding:
         return 0.0
     z, weight = _PLACES
-    s = (1.0 + z) / 2.0
+    s, share = (1.0 + z) / 2.0, (1.0 + z) / 2.0
+    if case.geometry.is_line:
+        s, share = np.sqrt(1.0 - s**2), np.full_like(s, 0.5)
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
-        growth = float(np.sum(weight * s * case.oil.viscosity_law.viscosity(largest_pressure(case) * s)))
+        growth = float(np.sum(weight * share * case.oil.viscosity_law.viscosity(largest_pressure(case) * s)))
     stress = growth * case.oil.eta0 * sliding * case.scales.front_speed / film_estimate(case)
     return stress if stress >= 0.0 else inf  # beyond the pole of a modulus law

@@ -6,13 +6,14 @@ there, and a `Space` if its nodes lie neither on a plane nor along a radius.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ertel.case.conditions import Kind
 from ertel.case.sections import Solver, Stop
-from ertel.case.spaces import AlongTheRadius, OnThePlane, Space
+from ertel.case.spaces import AlongTheRadius, AlongX, OnThePlane, Space
+from ertel.physics.geometry import Geometry
 
 
 class Supports(NamedTuple):
@@ -91,6 +92,8 @@ class Method:
         The default end of a run (t0); None for a steady contact, which has no time.
     supports : Supports
         What it can compute.
+    on_a_line : Method, optional
+        The same for line contacts, as far as it differs; None if it has no such form.
     """
 
     name: str
@@ -103,6 +106,11 @@ class Method:
     new_nodes: int
     end: Stop | float | None = None
     supports: Supports = ALL_BUT_HEAT
+    on_a_line: "Method | None" = None
+
+    def of(self, geometry: Geometry) -> "Method":
+        """The record for a geometry: for a line contact it has one axis."""
+        return self.on_a_line if geometry.is_line and self.on_a_line else self
 
     @property
     def is_steady(self) -> bool:
@@ -116,6 +124,16 @@ class Method:
 
 
 METHODS: dict[str, Method] = {}
+
+
+def with_a_line(method: Method, widening: Widening, cost: Cost, **other: Any) -> Method:
+    """The method with its form for line contacts: one row of nodes, which is solved directly."""
+    defaults, supports = (
+        replace(method.defaults, nodes=LINE_NODES, half_width=3.0),
+        method.supports._replace(track=False),
+    )
+    changed = {"space": AlongX(), "defaults": defaults, "supports": supports, "new_nodes": LINE_NODES, **other}
+    return replace(method, on_a_line=replace(method, widening=widening, cost=cost, **changed))
 
 
 def register(method: Method) -> Method:
@@ -142,11 +160,16 @@ def as_written(methods: list[Method]) -> str:
 STEP = (2e-3, 1e-6)
 FILM = 1.3e-5
 AT_IMPACT, IN_ROLLING = Widening(100.0, 2 / 3, 4.0), Widening(5.0, 4 / 3, 200.0)
+# the oil outside a line contact carries as lambda_bar/half_width^3 in an impact, as lambda_bar/half_width^2 in rolling
+LINE_IMPACT, LINE_ROLLING = Widening(10.0, 2 / 3, 4.0), Widening(5.0, 1.0, 50.0)
+LINE_NODES = 513
+ROW = Cost(12, (3e-3, 2e-5), 3e-4, is_dense=True)
 ROLLING_UNTIL = 6.0  # t0: the surfaces roll through a domain of the default length for M >= 5
 
-register(
-    Method("2d", "impact", "plane: minutes", OnThePlane(), Solver(), AT_IMPACT, Cost(150, STEP), 129, "max-approach")
+IN_2D = Method(
+    "2d", "impact", "plane: minutes", OnThePlane(), Solver(), AT_IMPACT, Cost(150, STEP), 129, "max-approach"
 )
+register(with_a_line(IN_2D, LINE_IMPACT, ROW, title="in time"))
 register(
     Method(
         "radial",
@@ -161,30 +184,28 @@ register(
         Supports(ellipse=False, motion=False, thinning=False, track=False, roughness=False),
     )
 )
-register(
-    Method(
-        "steady",
-        "rolling",
-        "steady",
-        OnThePlane(),
-        Solver("steady", half_width=3.0, inlet=4.5, tolerance=1e-8),
-        IN_ROLLING,
-        Cost(210, film=FILM),
-        257,
-        supports=Supports(thermal=True),
-    )
+STEADY = Method(
+    "steady",
+    "rolling",
+    "steady",
+    OnThePlane(),
+    Solver("steady", half_width=3.0, inlet=4.5, tolerance=1e-8),
+    IN_ROLLING,
+    Cost(210, film=FILM),
+    257,
+    supports=Supports(thermal=True),
 )
-register(
-    Method(
-        "transient",
-        "rolling",
-        "in time",
-        OnThePlane(),
-        Solver("transient", half_width=3.0, inlet=4.5),
-        IN_ROLLING,
-        Cost(210, STEP, FILM),
-        129,
-        ROLLING_UNTIL,
-    )
+TRANSIENT = Method(
+    "transient",
+    "rolling",
+    "in time",
+    OnThePlane(),
+    Solver("transient", half_width=3.0, inlet=4.5),
+    IN_ROLLING,
+    Cost(210, STEP, FILM),
+    129,
+    ROLLING_UNTIL,
 )
+register(with_a_line(STEADY, LINE_ROLLING, ROW))
+register(with_a_line(TRANSIENT, LINE_ROLLING, ROW))
 NEW: Mapping[Kind, Method] = {"impact": METHODS["radial"], "rolling": METHODS["steady"]}  # with which a new case begins

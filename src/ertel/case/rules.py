@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import is_dataclass
-from math import cbrt, inf
+from math import inf
 
 import numpy as np
 
@@ -11,8 +11,9 @@ from ertel.case.conditions import MOES_L, MOES_M, REDUCED
 from ertel.case.methods import Method, as_written, of_kind
 from ertel.case.records import ConfigError, checked, show
 from ertel.case.sections import SECTIONS, WIDEST_HALF_WIDTH
+from ertel.physics.far_field import ContactMotion, far_film
 from ertel.physics.film_formulas import rigid_film
-from ertel.physics.geometry import CIRCLE, HERTZ_LOAD, ContactMotion, far_film
+from ertel.physics.geometry import CIRCLE, HERTZ_LOAD
 from ertel.physics.lubricant import DowsonHigginson
 from ertel.physics.registry import FLUIDITY_LAWS
 from ertel.physics.units import ABOVE_ZERO, NOT_NEGATIVE, Mark
@@ -149,7 +150,13 @@ def _asked(case: Case) -> Iterator[tuple[str, str, str]]:
 def _scales(case: Case) -> Complaints:
     """The scales and parameters of the contact must be of a sane size, like its values."""
     p, scales = case.parameters, vars(case.scales) if case.scales else {}
-    bounds: dict[str, Mark] = {"alpha_bar": NOT_NEGATIVE, "R": REDUCED, "M": MOES_M, "L": MOES_L}
+    bounds: dict[str, Mark] = {
+        "alpha_bar": NOT_NEGATIVE,
+        "radius_ratio": NOT_NEGATIVE,
+        "R": REDUCED,
+        "M": MOES_M,
+        "L": MOES_L,
+    }
     for name, value in {**scales, **vars(p), "M": p.M, "L": p.L}.items():
         if complaint := bounds.get(name, ABOVE_ZERO).complaint(value):
             given = f"its values together give {name} = {show(value)}"
@@ -243,8 +250,11 @@ def _layer(case: Case) -> Complaints:
                 why = "a layer of the same thickness everywhere does not lie on a rougher surface"
                 yield f"lubricant.layer = {thinnest:.4g} a^2/R", f"{least}; {why}"
     contact = ContactMotion(case.geometry.dry_approach(1.0), 0.0, 1.0, 0.0)
-    X = np.array([solver.inlet or solver.half_width, 0.0])
-    Y = np.array([0.0, solver.half_width_y or solver.half_width])
+    if case.geometry.is_line and not case.starts_apart:
+        return  # what does not pass makes the inlet full, see `steady.fed`
+    X, Y = np.array([solver.inlet or solver.half_width, 0.0]), np.array([0.0, solver.half_width_y or solver.half_width])
+    if case.geometry.is_line:
+        X, Y = np.array([-solver.half_width, solver.half_width]), np.zeros(2)
     film = float(far_film(X, Y, contact, case.geometry).min())
     if thickest > film / 2:
         wet = f"the oil would reach the edge of the grid, where the gap of the dry contact is {film:.4g}"
@@ -299,7 +309,7 @@ def _motion(case: Case) -> Complaints:
 def _outside(case: Case) -> Complaints:
     """The oil that carries a ball as it rolls must not all lie outside the grid.
 
-    Far out P = lambda_bar U |X|/(5 H^2) with H = r^2/2 (`physics.geometry`): on r > w it carries 8 lambda_bar U/(5 w).
+    Far out P = lambda_bar U |X|/(5 H^2) with H = r^2/2 (`physics.far_field`): on r > w it carries 8 lambda_bar U/(5 w).
     """
     if case.starts_apart or case.geometry is not CIRCLE:
         return
@@ -318,8 +328,11 @@ def _outside(case: Case) -> Complaints:
 
 
 def _roughness(case: Case) -> Complaints:
-    """A steady film needs roughness that does not change in time."""
+    """A steady film needs roughness that does not change in time, a line contact one that does not change along y."""
     for number, feature in enumerate(case.features, 1):
+        if case.geometry.is_line and not getattr(feature.shape, "is_uniform_along_y", False):
+            allowed = "allowed along a line: a waviness without wavelength_y, or a measured profile"
+            yield f"roughness[{number}]", f"varies along y; {allowed}"
         moves = case.motion.travel(feature.surface, 1.0) != 0
         if case.is_steady and moves and not getattr(feature.shape, "is_ridges_along_x", False):
             instead = f"use {_in_time(case)}, or a slide_to_roll at which it is at rest (surface 1: -2, surface 2: 2)"
@@ -339,7 +352,7 @@ def _thermal(case: Case) -> Complaints:
         thermal.viscosity_of(eta0)
     except ValueError as error:
         yield "thermal.viscosity", str(error)
-    pressure = scales.p_h * cbrt(case.motion.load(0.0)) / scales.E_prime
+    pressure = scales.p_h * case.geometry.grown(case.motion.load(0.0)) / scales.E_prime
     speed = case.motion.entrainment(0.0) * scales.front_speed
     inlet = thermal.inlet(eta0, pressure, speed, case.motion.slide_to_roll)
     if not inlet.factor > 0:

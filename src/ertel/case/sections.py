@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal, NamedTuple
 
 from ertel.case.conditions import Conditions, Given
-from ertel.physics import hertz, thermal, units
+from ertel.physics import thermal, units
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import Signal
 from ertel.physics.units import Amount, Bounds, Meaning, Quantity, explained
@@ -141,15 +141,16 @@ class Schedule(NamedTuple):
     step: float | None
     interval: float
     start: Start | None
+    contact_time: float  # of the dry impact
 
     @property
     def duration(self) -> float:
         """T at the end of the run; of an event about, as if the impact were dry."""
         match self.until:
             case "max-approach":
-                return hertz.HALF_CONTACT_TIME - self.start_approach
+                return self.contact_time / 2 - self.start_approach
             case "rebound":
-                return hertz.CONTACT_TIME - 2 * self.start_approach
+                return self.contact_time - 2 * self.start_approach
             case until:
                 return until
 

@@ -53,7 +53,8 @@ class Space(Protocol):
 class OnThePlane(Space):
     """A uniform grid on a rectangle, which multigrid can coarsen."""
 
-    axes, lacks = ("Y", "X"), ()
+    axes: tuple[str, ...] = ("Y", "X")
+    lacks: tuple[str, ...] = ()
 
     def across(self, solver: Solver) -> int:
         return nodes_across(solver.nodes, (solver.half_width_y or solver.half_width) / solver.half_width)
@@ -119,6 +120,25 @@ class OnThePlane(Space):
         most = 2 * solver.half_width - along_x
         if solver.inlet is not None and not along_x < solver.inlet < most:
             yield "inlet", f"must be above {along_x:g} and below {most:g} = 2 half_width - {along_x:g}, {inside}"
+
+
+class AlongX(OnThePlane):
+    """A uniform row of nodes along the flow, for a line contact: nothing changes across it."""
+
+    axes = ("X",)
+    lacks = ("half_width_y",)
+
+    def across(self, solver: Solver) -> int:
+        return 1
+
+    def in_words(self, nodes: int, across: int) -> str:
+        return f"{nodes} nodes along x"
+
+    def suited(self, circular: Solver, geometry: Geometry) -> Solver:
+        return circular
+
+    def completed(self, solver: Solver, geometry: Geometry) -> Solver:
+        return solver
 
 
 class AlongTheRadius(Space):

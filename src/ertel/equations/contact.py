@@ -26,7 +26,7 @@ from ertel.equations.flow import OilContent, Rate, downstream, flow_aligned, ups
 from ertel.numerics import halfspace
 from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
 from ertel.numerics.integrals import Plane
-from ertel.numerics.stencils import FloatLike, Pair, diffusion, inside, total
+from ertel.numerics.stencils import FloatLike, Pair, diffusion, inside, integral
 from ertel.physics.geometry import Geometry
 from ertel.physics.lubricant import Lubricant
 
@@ -122,7 +122,7 @@ class Contact:
 def bare_contact(geometry: Geometry, grid: Grid, lambda_bar: float, lubricant: Lubricant) -> Contact:
     """Two smooth bodies of a geometry."""
     gap = jax.device_put(geometry.gap(grid.kept_x[None, :], grid.kept_y[:, None]))
-    kernel = halfspace.spectrum(grid, geometry.compliance)
+    kernel = halfspace.spectrum(grid, geometry.compliance, reach=geometry.reach)
     return Contact(gap, kernel, grid.spacing, lambda_bar, traceable(lubricant), grid.even)
 
 
@@ -132,13 +132,13 @@ def film_thickness(contact: Contact, P: Array, approach: Array | float) -> Array
 
 
 def deformation(contact: Contact, P: Array) -> Array:
-    """The geometry's compliance times the double integral of P/distance, eq. (3)."""
+    """The geometry's compliance times the double integral of P/distance, eq. (3); of a line contact see `geometry`."""
     return halfspace.surface_displacement(contact.kernel, P, contact.even)
 
 
 def pressure_load(contact: Contact, P: Array) -> Array:
-    """Double integral of P."""
-    return total(P, contact.even) * contact.spacing**2
+    """Double integral of P; of a line contact, the integral along X."""
+    return integral(P, contact.spacing, contact.even)
 
 
 def mass(contact: Contact, P: Array, H: Array) -> Array:

@@ -1,4 +1,4 @@
-"""The oil outside the grid: the pressure at the grid's edge, and its load and deformation, from `physics.geometry`."""
+"""The oil outside the grid: the pressure at the grid's edge, and its load and deformation, from `physics.far_field`."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from ertel.equations.state import State
 from ertel.numerics import bdf
 from ertel.numerics.grid import Grid
-from ertel.physics.geometry import CIRCLE, NEAREST, ContactMotion, Geometry, far_pressure, rigid_pressure
+from ertel.physics.far_field import NEAREST, ContactMotion, far_pressure, rigid_pressure
+from ertel.physics.geometry import CIRCLE, Geometry
 
 Floats = NDArray[np.float64]
 
@@ -82,16 +83,20 @@ class Outside:
         And for the points outside the weights of their pressure in the load and in the uplift, shape (2, n).
         """
         edge, (X, Y, area) = np.nonzero(self.is_edge), self.far
-        weights = np.stack([area, self.geometry.compliance * area / np.hypot(X, Y)])
+        weights = np.stack([area, self.geometry.compliance * area * self.geometry.influence(np.hypot(X, Y))])
         return edge, np.append(self.X[edge], X), np.append(self.Y[edge], Y), weights
 
 
 def around_grid(grid: Grid, lambda_bar: float, geometry: Geometry = CIRCLE) -> Outside:
-    """The oil outside a rectangle, which ends half a cell beyond the edge nodes."""
+    """The oil outside a rectangle or one row, which ends half a cell beyond the edge nodes."""
     X, Y = np.meshgrid(grid.kept_x, grid.kept_y)
     left, right, low, high = grid.x[0], grid.x[-1], grid.y[0], grid.y[-1]
-    is_edge = (left == X) | (right == X) | (low == Y) | (high == Y)
     half = grid.spacing / 2
+    if grid.nodes_y == 1:
+        is_edge, ends = (left == X) | (right == X), np.array([[left - half], [right + half]])
+        far = np.stack([ends / PLACES, 0.0 * ends / PLACES, abs(ends) * WEIGHTS / PLACES**2])
+        return Outside(X, Y, is_edge, far.reshape(3, -1), lambda_bar, geometry)
+    is_edge = (left == X) | (right == X) | (low == Y) | (high == Y)
     corners = [left - half, right + half, low - half, high + half]
     return Outside(X, Y, is_edge, beyond_rectangle(*corners), lambda_bar, geometry)
 

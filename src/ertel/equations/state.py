@@ -15,7 +15,7 @@ from ertel.numerics import bdf
 from ertel.numerics.grid import Grid
 from ertel.numerics.integrals import Plane
 from ertel.numerics.programs import ANY_SIZE, Program, exportable
-from ertel.numerics.stencils import FloatLike, total
+from ertel.numerics.stencils import FloatLike, integral
 
 Field = Any  # an array of NumPy or of JAX
 TIE = 1e-6  # relative difference of two extremes that mirror each other
@@ -93,8 +93,8 @@ def measure(grid: Grid, P: Array, H: Array) -> dict[str, float]:
     """The key values of a film of shape `grid.shape`, dimensionless.
 
     H_c, P_c: at (0, 0).  H_min: the minimum where P > 0, at (X_min, Y_min).  P_max: at (X_P_max, Y_P_max); P_fall: how
-    much lower the mean of the four next nodes is, as a share of it.  load: integral of P.  Of two extremes that mirror
-    each other about an axis, the one on its positive side is named.
+    much lower the mean of the next nodes is (four, two on a line), as a share of it.  load: integral of P.  Of two
+    extremes that mirror each other about an axis, the one on its positive side is named.
     """
     return unpacked(_numbers(Plane.of(grid), P, H))
 
@@ -114,12 +114,13 @@ def key_values(plane: Plane, P: Array, H: Array) -> dict[str, Array]:
     H_min, P_max = pressed.min(), P.max()
     negative = TIE * ((plane.y < 0).astype(P.dtype) + (plane.x < 0))
     thin, high = _lowest(pressed + jnp.abs(H_min) * negative), _lowest(P_max * negative - P)
-    around = sum(_beside(*line) for line in zip((P[:, high[1]], P[high[0]]), high, plane.even, strict=True)) / 4
+    lines = list(zip((P[:, high[1]], P[high[0]]), high, plane.even, strict=True))[-1 if len(P) == 1 else 0 :]
+    around = sum(_beside(*line) for line in lines) / (2 * len(lines))
     fall = jnp.where(P_max > 0, 1 - around / P_max, 0.0)
     (X_min, Y_min), (X_P_max, Y_P_max) = ((plane.x[j], plane.y[i, 0]) for i, j in (thin, high))
     films = {"H_c": H.ravel()[plane.centre], "H_min": H_min, "X_min": X_min, "Y_min": Y_min}
     peak = {"P_max": P_max, "X_P_max": X_P_max, "Y_P_max": Y_P_max, "P_fall": fall}
-    load = total(P, plane.even) * plane.spacing**2
+    load = integral(P, plane.spacing, plane.even)
     return {**films, "P_c": P.ravel()[plane.centre], **peak, "load": load}
 
 

@@ -35,6 +35,7 @@ class _Keywords(TypedDict, total=False):
     lambda_bar: float | None
     alpha_bar: float | None
     radius_ratio: float | None
+    length_ratio: float | None
     radius: NumberOrText | None
     radius_1: NumberOrText | None
     radius_2: NumberOrText | None
@@ -44,6 +45,7 @@ class _Keywords(TypedDict, total=False):
     radius_y_1: NumberOrText | None
     radius_x_2: NumberOrText | None
     radius_y_2: NumberOrText | None
+    length: NumberOrText | None
     entrainment_angle: NumberOrText | None
     mass: NumberOrText | None
     ball_density: NumberOrText | None

@@ -31,8 +31,9 @@ NO_SYMMETRY = Symmetry()
 class Grid:
     """A grid of nodes_x times nodes_y nodes around (centre_x, centre_y), each in a square cell of side `spacing`.
 
-    Arrays on it have shape (nodes_y, nodes_x).  If fields are even, only one side of the axis is stored (see
-    `stencils`), and `shape` is smaller.  x and y always cover the whole plane.
+    Arrays on it have shape (nodes_y, nodes_x); one row is a line contact, in which nothing changes along Y.  If fields
+    are even, only one side of the axis is stored (see `stencils`), and `shape` is smaller.  x and y always cover the
+    whole plane.
     """
 
     nodes_x: int
@@ -89,8 +90,8 @@ class Grid:
 
     @property
     def coordinates(self) -> dict[str, NDArray[np.float64]]:
-        """The axes of a field on the whole plane in order, by name."""
-        return {"Y": self.y, "X": self.x}
+        """The axes of a field on the whole plane in order, by name; of one row X alone."""
+        return {"X": self.x} if self.nodes_y == 1 else {"Y": self.y, "X": self.x}
 
     def middle(self) -> "Grid":
         """The nodes in the middle of this grid: half as many cells a side, of the same size (`stencils.middle`)."""
@@ -112,6 +113,16 @@ class Grid:
                 break
             grids.append(coarser)
         return tuple(grids)
+
+    @property
+    def halvings(self) -> int:
+        """Number of times that every second node can be left out, down to a few; also of one row, without multigrid."""
+        if self.nodes_y > 1:
+            return len(self.hierarchy()) - 1
+        cells, count = (self.nodes_x - 1) // (2 if any(self.even) else 1), 0
+        while cells % 2 == 0 and cells >= 2 * (COARSE_ENOUGH - 1):
+            cells, count = cells // 2, count + 1
+        return count
 
 
 def _axis(nodes: int, spacing: float, centre: float) -> NDArray[np.float64]:

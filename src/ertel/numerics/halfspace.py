@@ -1,5 +1,7 @@
 """Elastic deformation of a half space: the normal displacement from the pressure.  The only module with FFTs.
 
+On a grid of one row nothing changes along Y: the half space is a half plane, and the kernel a logarithm.
+
 The pressure is constant on the cell around each node and zero on the edge nodes of the grid.  Love's closed form gives
 the displacement that one cell causes; a convolution by FFT sums over all cells.  Because the pressure is zero on the
 edge, a period of 2 (nodes - 1) in each direction is enough to separate the periodic images, and FFTs of that length are
@@ -31,10 +33,27 @@ def love_coefficients(rows: int, columns: int, spacing: float) -> NDArray[np.flo
     return np.asarray(cell * spacing, dtype=np.float64)
 
 
+def line_coefficients(columns: int, spacing: float, reach: float) -> NDArray[np.float64]:
+    """Integral of ln(reach/distance) over a cell, for a node j cells away from it: shape (1, columns).
+
+    reach: the distance at which the displacement by a line load is zero.
+    """
+    beyond = np.arange(columns, dtype=np.longdouble) + 0.5  # the far end of the cell; the near one is one less
+    near = beyond - 1.0
+    logarithm = 1.0 + np.log(reach / np.longdouble(spacing)) - beyond * np.log(beyond) + near * np.log(np.abs(near))
+    return np.asarray(logarithm * spacing, dtype=np.float64)[None]
+
+
 @lru_cache(maxsize=8)
 def _unit_spectrum(rows: int, columns: int) -> NDArray[np.float64]:
     """Fourier transform of the coefficients for unit spacing; the kernel is even, so the transform is real."""
     return np.fft.rfft2(love_coefficients(rows, columns, 1.0)[np.ix_(_distances(rows), _distances(columns))]).real
+
+
+@lru_cache(maxsize=8)
+def _line_spectrum(columns: int, spacing: float, reach: float) -> NDArray[np.float64]:
+    """The same of the coefficients on a line."""
+    return np.fft.rfft(line_coefficients(columns, spacing, reach)[:, _distances(columns)]).real
 
 
 def _distances(nodes: int) -> NDArray[np.int64]:
@@ -43,13 +62,17 @@ def _distances(nodes: int) -> NDArray[np.int64]:
     return np.minimum(np.arange(period), period - np.arange(period))
 
 
-def spectrum(grid: Grid, compliance: float = 1.0, dtype: str = "float64") -> Array:
+def spectrum(grid: Grid, compliance: float = 1.0, dtype: str = "float64", reach: float = 1.0) -> Array:
     """Kernel of `surface_displacement` on a grid: real, (2 (n_y - 1), n_x), or (n_y, n_x) for fields even in X or Y.
 
-    compliance: the displacement is this factor times the double integral of P/distance.
+    compliance: the displacement is this factor times the double integral of P/distance; on a grid of one row, times
+    the integral of P ln(reach/distance).
     """
     require_double()  # differences of large numbers
-    whole = _unit_spectrum(grid.nodes_y, grid.nodes_x) * (compliance * grid.spacing)
+    if grid.nodes_y == 1:
+        whole = _line_spectrum(grid.nodes_x, grid.spacing, reach) * compliance
+    else:
+        whole = _unit_spectrum(grid.nodes_y, grid.nodes_x) * (compliance * grid.spacing)
     kept = whole[: grid.nodes_y] if any(grid.even) else whole
     return jax.device_put(kept.astype(dtype))  # unlike `jnp.asarray`, this has nothing to compile
 
@@ -64,6 +87,8 @@ def surface_displacement(kernel: Array, P: Array, even: Symmetry = NO_SYMMETRY) 
     """
     if jnp.iscomplexobj(P):
         return lax.complex(surface_displacement(kernel, P.real, even), surface_displacement(kernel, P.imag, even))
+    if P.shape[0] == 1:
+        return _along_one_row(kernel, P, even)
     if even.y and not even.x:
         return surface_displacement(kernel.T, P.T, Symmetry(x=True)).T
     period_x = 2 * (kernel.shape[1] - 1)
@@ -79,6 +104,13 @@ def surface_displacement(kernel: Array, P: Array, even: Symmetry = NO_SYMMETRY) 
     else:
         back = jnp.fft.irfft(jnp.fft.rfft(across, n=period_y, axis=1) * kernel.T, n=period_y, axis=1)
     return _cosines(back[:, :rows].T, period_x)[:, :columns] / period_x
+
+
+def _along_one_row(kernel: Array, P: Array, even: Symmetry) -> Array:
+    period, columns = 2 * (kernel.shape[1] - 1), P.shape[1]
+    if even.x:
+        return _cosines(_cosines(P, period) * kernel, period)[:, :columns] / period
+    return jnp.fft.irfft(jnp.fft.rfft(P, n=period, axis=1) * kernel, n=period, axis=1)[:, :columns]
 
 
 def _cosines(half: Array, period: int) -> Array:

@@ -1,7 +1,8 @@
 """Integrals of fields over a grid and along its edge, of second order.
 
 A space knows where its nodes are; fields have the shape of its arrays, and `edge` makes one line of the values on the
-edge.  `Plane` is a rectangle of square cells, `Disc` a radial grid.  Both end at the outermost nodes.
+edge.  `Plane` is a rectangle of square cells, `Disc` a radial grid.  Both end at the outermost nodes.  A plane of one
+row is a line: its integrals are those along X, and its edge has two ends.
 """
 
 from dataclasses import dataclass, field
@@ -40,6 +41,7 @@ class Plane:
     def of(cls, grid: Grid) -> "Plane":
         """The rectangle of a grid."""
         along_y, along_x = (_weights(n, even) * grid.spacing for n, even in zip(grid.shape, grid.even, strict=True))
+        along_y = np.ones(1) if grid.nodes_y == 1 else along_y
         row, column = (int(np.abs(axis).argmin()) for axis in (grid.kept_y, grid.kept_x))
         x, y, wx, wy = jax.device_put((grid.kept_x, grid.kept_y[:, None], along_x, along_y))
         return cls(x, y, row * grid.shape[1] + column, wx, wy, grid.spacing, grid.even)
@@ -85,24 +87,31 @@ class Plane:
     def along_x(self, f: Array) -> Array:
         """f n_x on the edge, n pointing outwards."""
         low = -f[:, 0] if not self.even.x else f[:0, 0]
-        ends = jnp.zeros(self.wx.size * (1 if self.even.y else 2))
+        ends = jnp.zeros(self.wx.size * len(self._sides_along_x))
         return jnp.concatenate([f[:, -1], low, ends])
 
     def around(self, line: Array) -> Array:
         """The integral along the edge of a line from `edge`, `flow_out` or `along_x`."""
-        across, along = ((2.0,) if even else (1.0, 1.0) for even in (self.even.x, self.even.y))
-        weights = [*(side * self.wy for side in across), *(side * self.wx for side in along)]
+        across = (2.0,) if self.even.x else (1.0, 1.0)
+        weights = [*(side * self.wy for side in across), *(side * self.wx for side in self._sides_along_x)]
         return jnp.sum(jnp.concatenate(weights) * line)
 
     def _line(self, f_x: Array, f_y: Array, depth: int) -> Array:
         """The sides at high and low X, then at high and low Y; a side across an even axis is left out."""
         lines = [f_x[:, -1 - depth], *([] if self.even.x else [f_x[:, depth]])]
-        lines += [f_y[-1 - depth], *([] if self.even.y else [f_y[depth]])]
+        lines += [f_y[-1 - depth], f_y[depth]][: len(self._sides_along_x)] if self.wy.size > 1 else []
         return jnp.concatenate(lines)
+
+    @property
+    def _sides_along_x(self) -> tuple[float, ...]:
+        """The sides at high and low Y, and for how many each counts; one row has none."""
+        return () if self.wy.size == 1 else (2.0,) if self.even.y else (1.0, 1.0)
 
 
 def _to_nodes(between: Array) -> Array:
     """The mean of the two values beside each node along the first axis; at the ends the only one."""
+    if between.shape[0] == 0:  # of one row
+        return jnp.zeros((1, *between.shape[1:]))
     return 0.5 * (jnp.concatenate([between[:1], between]) + jnp.concatenate([between, between[-1:]]))
 
 

@@ -111,24 +111,27 @@ Operator = Callable[[Array, Array], Array]  # a linear map of e and its deformat
 class GridLevel:
     """One grid of the hierarchy: the operator, and approximate coefficients for the smoother.
 
-    inverse: the dense inverse of the operator; on the coarsest grid only.
+    inverse: the dense inverse of the operator, or its factors; on the coarsest grid only.
     """
 
     elasticity: DeformationOperator
     coefficients: Coefficients
-    smoother: Smoother
+    smoother: Smoother | None
     operator: Operator = field(metadata={"static": True})
-    inverse: Array | None = None
+    inverse: Array | tuple[Array, Array] | None = None
 
 
-def deformation_operators(grid: Grid, compliance: float, dtype: str) -> tuple[DeformationOperator, ...]:
-    """The deformation operators of a grid and all its coarser ones; compliance: see `halfspace.spectrum`."""
-    return tuple(_elasticity(g, compliance, dtype) for g in grid.hierarchy())
+def deformation_operators(
+    grid: Grid, compliance: float, dtype: str, reach: float = 1.0
+) -> tuple[DeformationOperator, ...]:
+    """The deformation operators of a grid and all its coarser ones; compliance, reach: see `halfspace.spectrum`."""
+    return tuple(_elasticity(g, compliance, dtype, reach) for g in grid.hierarchy())
 
 
-def _elasticity(grid: Grid, compliance: float, dtype: str) -> DeformationOperator:
+def _elasticity(grid: Grid, compliance: float, dtype: str, reach: float) -> DeformationOperator:
     near = compliance * halfspace.love_coefficients(4, 4, grid.spacing)
-    spectrum, spacing = halfspace.spectrum(grid, compliance, dtype), jax.device_put(np.asarray(grid.spacing, dtype))
+    spectrum = halfspace.spectrum(grid, compliance, dtype, reach)
+    spacing = jax.device_put(np.asarray(grid.spacing, dtype))
     return DeformationOperator(spectrum, spacing, jax.device_put(near.astype(dtype)), grid.even)
 
 
@@ -151,8 +154,12 @@ def hierarchy(
 ) -> tuple[GridLevel, ...]:
     """The levels, finest first: eps is restricted by full weighting, everything else by injection.
 
-    operator: the operator on the finest grid if it differs from the module's (for example the exact Jacobian).
+    operator: the operator on the finest grid if it differs from the module's (for example the exact Jacobian).  A grid
+    of one row has no coarser ones: it is solved directly, and nothing is smoothed.
     """
+    if finest.free.shape[0] == 1 and operator is not None:
+        only = GridLevel(elastic[0], finest, None, operator)
+        return (replace(only, inverse=jax.scipy.linalg.lu_factor(_matrix(only))),)
     coefficients = finest
     levels = []
     for e in elastic:
@@ -181,6 +188,8 @@ def v_cycle(levels: Sequence[GridLevel], r: Array) -> Array:
     and corrected for near nodes.  The deformation of a correction from the coarser grid is interpolated.
     """
     level, coarser, even = levels[0], levels[1:], levels[0].elasticity.even
+    if isinstance(level.inverse, tuple):
+        return jax.scipy.linalg.lu_solve(level.inverse, r.ravel()).reshape(r.shape).astype(r.dtype)
     if level.inverse is not None:
         return (level.inverse @ r.ravel()).reshape(r.shape)
     e = relax(level, r)
@@ -241,6 +250,7 @@ def relax(level: GridLevel, r: Array) -> Array:
     A later sweep includes only the deformation by the nearest nodes.  This is enough, because changes are either spread
     or made where diffusion dominates.
     """
+    assert level.smoother is not None
     e = smooth(level, r)
     for _ in range(level.smoother.sweeps - 1):
         e += smooth(level, r - apply(level, e, deformed_nearby(level, e)))
@@ -249,16 +259,21 @@ def relax(level: GridLevel, r: Array) -> Array:
 
 def smooth(level: GridLevel, r: Array) -> Array:
     """The change of e by one sweep, given the residual r."""
+    assert level.smoother is not None
     return level.coefficients.free * level.smoother.change(r)
 
 
 def _inverse(level: GridLevel) -> Array:
     """The operator's inverse on the coarsest grid as a matrix; the identity where a node is not free."""
+    return jnp.linalg.inv(_matrix(level)).astype(level.coefficients.free.dtype)
+
+
+def _matrix(level: GridLevel) -> Array:
+    """The operator as a matrix, in double precision, because the rows differ by many orders of magnitude."""
     free = level.coefficients.free
     unit_vectors = jnp.eye(free.size, dtype=free.dtype).reshape(free.size, *free.shape)
     matrix = jax.vmap(lambda e: apply(level, e).ravel())(unit_vectors).T * free.ravel() + jnp.diag(1.0 - free.ravel())
-    # in double precision, because the rows differ by many orders of magnitude
-    return jnp.linalg.inv(matrix.astype(jnp.promote_types(matrix.dtype, "float64"))).astype(matrix.dtype)
+    return matrix.astype(jnp.promote_types(matrix.dtype, "float64"))
 
 
 def spread(d: Array, receives: Array | float = 1.0, even: Symmetry = NO_SYMMETRY) -> Array:

@@ -2,7 +2,8 @@
 
 Arrays have the shape of the grid, index [Y, X].  `even` says about which of the axes Y = 0 and X = 0 fields are even.
 Only one side is then stored; the axis is the first row or column.  A smooth impact needs a quarter of the plane,
-rolling needs a half.  At the end: matrices of three diagonals, for the nodes along a line.
+rolling needs a half.  An array of one row is a line contact: nothing changes along Y.  At the end: matrices of three
+diagonals, for the nodes along a line.
 """
 
 from collections.abc import Callable
@@ -37,9 +38,14 @@ class Pair(NamedTuple):
 
 @partial(jax.jit, static_argnames=("even", "beyond"))  # one tracing for each shape
 def extended(field: Array, even: Symmetry, beyond: str = "constant") -> Array:
-    """The field with one more node on every side: the mirror image across an axis, elsewhere zero or "edge"."""
+    """The field with one more node on every side: the mirror image across an axis, elsewhere zero or "edge".
+
+    One row is repeated on both sides.
+    """
     p = jnp.pad(field, 1, mode=beyond)
-    if even.y:
+    if field.shape[0] == 1:
+        p = p.at[::2].set(p[1])
+    elif even.y:
         p = p.at[0].set(p[2])
     return p.at[:, 0].set(p[:, 2]) if even.x else p
 
@@ -51,8 +57,9 @@ def continued(field: Array, even: Symmetry) -> Array:
     the field is there.
     """
     p = extended(field, even)
-    p = p.at[-1].set(_next(p[-2], p[-3], p[-4]))
-    p = p if even.y else p.at[0].set(_next(p[1], p[2], p[3]))
+    if field.shape[0] > 1:
+        p = p.at[-1].set(_next(p[-2], p[-3], p[-4]))
+        p = p if even.y else p.at[0].set(_next(p[1], p[2], p[3]))
     p = p.at[:, -1].set(_next(p[:, -2], p[:, -3], p[:, -4]))
     return p if even.x else p.at[:, 0].set(_next(p[:, 1], p[:, 2], p[:, 3]))
 
@@ -86,9 +93,14 @@ def middle(shape: tuple[int, ...], even: Symmetry) -> tuple[slice, ...]:
 
 
 def total(field: Array, even: Symmetry) -> Array:
-    """The sum over the whole plane."""
+    """The sum over the whole plane, or over one row."""
     rows = 2.0 * jnp.sum(field, axis=0) - field[0] if even.y else jnp.sum(field, axis=0)
     return 2.0 * jnp.sum(rows) - rows[0] if even.x else jnp.sum(rows)
+
+
+def integral(field: Array, spacing: FloatLike, even: Symmetry) -> Array:
+    """The integral over the whole plane, each node standing for its cell; of one row, along it."""
+    return total(field, even) * (spacing if field.shape[0] == 1 else spacing**2)
 
 
 # -- differences ------------------------------------------------------------------------------------------------------
@@ -170,8 +182,10 @@ def upstream_slope(f: Array, spacing: Array | float) -> Array:
 
 
 def inside(values: Array, even: Symmetry = NO_SYMMETRY) -> Array:
-    """The values with the edge set to zero; an axis of symmetry is not an edge."""
+    """The values with the edge set to zero; an axis of symmetry is not an edge, and one row has its two ends only."""
     low_y, low_x = (0 if mirror else 1 for mirror in even)
+    if values.shape[0] == 1:
+        return jnp.pad(values[:, low_x:-1], ((0, 0), (low_x, 1)))
     return jnp.pad(values[low_y:-1, low_x:-1], ((low_y, 1), (low_x, 1)))
 
 

@@ -5,6 +5,8 @@ ellipse with the half width b along x and b/kappa along y; for a circle D = kapp
 lengths along the surface in a = b, displacement and approach in a^2/R with R = R_x, pressure in p_h.  X points along
 the direction of entrainment, Y across it.  This module is the only source of these constants.
 
+Cylinders with parallel axes touch along a line: D = 0, nothing changes along Y, and integrals are those along X.
+
 E and F are the complete elliptic integrals of second and first kind with the modulus squared 1 - kappa^2.  They are
 computed in Carlson's symmetric form, which holds on both sides of the circle.
 
@@ -14,11 +16,13 @@ Source: Johnson KL. Contact Mechanics. Cambridge 1985, section 4.2.  Scaling by 
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from math import copysign, cos, exp, hypot, log, pi, radians, sin
-from typing import Any, NamedTuple
+from math import cbrt, copysign, cos, exp, hypot, log, pi, radians, sin, sqrt
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ertel.physics import hertz
 
 Array = Any  # a NumPy or JAX array
 Floats = NDArray[np.float64]
@@ -26,6 +30,10 @@ RIGHT = 90.0  # degrees: an angle of whole multiples of it is along a principal 
 LEAST_RATIO, LARGEST_RATIO = 1 / 100, 100.0  # of the radii; beyond, the contact is a line in all but name
 
 HERTZ_LOAD = 2.0 * pi / 3.0  # double integral of sqrt(1 - r^2): the dry load that carries Delta = 1 on a circle
+SHARE_OF_DEFORMATION = 8.0 / 5.0  # weight of a rate of H that falls as 1/r: 1/H^3 against r/(2 H^3), H = r^2/2
+LINE_LOAD = pi / 2.0  # integral of sqrt(1 - x^2): the dry load of a line contact
+_z, _w = np.polynomial.legendre.leggauss(64)
+PLACES = (1.0 + _z) / 2.0, _w / 2.0  # from 0 to 1, and weights
 FREE_BALL_INERTIA = 4.0 / 5.0  # m delta*/(F* t0^2) in the scales of an impact: m v0^2/2 = (2/5) F* delta*
 
 
@@ -61,6 +69,15 @@ class HertzEllipse:
     def load(self) -> float:
         """Double integral of the dry pressure; 2 pi/3 for a circle."""
         return 2.0 * pi / (3.0 * self.kappa)
+
+    @property
+    def contact_time(self) -> float:
+        """The duration of the dry impact in t0 = b^2/(R_x v0)."""
+        return hertz.CONTACT_TIME * self.approach
+
+    def front_speed(self, A: float) -> float:
+        """The speed dA/dT of the edge of the dry impact, where it is at A."""
+        return float(hertz.front_speed(A)) / self.approach
 
 
 @lru_cache
@@ -123,6 +140,16 @@ class Geometry:
         return self.hertz.compliance
 
     @property
+    def is_line(self) -> bool:
+        """Whether the bodies touch along a line."""
+        return self.radius_ratio == 0.0
+
+    @property
+    def reach(self) -> float:
+        """The distance at which a line load displaces nothing; without meaning for a point contact."""
+        return 1.0
+
+    @property
     def free_inertia(self) -> float:
         """m delta/(F* t0^2) of a free body whose impact has these scales: (4/5) Delta_H.
 
@@ -160,9 +187,34 @@ class Geometry:
         xp = below.__array_namespace__()
         return xp.sqrt(xp.maximum(below, 0.0))
 
+    def grown(self, load: float) -> float:
+        """Size and pressure of the dry contact under a load (F*), over those under F*: load^(1/3)."""
+        return cbrt(load)
+
     def dry_approach(self, load: float) -> float:
         """Hertz approach under a load in units of F*: Delta_H s^2 with s = load^(1/3)."""
         return self.hertz.approach * float((load ** (1 / 3)) ** 2)
+
+    def influence(self, r: Floats) -> Floats:
+        """The displacement at a distance by a force, over the compliance: 1/r."""
+        return 1.0 / r
+
+    def circle(self, r: Floats) -> tuple[Floats, Floats, Floats]:
+        """X and Y of points all around at the distances r, shape (n, m), and the length around, shape (n,)."""
+        angle = (np.arange(64) + 0.5) * np.pi / 32
+        return r[:, None] * np.cos(angle), r[:, None] * np.sin(angle), 2.0 * np.pi * r
+
+    def rising(self, r: Floats, load_rate: float) -> Floats:
+        """The speed that acts like the rate of the deformation at a distance, by a load that grows.
+
+        The deformation is that by the load as a point force.  load_rate: in F*/t0.
+        """
+        return SHARE_OF_DEFORMATION * load_rate * self.compliance * self.hertz_load * self.influence(r)
+
+    def dry_load_rate(self, approach: float, velocity: float) -> float:
+        """The rate of the load of a dry contact, which is proportional to Delta^(3/2)."""
+        full = self.hertz.approach
+        return 1.5 * velocity * (max(approach, 0.0) / full) ** 0.5 / full
 
     def distance(self, X: Array, Y: Array) -> Array:
         """Distance from the centre, one on the edge of the dry contact under F*: sqrt(x^2 + kappa^2 y^2)."""
@@ -213,87 +265,131 @@ class Geometry:
 CIRCLE = Geometry()
 
 
-def geometry(radius_ratio: float = 1.0, angle: float = 0.0) -> Geometry:
-    """The geometry for R_x/R_y and the angle of entrainment (degrees); `CIRCLE`, whose angle has no meaning, for 1."""
+@dataclass(frozen=True)
+class HertzLine:
+    """The constants of a dry line contact, as those of `HertzEllipse`; loads are per length.
+
+    reach: Lambda, the length of the contact over its half width b.  A half plane has no finite approach: that of a
+    contact of finite length is taken, delta = (b^2/R) (1/4 + ln(2 Lambda)/2).  In the middle of a line load of length l
+    on a half space the displacement is that of a half plane which is at rest at the distance l.
+
+    Source: Lundberg G. Elastische Beruehrung zweier Halbraeume. Forsch Ing 1939;10:201.
+    """
+
+    reach: float
+
+    beta = 4.0 / pi
+    compliance = 1.0 / pi
+    load = LINE_LOAD
+    kappa = 0.0  # the half width over an infinite one
+
+    @property
+    def approach(self) -> float:
+        """The dry approach in units b^2/R."""
+        return 0.25 + log(2.0 * self.reach) / 2.0
+
+    @property
+    def inertia(self) -> float:
+        """m delta/(F* t0^2) of a free body whose impact has these scales: m v0^2/2 = inertia/2 F* b^2/R."""
+        return self.approach - 1.0 / 8.0
+
+    @property
+    def contact_time(self) -> float:
+        """The duration of the dry impact in t0 = b^2/(R v0): some 3.1 times the approach."""
+        s, weight = PLACES  # A = 1 - s^2 takes the root out of the speed at the end
+        return float(np.sum(weight * 4.0 * s / [self.front_speed(1.0 - each**2) for each in s]))
+
+    def front_speed(self, A: float) -> float:
+        """The speed dA/dT of the edge of the dry impact, where it is at A: by the energy that is stored,
+
+        (dDelta/dT)^2 = 1 - A^4 (1 - ln A/(2 inertia)),    Delta = A^2 (approach - ln A/2)
+        """
+        inertia = self.inertia
+        return sqrt(1.0 - A**4 * (1.0 - log(A) / (2.0 * inertia))) / (A * (2.0 * inertia - 0.25 - log(A)))
+
+
+@dataclass(frozen=True)
+class LineContact(Geometry):
+    """Two cylinders with parallel axes across the flow; see `HertzLine` for reach.  Y has no influence."""
+
+    radius_ratio: float = 0.0
+    length_ratio: float = 100.0
+
+    @cached_property
+    def hertz(self) -> HertzLine:  # type: ignore[override]
+        return HertzLine(self.length_ratio)
+
+    @property
+    def reach(self) -> float:
+        return self.length_ratio
+
+    @property
+    def free_inertia(self) -> float:
+        return self.hertz.inertia
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """The half width, and half the length."""
+        return 1.0, self.length_ratio / 2.0
+
+    @property
+    def smaller(self) -> float:
+        return 1.0
+
+    def dry_pressure(self, load: float, X: Array, Y: Array) -> Array:
+        """Hertz pressure under a load in units of F*: sqrt(load - x^2)."""
+        below = load - X**2 + 0.0 * Y
+        xp = below.__array_namespace__()
+        return xp.sqrt(xp.maximum(below, 0.0))
+
+    def grown(self, load: float) -> float:
+        """See `Geometry.grown`: load^(1/2)."""
+        return sqrt(load)
+
+    def dry_approach(self, load: float) -> float:
+        """Hertz approach under a load in units of F*: load (kappa - ln(load)/4) with the approach kappa under F*."""
+        return load * (self.hertz.approach - log(load) / 4.0) if load > 0.0 else 0.0
+
+    def ruptured_flow(
+        self, velocity: Floats, entrainment: float, X: Floats, Y: Floats, constant: Floats, held: bool = False
+    ) -> Floats:
+        """P H^2/lambda_bar far out, not above zero where the oil ruptures; held: V leaves the rupture in the middle."""
+        flow = self.far_flow(velocity, entrainment, X, Y)
+        if not held:
+            return flow
+        return np.where(copysign(1.0, entrainment) * X < 0.0, np.maximum(flow, 0.0), 0.0)
+
+    def influence(self, r: Floats) -> Floats:
+        """The displacement at a distance by a line load, over the compliance: ln(reach/r)."""
+        return np.log(self.reach / r)
+
+    def circle(self, r: Floats) -> tuple[Floats, Floats, Floats]:
+        """Both points at each distance."""
+        X = r[:, None] * np.array([-1.0, 1.0])
+        return X, 0.0 * X, np.full_like(r, 2.0)
+
+    def rising(self, r: Floats, load_rate: float) -> Floats:
+        """See `Geometry.rising`: a rate (ln(reach/r) + 3/4) of H acts like a speed, where H = r^2/2."""
+        return load_rate * self.compliance * self.hertz_load * (self.influence(r) + 0.75)
+
+    def dry_load_rate(self, approach: float, velocity: float) -> float:
+        """The rate of the load of a dry contact."""
+        if approach <= 0.0:
+            return 0.0
+        full = load = self.hertz.approach
+        for _ in range(ROUNDS):
+            load = approach / (full - log(load) / 4.0)
+        return velocity / (full - (log(load) + 1.0) / 4.0)
+
+
+ROUNDS = 20  # to find the load of a dry line contact; each leaves a tenth
+
+
+def geometry(radius_ratio: float = 1.0, angle: float = 0.0, length_ratio: float = 100.0) -> Geometry:
+    """The geometry for R_x/R_y and the angle of entrainment (degrees); `CIRCLE`, whose angle has no meaning, for 1.
+
+    It is a line for 0, of that length over its half width.
+    """
+    if radius_ratio == 0.0:
+        return LineContact(length_ratio=length_ratio)
     return CIRCLE if radius_ratio == 1.0 else Geometry(radius_ratio, angle)
-
-
-# -- the oil far from the contact: its pressure in closed form ---------------------------------------------------------
-#
-# Far out the gap is a parabola, H = G + constant, and the oil has the viscosity of ambient pressure.  For a circle,
-# with G = r^2/2,
-#
-#     P = lambda_bar (V/4 - U X/5) / H^2
-#
-# solves Reynolds' equation for surfaces that approach with V and entrain with U, in a gap that is full all around.  For
-# an ellipse only the numbers 4 and 5 differ (`Geometry.far_flow`).  Where the oil is entrained it ruptures behind the
-# contact, which raises the pressure beside it (`rupture`).
-
-NEAREST = 2.0  # distance from which the formulas hold, in units of the dry contact's size
-SHARE_OF_DEFORMATION = 8.0 / 5.0  # weight of a rate of H that falls as 1/r: 1/H^3 against r/(2 H^3), H = r^2/2
-
-
-class ContactMotion(NamedTuple):
-    """Delta, V = dDelta/dT, the load in units F*, and U: all of a contact that matters to the oil far away.
-
-    load_rate: the rate of the load in rolling, where V leaves the rupture in its place; None in an impact.
-    """
-
-    approach: float
-    velocity: float
-    load: float
-    entrainment: float
-    load_rate: float | None = None
-
-
-def far_film(X: Floats, Y: Floats, motion: ContactMotion, geometry: Geometry = CIRCLE) -> Floats:
-    """H at a distance: the parabola, and the deformation by the load as a point force."""
-    force = geometry.compliance * geometry.hertz_load * motion.load
-    return geometry.gap(X, Y) - motion.approach + force / np.hypot(X, Y)
-
-
-def squeeze(r: Floats, motion: ContactMotion, geometry: Geometry = CIRCLE) -> Floats:
-    """The speed of approach that acts at a distance: V less the rate of the deformation there, weighted.
-
-    The deformation is that by the load as a point force.  In an impact the load is that of a dry contact at this Delta,
-    proportional to Delta^(3/2).
-    """
-    per_load = geometry.compliance * geometry.hertz_load / r
-    if motion.load_rate is not None:
-        return motion.velocity - SHARE_OF_DEFORMATION * motion.load_rate * per_load
-    full = geometry.dry_approach(1.0)
-    radius = (max(motion.approach, 0.0) / full) ** 0.5
-    return motion.velocity * (1 - SHARE_OF_DEFORMATION * 1.5 * radius / full * per_load)
-
-
-def far_pressure(X: Floats, Y: Floats, motion: ContactMotion, lambda_bar: float, geometry: Geometry = CIRCLE) -> Floats:
-    """P at a distance of `NEAREST` or more; X and Y broadcast.
-
-    Against impacts and rolling contacts on wide grids, M = 10 to 1000: within 6 % at a distance of 2, 3 % at 4.5.
-    """
-    X, Y = np.broadcast_arrays(X, Y)
-    film = far_film(X, Y, motion, geometry)
-    velocity, constant = squeeze(np.hypot(X, Y), motion, geometry), film - geometry.gap(X, Y)
-    flow = geometry.ruptured_flow(velocity, motion.entrainment, X, Y, constant, held=motion.load_rate is not None)
-    return np.maximum(lambda_bar * flow / film**2, 0.0)
-
-
-def rigid_pressure(
-    X: Floats, Y: Floats, motion: ContactMotion, lambda_bar: float, geometry: Geometry = CIRCLE
-) -> Floats:
-    """P everywhere while the surfaces are apart and rigid; below a film sqrt(lambda_bar) they would give way.
-
-    Where they also roll it ends at the middle, without the rupture of `far_pressure`: it is the start of a run.
-    """
-    film = geometry.gap(X, Y) - motion.approach
-    flow = geometry.far_flow(motion.velocity, motion.entrainment, X, Y)
-    return np.maximum(lambda_bar * flow / np.maximum(film**2, lambda_bar), 0.0)
-
-
-def squeezed_film(motion: ContactMotion, lambda_bar: float, geometry: Geometry = CIRCLE) -> tuple[float, float]:
-    """The central film (a^2/R) under `rigid_pressure`, which deforms the bodies, and its load (F*)."""
-    r, angle = np.geomspace(1e-6, 1e6, 2000)[:, None], (np.arange(64) + 0.5) * np.pi / 32
-    P = rigid_pressure(r * np.cos(angle), r * np.sin(angle), motion, lambda_bar, geometry).mean(axis=1)
-    ring = 2.0 * np.pi * r[:, 0] * P  # the integral over each circle
-    deformation, load = (np.trapezoid(ring * power, np.log(r[:, 0])) for power in (1.0, r[:, 0]))
-    return geometry.compliance * float(deformation) - motion.approach, float(load) / geometry.hertz_load

@@ -134,6 +134,10 @@ class Parameters:
         isoviscous = ISOVISCOUS_FILM * sqrt(self.lambda_bar * 2 / (1 + self.radius_ratio))
         return max(0.6 * self.trapped_film, 0.95 * isoviscous), max(0.7 * self.trapped_film, isoviscous)
 
+    def at(self, load: float, speed: float) -> "Parameters":
+        """The parameters under a load w in F* and at a speed U in a/t0, both above zero."""
+        return Parameters.from_moes(self.M * load * speed**-0.75, self.L * speed**0.25, self.radius_ratio)
+
     def nabla2(self, wavelength: float) -> float:
         """Operating parameter of amplitude reduction, eq. (16): wavelength sqrt(M_BH/L_BH), wavelength in units a.
 
@@ -251,6 +255,15 @@ class Scales:
         return self.energy / self.t0
 
     @property
+    def W(self) -> float:
+        """Hamrock and Dowson's load parameter F*/(E' R^2)."""
+        return self.load / (self.E_prime * self.R**2)
+
+    def parameters_of(self, lambda_bar: float, alpha_bar: float) -> Parameters:
+        """The dimensionless parameters of a contact of this shape."""
+        return Parameters(lambda_bar, alpha_bar, self.radius_ratio)
+
+    @property
     def ball_mass(self) -> float:
         """Mass (kg) of the body whose dry impact has these scales: m v0^2/2 = (2/5) F* delta*."""
         return FREE_BALL_INERTIA * self.ellipse.approach * self.load * self.t0**2 / self.film
@@ -298,7 +311,7 @@ def parameters(scales: Scales, eta0: float, alpha: float) -> Parameters:
     require_positive(eta0=eta0)
     require_not_negative(alpha=alpha)
     lambda_bar = 12 * eta0 * scales.R**2 / (scales.t0 * scales.a**2 * scales.p_h)
-    return Parameters(lambda_bar, alpha * scales.p_h, scales.radius_ratio)
+    return scales.parameters_of(lambda_bar, alpha * scales.p_h)
 
 
 class HamrockDowson(NamedTuple):
@@ -312,14 +325,14 @@ class HamrockDowson(NamedTuple):
 def hamrock_dowson(scales: Scales, eta0: float, alpha: float) -> HamrockDowson:
     """U, G, W of a contact with the given scales; an impact uses F* as the load and a/t0 as the speed u_m.
 
-    For an ellipse R is R_x.
+    For an ellipse R is R_x; W of a line contact is that of its load per length, w1/(E' R).
     """
     require_positive(eta0=eta0)
     require_not_negative(alpha=alpha)
     return HamrockDowson(
         U=eta0 * scales.front_speed / (scales.E_prime * scales.R),
         G=alpha * scales.E_prime,
-        W=scales.load / (scales.E_prime * scales.R**2),
+        W=scales.W,
     )
 
 

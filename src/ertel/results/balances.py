@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
-from ertel.physics.geometry import hertz_ellipse
+from ertel.physics.geometry import LINE_LOAD, hertz_ellipse
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -116,7 +116,7 @@ def _closed(terms: Mapping[str, float], turned_over: float) -> dict[str, float |
 # -- the oil outside the domain ----------------------------------------------------------------------------------------
 
 UNCERTAIN_MOMENTUM = 5e-3  # share of the ball's momentum that may depend on where the domain ends
-FAR_FIELD_ERROR = 0.1  # of the load outside, which is known in closed form (`physics.geometry`) but not exactly
+FAR_FIELD_ERROR = 0.1  # of the load outside, which is known in closed form (`physics.far_field`) but not exactly
 
 
 def uncertain_momentum(case: Case, data: "xr.Dataset") -> float:
@@ -137,7 +137,7 @@ def outer_load(data: "xr.Dataset") -> "xr.DataArray":
     H^3 dP/dr = -lambda_bar V r/2.  Without an edge that gives P = lambda_bar V/(4 H^2).  The flow through the edge does
     not feel that P = 0 there: it gives lambda_bar V.  The load 2 pi H_w P_w beyond the edge is left out; inside, P is
     too low by P_w everywhere, because an even pressure drives no flow.  For an ellipse 4 is 2 (1 + D), and the load
-    beyond the edge is D^(-1/2) times as large.
+    beyond the edge is D^(-1/2) times as large.  Beyond both ends of a line it is 2 w P_w/3.
     """
     import xarray as xr
 
@@ -145,6 +145,8 @@ def outer_load(data: "xr.Dataset") -> "xr.DataArray":
     D = float(data.attrs.get("radius_ratio", 1.0))
     P_w = displaced / (2 * (1 + D)) * np.mean(H**-2.0, axis=1)
     H_w = np.mean(H**-2.0, axis=1) ** -0.5
+    if not D:
+        return xr.DataArray(P_w * area * 4 / 3 / LINE_LOAD, dims="frame")
     return xr.DataArray(P_w * (area + 2 * np.pi * H_w / D**0.5) / hertz_ellipse(D).load, dims="frame")
 
 
@@ -155,22 +157,26 @@ def _through_the_edge(data: "xr.Dataset") -> tuple[Values, Values, float]:
         r = data["r"].values
         flow = np.mean(H[:, -2:] ** 3, axis=1) * (P[:, -2] - P[:, -1]) / (r[-1] - r[-2])
         return 2 * flow / ((r[-1] + r[-2]) / 2), H[:, -1:], float(np.pi * r[-1] ** 2)
-    sides = [(axis, edge, next_) for axis in (1, 2) for edge, next_ in ((0, 1), (-1, -2))]
+    axes = data["P"].dims[1:]
+    sides = [(axis, edge, next_) for axis in range(1, P.ndim) for edge, next_ in ((0, 1), (-1, -2))]
     parts = [[np.take(field, k, axis) for field in (P, H) for k in (edge, next_)] for axis, edge, next_ in sides]
     flow = sum(
-        np.sum((H_edge**3 + H_next**3) / 2 * (P_next - P_edge), axis=1) for P_edge, P_next, H_edge, H_next in parts
+        np.sum(((H_edge**3 + H_next**3) / 2 * (P_next - P_edge)).reshape(len(P), -1), axis=1)
+        for P_edge, P_next, H_edge, H_next in parts
     )
-    width, height = (float(np.ptp(data[axis].values)) for axis in ("X", "Y"))
+    sizes = np.array([float(np.ptp(data[axis].values)) for axis in axes])
     spacing = float(data["X"][1] - data["X"][0])
-    crossed = (width - spacing) * (height - spacing)
-    return flow / crossed, np.concatenate([part[2] for part in parts], axis=1), width * height
+    crossed = np.prod(sizes - spacing) * spacing ** (2 - len(sizes))
+    edge = np.concatenate([part[2].reshape(len(P), -1) for part in parts], axis=1)
+    return flow / crossed, edge, float(np.prod(sizes))
 
 
 def needed_half_width(case: Case, share: float) -> float:
     """The half width at which the uncertain momentum is `UNCERTAIN_MOMENTUM`, from its share at the case's own."""
     width, start = case.solver.half_width, case.schedule.start_approach
     wide = width
-    while share * _lost_on_approach(wide, start) > UNCERTAIN_MOMENTUM * _lost_on_approach(width, start):
+    lost = _lost_on_a_line if case.geometry.is_line else _lost_on_approach
+    while share * lost(wide, start) > UNCERTAIN_MOMENTUM * lost(width, start):
         wide *= 1.05
     return ceil(2 * wide) / 2
 
@@ -184,11 +190,16 @@ def _lost_on_approach(w: float, start_approach: float) -> float:
     return float(np.pi * w**2 / 4 * (1 / touch - 1 / start) + np.pi / 2 * np.log(start / touch))
 
 
+def _lost_on_a_line(w: float, start_approach: float) -> float:
+    """The same of a line contact, (4/3) w/H^2 at each moment."""
+    return 4 / 3 * w * (1 / (w**2 / 2) - 1 / (w**2 / 2 - start_approach))
+
+
 def share_outside(case: Case, data: "xr.Dataset") -> float:
     """The share of the load that the oil outside the grid carries at the last map of rolling in time."""
     if not data.sizes["frame"]:
         return 0.0
     P = data["P"].isel(frame=-1)
     load = float(np.interp(P["frame"], data["time"], data["F"])) if data.sizes["time"] else case.motion.load(0.0)
-    inside = float(P.sum()) * float(P["X"][1] - P["X"][0]) ** 2
+    inside = float(P.sum()) * float(P["X"][1] - P["X"][0]) ** P.ndim
     return 1.0 - inside / (load * case.geometry.hertz_load) if load > 0 else 0.0

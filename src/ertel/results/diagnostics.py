@@ -1,7 +1,7 @@
 """Warnings if grid, domain, inlet or initial gap are not sufficient, each with a remedy."""
 
 from collections.abc import Iterator, Sequence
-from math import cbrt, ceil, inf, isfinite, sqrt
+from math import ceil, inf, isfinite, sqrt
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +13,6 @@ from ertel.case.rules import computes
 from ertel.case.sections import MOST_NODES, WIDEST_HALF_WIDTH
 from ertel.case.spaces import FRONT_POSITION
 from ertel.numerics.grid import Extrapolation, allowed_nodes, on_grids
-from ertel.physics import hertz
 from ertel.physics.lubricant import Barus
 from ertel.physics.surfaces import CELLS_KEPT, has_waves
 from ertel.physics.thermal import AT_REST, INLET_FACTORS, SLOWEST, slow_excess
@@ -100,7 +99,7 @@ def friction_warnings(case: Case, coefficient: float) -> list[str]:
     if case.scales is None:
         return []
     heaviest = 1.0 if case.starts_apart else case.motion.load.range(inf)[1]
-    p, mu = case.scales.p_h * cbrt(heaviest), abs(coefficient)
+    p, mu = case.scales.p_h * case.geometry.grown(heaviest), abs(coefficient)
     if isinstance(case.oil.viscosity_law, Barus) and p > BARUS_PRESSURE and (mu or not case.oil.is_newtonian):
         return [
             f'lubricant.viscosity = "barus": greatly overestimates the viscosity above {BARUS_PRESSURE / 1e9:g} GPa, '
@@ -148,7 +147,7 @@ def sweep_length(case: Case, speed: float = 0.0) -> float:
     p = case.parameters
     if not case.starts_apart:
         return float((max(p.alpha_bar, SWEEP_ALPHA_BAR) * p.lambda_bar * abs(speed)) ** 0.5)
-    viscous = p.lambda_bar * hertz.front_speed(FRONT_POSITION) / p.ellipse.approach
+    viscous = p.lambda_bar * p.ellipse.front_speed(FRONT_POSITION)
     return float(max(np.sqrt(p.alpha_bar * viscous), ISOVISCOUS_SWEEP * viscous**0.4))
 
 

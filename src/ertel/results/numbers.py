@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 from ertel.case.methods import METHODS
 from ertel.case.status import Status
+from ertel.physics.line_scales import LineScales
 from ertel.physics.scales import Scales
 from ertel.physics.temperature_laws import ZERO_CELSIUS
 from ertel.results.variables import (
@@ -163,7 +164,8 @@ def scales_in(summary: Outcome) -> Scales | None:
     if si is None:
         return None
     radius_ratio = summary.get("radius_ratio", 1.0)
-    return Scales(si["R_m"], si["E_prime_Pa"], si["a_m"], si["p_h_Pa"], si["t0_s"], radius_ratio)
+    sizes = si["R_m"], si["E_prime_Pa"], si["a_m"], si["p_h_Pa"], si["t0_s"]
+    return Scales(*sizes, radius_ratio) if radius_ratio else LineScales(*sizes, length=2 * si["a_y_m"])
 
 
 def moment(summary: Outcome) -> str:

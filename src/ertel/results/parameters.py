@@ -3,24 +3,29 @@
 This module imports neither JAX nor xarray, so that they are known at once.
 """
 
-from math import cbrt
+from collections.abc import Callable
 from typing import Any
 
 from ertel.case.case import Case
 from ertel.case.records import law_data, show
-from ertel.physics import film_formulas, hertz
+from ertel.physics import film_formulas, line_films
 from ertel.physics.film_formulas import FormulaFilm
+from ertel.physics.line_scales import LineParameters
 from ertel.physics.materials import RHEOLOGY
 from ertel.physics.registry import FLUIDITY_LAWS
 from ertel.physics.scales import FlowDirection, HamrockDowson, Parameters, Scales, hamrock_dowson
 
 
 def parameters_of(case: Case) -> dict[str, float]:
-    """The dimensionless parameters by name; of an ellipse also its shape and the angle of entrainment in degrees."""
+    """The dimensionless parameters by name; with the shape of an ellipse and the angle of entrainment (degrees), or of
+    a line.
+    """
     p = case.parameters
     parameters = {"lambda_bar": p.lambda_bar, "alpha_bar": p.alpha_bar, "M": p.M, "L": p.L}
     if p.radius_ratio == 1.0:
         return parameters
+    if isinstance(p, LineParameters):
+        return {**parameters, "radius_ratio": 0.0, "length_ratio": p.length_ratio}
     shape = {"radius_ratio": p.radius_ratio, "kappa": p.ellipse.kappa, "entrainment_angle": case.contact.angle}
     return {**parameters, **shape, "M_BH": p.M_BH, "L_BH": p.L_BH}
 
@@ -45,7 +50,7 @@ def _fall_in_si(p: Parameters, s: Scales) -> dict[str, float]:
     """The expected contact time, mass and films of an impact."""
     least, most = p.impact_films
     return {
-        "contact_time_s": hertz.CONTACT_TIME * p.ellipse.approach * s.t0,
+        "contact_time_s": p.ellipse.contact_time * s.t0,
         "mass_kg": s.ball_mass,
         "trapped_film_m": p.trapped_film * s.film,
         "h_c_least_m": least * s.film,
@@ -99,31 +104,35 @@ def formula_films(case: Case, load: float = 1.0, entrainment: float = 1.0) -> li
     speed = abs(entrainment)
     if case.starts_apart or load <= 0 or speed == 0:
         return []
-    at = _at(case, load, speed)
+    at, grown = case.parameters.at(load, speed), case.geometry.grown(load)
     ugw = _ugw(case, case.scales) if case.scales else None
-    formulas = film_formulas.films(at, ugw and HamrockDowson(ugw.U * speed, ugw.G, ugw.W * load), case.contact.angle)
-    unit = cbrt(load) ** 2  # the formulas' a^2 is that of the load w
+    ugw = ugw and HamrockDowson(ugw.U * speed, ugw.G, ugw.W * load)
+    if isinstance(at, LineParameters):
+        formulas = line_films.line_films(at, ugw)
+    else:
+        formulas = film_formulas.films(at, ugw, case.contact.angle)
+    unit = grown**2  # the formulas' a^2 is that of the load w
     flooded = [
         film._replace(central=film.central and film.central * unit, minimum=film.minimum and film.minimum * unit)
         for film in formulas
     ]
     if case.layer is None:
         return flooded
-    oil = case.layer / float(case.lubricant.density(cbrt(load)))
-    return [*flooded, *(film.starved(oil) for film in flooded if film.central and film.inside)]
-
-
-def _at(case: Case, load: float, speed: float) -> Parameters:
-    """The parameters of a moment with the load w in F* and the speed U in u_m, both above zero."""
-    p = case.parameters
-    return Parameters.from_moes(p.M * load * speed**-0.75, p.L * speed**0.25, p.radius_ratio)
+    oil = case.layer / float(case.lubricant.density(grown))
+    starved: Callable[[FormulaFilm, float], FormulaFilm] = (
+        line_films.starved if case.geometry.is_line else FormulaFilm.starved
+    )
+    return [*flooded, *(starved(film, oil) for film in flooded if film.central and film.inside)]
 
 
 def regime(case: Case) -> str:
     """The regime of a rolling contact at T = 0 with its g_V and g_E, see `film_formulas.regime_of`; "" of an impact."""
     if case.starts_apart:
         return ""
+    at = case.parameters.at(case.motion.load(0.0), abs(case.motion.entrainment(0.0)))
+    if case.geometry.is_line:
+        return line_films.regime_of_line(at.M, at.L)
     flow = FlowDirection.at(case.parameters.radius_ratio, case.contact.angle)
-    M, L = flow.moes(_at(case, case.motion.load(0.0), abs(case.motion.entrainment(0.0))))
+    M, L = flow.moes(at)
     g_V, g_E = film_formulas.regime_numbers(M, L)
     return f"{film_formulas.regime_of(M, L, flow.radius_ratio)} (g_V = {g_V:.3g}, g_E = {g_E:.3g})"

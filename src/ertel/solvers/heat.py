@@ -34,7 +34,7 @@ one of two things: an iteration T <- T(q(T)) that jumps to and fro, or two speed
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from math import cbrt, isinf, pi
+from math import isinf, pi
 from typing import Any, NamedTuple
 
 import jax
@@ -44,7 +44,7 @@ from jax import Array
 from jax.tree_util import register_dataclass
 
 from ertel.case.case import Case
-from ertel.case.estimates import grid_of, starvation
+from ertel.case.estimates import grid_of, share_of, starvation
 from ertel.case.sections import Inlet
 from ertel.equations.account import shear_force
 from ertel.equations.contact import opened, traceable
@@ -55,8 +55,8 @@ from ertel.numerics.integrals import Plane
 from ertel.numerics.newton import gcr
 from ertel.numerics.programs import ANY_SIZE, Program, exportable
 from ertel.numerics.stencils import inside, node_slopes
-from ertel.physics.film_formulas import starved_share
 from ertel.physics.fluidity import Fluidity, limited_stress
+from ertel.physics.geometry import Geometry
 from ertel.physics.lubricant import Lubricant
 from ertel.physics.thermal import AT_REST, Floats, Solid, WarmViscosity, peclet_number, response
 
@@ -137,14 +137,15 @@ def heated(case: Case, P: Any, H: Any, heat: Floats | None = None, grid: Grid | 
     if thermal is None or s is None or eta0 is None:
         raise ValueError("thermal: the case has no such section, and so no data for temperatures")
     S, mean, grid = case.motion.slide_to_roll, case.motion.entrainment(0.0) * s.front_speed, grid or grid_of(case)
-    grown = cbrt(case.motion.load(0.0))  # the contact, by a load that [motion] changes
+    grown = case.geometry.grown(case.motion.load(0.0))  # the contact, by a load that [motion] changes
     half_width = s.a * case.geometry.extent[0] * grown
     inlet = _of_layer(case, thermal.inlet(eta0, s.p_h * grown / s.E_prime, mean, S))
     film = opened(inlet.factor * jnp.asarray(H))
     sheared = _sheared(case, grid, thermal.viscosity_of(eta0), P, film, S * mean)
     moving = list(zip(thermal.bodies, (mean * (1.0 + 0.5 * S), mean * (1.0 - 0.5 * S)), strict=True))
     peclet = tuple(peclet_number(body, speed, half_width) for body, speed in moving)
-    rises = [_rise(body, speed, number, s.a, grid) for (body, speed), number in zip(moving, peclet, strict=True)]
+    at = s.a, grid, case.geometry
+    rises = [_rise(body, speed, number, *at) for (body, speed), number in zip(moving, peclet, strict=True)]
     warm = warmed(sheared, rises, np.asarray(sheared.H) / thermal.conductivity, thermal.warmer, heat)
     stress = _stress_program(sheared, warm.film) / s.shear_stress
     return Heated(
@@ -166,13 +167,13 @@ def heated(case: Case, P: Any, H: Any, heat: Floats | None = None, grid: Grid | 
 def _of_layer(case: Case, inlet: Inlet) -> Inlet:
     """The inlet with the factor of a film on layers of oil: heat thins what a flooded inlet lets pass, not the layer.
 
-    With Chevalier's share R(r) of the flooded film on a layer r times as thick, the warm film is phi_T R(r/phi_T) times
-    the cold flooded one: phi_T of that on much oil, all of the layer on little.
+    With the share R(r) of the flooded film on a layer r times as thick (`estimates.share_of`), the warm film is phi_T
+    R(r/phi_T) times the cold flooded one: phi_T of that on much oil, all of the layer on little.
     """
     r, share = starvation(case)
     if isinf(r):
         return inlet
-    return inlet._replace(factor=inlet.factor * starved_share(r / inlet.factor) / share)
+    return inlet._replace(factor=inlet.factor * share_of(case, r / inlet.factor) / share)
 
 
 def _sheared(case: Case, grid: Grid, warm: WarmViscosity, P: Any, film: Array, speed: float) -> _Film:
@@ -182,10 +183,12 @@ def _sheared(case: Case, grid: Grid, warm: WarmViscosity, P: Any, film: Array, s
     return _Film(law, warm, oil, eta0, s.p_h, jnp.asarray(P), film * s.film, speed, grid.spacing * s.a, grid.even)
 
 
-def _rise(body: Solid, speed: float, peclet: float, a: float, grid: Grid) -> "Rise":
+def _rise(body: Solid, speed: float, peclet: float, a: float, grid: Grid, geometry: Geometry) -> "Rise":
     if peclet >= AT_REST:
         return Moving(response(body, speed, grid.shape[1], grid.spacing * a))
-    return Resting(halfspace.spectrum(grid, a / (2.0 * pi * body.conductivity)), grid.even)
+    # a source of the length l on a line heats its middle by ln(l/x)/(pi k), which is the sum of 1/(2 pi k r)
+    resistance = a / ((1.0 if geometry.is_line else 2.0) * pi * body.conductivity)
+    return Resting(halfspace.spectrum(grid, resistance, reach=geometry.reach), grid.even)
 
 
 # -- the balance of heat -----------------------------------------------------------------------------------------------

@@ -154,7 +154,7 @@ def wave_response(case: Case, film: GridSolution, wave: RoughnessWave) -> WaveRe
     motion = case.motion
     line = balanced(0.0, case.geometry.hertz_load)._replace(approach_weight=-motion.inertia * wave.frequency**2)
     c = discretise.smooth_contact(case, film.grid)
-    elastic = multigrid.deformation_operators(film.grid, case.geometry.compliance, PRECISION)
+    elastic = multigrid.deformation_operators(film.grid, case.geometry.compliance, PRECISION, case.geometry.reach)
     dP, dH, approach, iterations = _solve_wave(c, elastic, film.P, film.H, line, motion.entrainment(0.0), wave)
     k, converged = int(iterations), bool((iterations < WAVE_LIMIT) & jnp.isfinite(approach))
     return WaveResponse(dP, dH, complex(approach), converged, k, 2 * nonlinear.convolutions(film.grid, 0, k))

@@ -29,13 +29,15 @@ from ertel.numerics import multigrid, newton, stencils
 from ertel.numerics.grid import Grid, check_coarsening, expected_next
 from ertel.numerics.integrals import Plane
 from ertel.numerics.programs import ANY_SIZE, Program, double_precision
-from ertel.physics.geometry import ContactMotion, Geometry
+from ertel.physics.far_field import ContactMotion
+from ertel.physics.geometry import Geometry
 from ertel.solvers import nonlinear
 from ertel.solvers.heat import Heated, heated
 
 Floats = NDArray[np.float64]
 
 FIRST_GRID = 33  # nodes a side from which nested iteration starts, or the next that the finest grid allows
+FIRST_ROW = 129  # nodes of a line contact from which it starts: each grid is a program
 LEAST_FILM = 0.5  # a first guess keeps this fraction of the coarse grid's minimum film thickness
 THICK = 3.0  # film in units of the dry approach, from which the first guess is that of rigid bodies
 TOLERANCE = 1e-8  # of the residual of the steady film from which a transient run starts
@@ -153,7 +155,7 @@ class SteadyFilm(SteadySolver):
     """The method "steady"."""
 
     def __init__(self, case: Case):
-        self.case, self.grids = case, grids_of(case)[::-1]
+        self.case, self.grids = fed(case), grids_of(case)[::-1]
 
     def compile_ahead(self) -> None:
         """See `SteadySolver.compile_ahead`."""
@@ -189,6 +191,20 @@ def steady_film(case: Case) -> Rolling:
     return Rolling(tuple(nested(case)))
 
 
+def fed(case: Case) -> Case:
+    """The case; with a full inlet where a rolling line contact has a layer of more oil than passes it.
+
+    Nothing leaks to the sides of a line.  So its film is the layer, or the flooded one; the oil that does not pass
+    gathers in front of it.
+    """
+    if case.layer is None or case.starts_apart or not case.geometry.is_line:
+        return case
+    full = replace(case, oil=replace(case.oil, layer=None, layer_1=None, layer_2=None))
+    flooded = steady_film(full).finest
+    passes = flooded.account.terms["inflow"] / abs(case.motion.entrainment(0.0))
+    return full if case.layer >= passes else case
+
+
 def nested(case: Case, done: Sequence[GridSolution] = ()) -> Iterator[GridSolution]:
     """Solutions from the coarsest grid to the case's own; goes on after those that are done."""
     grids, solutions = grids_of(case), list(done)
@@ -210,7 +226,10 @@ def grids_of(case: Case) -> list[Grid]:
     """The case's own grid and its coarser ones.  Raises ValueError for a grid that cannot be coarsened."""
     grids = [grid_of(case)]
     check_coarsening(grids[0])
-    while min((coarser := grids[-1].coarser()).nodes_x, coarser.nodes_y) >= FIRST_GRID:
+    is_line = grids[0].nodes_y == 1
+    while (coarser := grids[-1].coarser()).nodes_x >= (FIRST_ROW if is_line else FIRST_GRID):
+        if not is_line and coarser.nodes_y < FIRST_GRID:
+            break
         grids.append(coarser)
     return grids
 
@@ -249,7 +268,7 @@ def _agreeing(c: Contact, s: GridSolution, allowed: float) -> GridSolution:
 def dry_guess(geometry: Geometry, grid: Grid, load: float) -> tuple[Floats, float]:
     """Pressure and approach of the dry contact under a load in units F*; the pressure is scaled to carry it exactly."""
     P = geometry.dry_pressure(load, grid.kept_x[None, :], grid.kept_y[:, None])
-    needed = load * geometry.hertz_load / grid.spacing**2
+    needed = load * geometry.hertz_load / grid.spacing ** (1 if grid.nodes_y == 1 else 2)
     return P * (needed / stencils.unfolded(P, grid.even).sum()), geometry.dry_approach(load)
 
 
@@ -313,7 +332,7 @@ def problem_of(case: Case, grid: Grid, c: Contact, outside: float) -> nonlinear.
     geometry, tolerance = case.geometry, case.solver.tolerance if case.is_steady else TOLERANCE
     return nonlinear.Problem(
         c,
-        multigrid.deformation_operators(grid, geometry.compliance, nonlinear.PRECISION),
+        multigrid.deformation_operators(grid, geometry.compliance, nonlinear.PRECISION, geometry.reach),
         steady_rate(case.motion.entrainment(0.0), discretise.layer_of(case, grid)),
         balanced(case.motion.load(0.0), geometry.hertz_load).less(outside),
         tolerance,
