@@ -80,6 +80,12 @@ def unfolded(field: Array, even: Symmetry, odd: bool = False) -> Array:
     return xp.concatenate([field[:, :0:-1], field], axis=1) if even.x else field
 
 
+def shown(field: Array, even: Symmetry, odd: bool = False) -> Array:
+    """The field on the whole plane as it is shown: one row is a line, of one axis."""
+    whole = unfolded(field, even, odd)
+    return whole[0] if whole.shape[0] == 1 else whole
+
+
 def folded(field: Array, even: Symmetry) -> Array:
     """The stored part of a field on the whole plane."""
     rows, columns = field.shape

@@ -97,15 +97,14 @@ def assemble_steady(case: Case, grid: Any, solutions: Sequence[SteadyGrid]) -> x
     """
     fields = names_where(lambda variable: variable.over in ("map", "heated map" if case.thermal else "map"))
     space: Mapping[str, Any] = grid.coordinates
-    shape = [len(axis) for axis in space.values()]
-    nothing = np.full(shape, np.nan)
+    nothing = np.full([len(axis) for axis in space.values()], np.nan)
     maps = solutions[-1].maps if solutions and solutions[-1].status.is_solved else dict.fromkeys(fields, nothing)
     work = ("residual", "newton_iterations", "krylov_iterations", "convolutions")
     rows = [(with_coefficients(s.record, case.scales), s.status.is_solved) for s in solutions]
     there = [n for n in names_where(lambda v: v.over in ("step", "grid")) if all(n in row for row, _ in rows)]
     histories = list(zip_longest(*(s.history for s in solutions), fillvalue=np.nan))
     arrays: Arrays = {
-        **{name: (tuple(space), np.reshape(maps[name], shape)) for name in fields},
+        **{name: (tuple(space), maps[name]) for name in fields},
         **{name: ((name,), axis) for name, axis in space.items()},
         **{n: (("grid",), np.array([row[n] if ok or n in work else np.nan for row, ok in rows], float)) for n in there},
         "history": (("grid", "iteration"), np.reshape(histories, (len(histories), len(solutions))).T),

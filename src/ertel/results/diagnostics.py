@@ -249,7 +249,8 @@ def film_errors(case: Case, solutions: "Sequence[SteadyGrid]") -> dict[str, Extr
 def _grid(case: Case, solutions: "Sequence[SteadyGrid]") -> Iterator[str]:
     """Warnings about the errors of the films, and about the pressure spike."""
     if len(solutions) < 2:
-        yield "there is no error estimate, because there is no coarser grid; use solver.nodes >= 65"
+        enough = 257 if case.geometry.is_line else 65
+        yield f"there is no error estimate, because there is no coarser grid; use solver.nodes >= {enough}"
         return
     coarse, fine = (solution.measure() for solution in solutions[-2:])
     if films := film_errors(case, solutions):

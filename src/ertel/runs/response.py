@@ -193,11 +193,9 @@ def _in_lockstep(
 
 
 def _field(fields: Iterable[Array], attributes: Mapping[str, str]) -> Field:
-    """A variable of the dataset: the whole fields of all responses; one row is a line along X."""
+    """A variable of the dataset: the whole fields of all responses, on the plane or along a line."""
     values = np.stack([np.asarray(field) for field in fields])
-    if values.shape[1] == 1:
-        return ("wave", "X"), values[:, 0], dict(attributes)
-    return ("wave", "Y", "X"), values, dict(attributes)
+    return ("wave", *("Y", "X")[3 - values.ndim :]), values, dict(attributes)
 
 
 # -- rolling ----------------------------------------------------------------------------------------------------------

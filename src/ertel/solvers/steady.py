@@ -144,11 +144,11 @@ class GridSolution:
         return maps
 
     def whole(self, field: Any, odd: bool = False) -> Any:
-        """A field on the whole plane, shape (nodes, nodes): the grid may keep one side of an axis of symmetry only.
+        """A field on the whole plane, shape (nodes, nodes), or along a line: the grid may keep one side of an axis of symmetry only.
 
         odd: whether it changes its sign at the axis Y = 0.
         """
-        return stencils.unfolded(np.asarray(field), self.grid.even, odd)  # type: ignore[arg-type]
+        return stencils.shown(np.asarray(field), self.grid.even, odd)  # type: ignore[arg-type]
 
 
 class SteadyFilm(SteadySolver):

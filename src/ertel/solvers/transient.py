@@ -27,7 +27,7 @@ from ertel.numerics import bdf, halfspace, multigrid, newton, stencils
 from ertel.numerics.grid import Symmetry, check_coarsening
 from ertel.numerics.integrals import Plane
 from ertel.numerics.programs import Compiled, Program
-from ertel.numerics.stencils import FloatLike, total, unfolded
+from ertel.numerics.stencils import FloatLike, shown, total
 from ertel.solvers import nonlinear, steady
 from ertel.solvers.nonlinear import PRECISION, Algorithms, Problem
 
@@ -294,8 +294,8 @@ class Transient2D(Stepper):
         return account.friction_program(self.setting.space, c, P, H, sliding, load, scale)
 
     def whole(self, field: Array, odd: bool = False) -> Array:
-        """A field of a level on the whole plane."""
-        return unfolded(np.asarray(field), self.grid.even, odd)  # type: ignore[arg-type]
+        """A field of a level on the whole plane, or along a line."""
+        return shown(np.asarray(field), self.grid.even, odd)  # type: ignore[arg-type]
 
 
 @jax.jit
