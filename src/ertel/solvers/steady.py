@@ -144,7 +144,9 @@ class GridSolution:
         return maps
 
     def whole(self, field: Any, odd: bool = False) -> Any:
-        """A field on the whole plane, shape (nodes, nodes), or along a line: the grid may keep one side of an axis of symmetry only.
+        """A field on the whole plane, shape (nodes, nodes), or along a line.
+
+        The grid may keep one side of an axis of symmetry only.
 
         odd: whether it changes its sign at the axis Y = 0.
         """
