@@ -23,6 +23,7 @@ from ertel.results.parameters import parameters_of, scale_values
 from ertel.results.variables import (
     COEFFICIENT,
     FILMS,
+    START_APPROACH,
     TOUCH,
     VARIABLES,
     first_touch,
@@ -170,8 +171,9 @@ def _contact(data: xr.Dataset, status: Status) -> dict[str, float | None]:
     The coefficient of restitution is the speed after the impact over that before; all is None until the ball has left,
     and where the run failed.
     """
-    T, V, F = (data[name].values for name in ("time", "V", "F"))
-    if status.failed or not (len(T) and V[-1] < 0 and F[-1] < UNLOADED):
+    T, V, F, Delta = (data[name].values for name in ("time", "V", "F", "Delta"))
+    left = len(T) and V[-1] < 0 and (F[-1] < UNLOADED or Delta[-1] < data.attrs[START_APPROACH])
+    if status.failed or not left:
         return dict.fromkeys(names_where(lambda variable: variable.of_impact))
     above = np.flatnonzero(F > LIGHT * F.max())
     ends = [max(above[0] - 1, 0), above[0]], [above[-1] + 1, above[-1]]  # the lighter side first
