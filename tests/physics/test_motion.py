@@ -64,7 +64,7 @@ def test_what_is_no_signal_is_refused() -> None:
 @given(st.floats(-2.0, 2.0), st.floats(0.0, 5.0))
 def test_the_surfaces_travel_at_their_own_speeds(slide_to_roll: float, T: float) -> None:
     """u1 - u2 = S u_m, and their mean is u_m."""
-    motion = replace(STEADY_ROLLING, slide_to_roll=slide_to_roll)
+    motion = replace(STEADY_ROLLING, sliding=constant(slide_to_roll))
     first, second = motion.travel(1, T), motion.travel(2, T)
     assert isclose((first + second) / 2, T, abs_tol=1e-12)
     assert isclose(first - second, slide_to_roll * T, abs_tol=1e-12)

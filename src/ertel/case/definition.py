@@ -21,7 +21,7 @@ from ertel.physics import film_formulas, hertz, surfaces
 from ertel.physics.film_formulas import IMPACT_EXPONENT, ROLLING_EXPONENT, starved_share
 from ertel.physics.geometry import CIRCLE, ContactMotion, Geometry, squeezed_film
 from ertel.physics.lubricant import ALPHA, Lubricant, Oil
-from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, Track, constant, reversed_sign
+from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, Product, Track, constant, reversed_sign
 from ertel.physics.scales import Parameters, Scales
 from ertel.physics.surfaces import Feature
 from ertel.physics.units import marks
@@ -128,13 +128,16 @@ class Definition:
         usual = FREE_BALL if self.starts_apart else STEADY_ROLLING
         drive = scaled(self.drive or Drive(), self.scales, "motion")
         mean, slide = self.contact.speeds
-        load, entrainment = drive.load or usual.load, drive.entrainment or usual.entrainment
+        load, entrainment, sliding = drive.load or usual.load, drive.entrainment or usual.entrainment, drive.sliding
         if self.scales and mean is not None:
             if self.starts_apart:
                 entrainment = drive.entrainment or constant(mean / self.scales.front_speed)
             elif mean < 0:
-                entrainment = reversed_sign(entrainment)
-        return Motion(load, entrainment, self._inertia(drive), slide or drive.slide_to_roll or 0.0)
+                entrainment, sliding = reversed_sign(entrainment), sliding and reversed_sign(sliding)
+        if ratio := slide or drive.slide_to_roll:
+            sliding = Product(constant(ratio) if isinstance(ratio, int | float) else ratio, entrainment)
+        others = sliding or usual.sliding, drive.curvature or usual.curvature
+        return Motion(load, entrainment, self._inertia(drive), *others)
 
     def _inertia(self, drive: Drive) -> float:
         if self.starts_apart:
@@ -263,8 +266,8 @@ def largest_pressure(case: Definition) -> float:
     """The maximum Hertz pressure (Pa) at the largest load, an impact's without oil; zero for a dimensionless case."""
     if case.scales is None:
         return 0.0
-    load = 1.0 if case.starts_apart else case.motion.load.range(inf)[1]
-    return float(case.scales.p_h * cbrt(load))
+    load, curvature = (signal.range(inf)[1] for signal in (case.motion.load, case.motion.curvature))
+    return float(case.scales.p_h * (1.0 if case.starts_apart else cbrt(load * curvature**2)))
 
 
 def newtonian_stress(case: Definition) -> float:
@@ -274,7 +277,7 @@ def newtonian_stress(case: Definition) -> float:
 
         2 integral from 0 to 1 of eta(p_h s) s ds,      p = p_h s at the radius sqrt(1 - s^2)
     """
-    sliding = abs(case.motion.slide_to_roll) * max(map(abs, case.motion.entrainment.range(inf)))
+    sliding = max(map(abs, case.motion.sliding.range(inf)))
     if case.scales is None or case.oil.eta0 is None or not sliding:
         return 0.0
     z, weight = _PLACES

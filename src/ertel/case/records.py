@@ -18,7 +18,7 @@ import numpy as np
 from ertel.case.height_map import HeightMap
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Oil
-from ertel.physics.motion import Oscillation, Polyline
+from ertel.physics.motion import Oscillation, Polyline, Smooth
 from ertel.physics.registry import FLUIDITY_LAWS, OIL_LAWS, SHAPES, Registry
 from ertel.physics.scales import Scales
 from ertel.physics.surfaces import Feature
@@ -60,6 +60,8 @@ def _plain(value: Any, mark: object = None) -> Any:
             return with_unit(value, mark)
         case tuple() | list():
             return [_plain(item) for item in value]
+        case Smooth():
+            return {"smooth": [_plain(point) for point in value.points]}
         case Polyline():
             (start, first), *rest = value.points
             return _plain(first) if start == 0.0 and not rest else [_plain(point) for point in value.points]
@@ -134,7 +136,7 @@ def checked(record: T, place: str) -> T:
     kinds, hints = marks(type(record)), hints_of(type(record))  # type: ignore[arg-type]
     for item in fields(record):  # type: ignore[arg-type]
         value, mark, choices = getattr(record, item.name), kinds.get(item.name), choices_of(hints[item.name])
-        if isinstance(value, Polyline) or (is_dataclass(value) and mark is None):
+        if isinstance(value, Polyline | Oscillation) or (is_dataclass(value) and mark is None):
             checked(value, f"{place}.{item.name}")
             continue
         is_default = type(value) is type(item.default) and bool(value == item.default)  # which may be infinite

@@ -157,14 +157,15 @@ class Key(NamedTuple):
             text = f"number ({self.mark.own}) or quantity" if self.mark.scale else "quantity"
             text += ", or [[y, thickness], ...]" * (Track in self.options)
             return ", ".join([*self.choices, text])
-        if self.mark is not None:
+        signal = "number, [[T, value], ...] or table"
+        if self.mark is not None and Signal not in self.options:
             return "integer" if self.mark.whole else "number"
         if self.law is not None:
             return f"{', '.join(able_names(self.law))} or table" if str in self.options else "table"
         if self.choices:
             return " or ".join(map(str, self.choices))
         words = {bool: "true or false", float: "number", int: "integer", HeightMap: "name of a file"}
-        words |= {Signal: "number, [[T, value], ...] or table", DataSheet: "name or table"}
+        words = {Signal: signal, **words, DataSheet: "name or table"}
         return next((words[option] for option in self.options if option in words), "text")
 
 
@@ -192,7 +193,7 @@ def places() -> Iterator[Place]:
                     if fields(laws[law]):
                         yield _table(f'{field} = {{ law = "{law}" }}', laws[law])
         if name == "motion":
-            yield _table("load, entrainment = { ... }", Oscillation)
+            yield _table("load, entrainment, ... = { ... }", Oscillation)
 
 
 def section(name: str) -> Place:

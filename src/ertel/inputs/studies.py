@@ -11,8 +11,8 @@ A list, or a table with `from`, `to` and `number`, in the place of any value mak
 gives equal ratios.  A quantity has its unit at both ends, or at one of them for both.  With mode "product" every value
 is combined with every other, with "zip" the first values of all belong together, then the second ones, ...
 
-Three keys may have a list as their plain value: motion.load and motion.entrainment, whose points [T, value] are one
-signal, and lubricant.layer, whose points [y, thickness] are one track.  A list of such lists makes these vary.  Tables
+A few keys may have a list as their plain value: those of [motion], whose points [T, value] are one signal, and
+lubricant.layer, whose points [y, thickness] are one track.  A list of such lists makes these vary.  Tables
 (of an oscillation, of a law, of a data sheet, of a shape) do not vary as a whole unless they stand in a list; each
 value in them may.
 """
@@ -39,7 +39,9 @@ from ertel.physics.units import Unit
 SWEEP = "sweep"
 RANGE = ("from", "to", "number", "spacing")
 SPACINGS = ("linear", LOG)
-SIGNALS = (("motion", "load"), ("motion", "entrainment"), ("lubricant", "layer"))
+MOVING = ("load", "entrainment", "slide_to_roll", "sliding", "curvature")
+SIGNALS = [("motion", name, *inner) for name in MOVING for inner in ((), ("smooth",))]
+SIGNALS += [("lubricant", "layer"), ("motion", "gear", "sharing"), ("motion", "cam", "lift")]
 MOST_RUNS = 10_000
 
 Place = tuple[str | int, ...]  # of a value in a case: section, key, ... ; ("roughness", 0, "amplitude")
