@@ -90,8 +90,7 @@ class Known(NamedTuple):
 
     def packed(self) -> bdf.Weights:
         """One array: each one that goes to the device costs the same time, however small."""
-        levels = *self.approaches, *self.loads, *self.curvatures
-        return np.array([*self.predict, *self.rates, *self.line, *levels, *self[6:]])
+        return np.hstack(self)
 
     @classmethod
     def of(cls, packed: Array | bdf.Weights) -> "Known":
@@ -318,18 +317,6 @@ def _squeezed(
     return {"P": P, "H": H, "mass": oil}, contact.pressure_load(c, P)
 
 
-def oil_there(c: Contact, P: Array, H: Array, residual: Array, rate: Rate) -> Array:
-    """The oil that is there after a step, as mass: rho H less what the residual leaves over, shape (n, n).
-
-    This oil obeys Reynolds' equation exactly at every node.  Where P > 0 the rest is what Newton's iteration left; the
-    next step corrects it.  Where P = 0 it is the void of the cavity, which the next step hands on.  On a dry edge the
-    oil moves with the flow alone.
-    """
-    full = contact.mass(c, P, H)
-    dry = jnp.where(P > 0.0, 0.0, jnp.maximum(rate.of(full, c.spacing), 0.0))
-    return full - (residual + dry - stencils.inside(dry, c.even)) / rate.new
-
-
 def film_error(film: Array, predicted: Array, P: Array, thin: Array | float, even: Symmetry, coarsenings: int) -> Array:
     """Relative difference of two films, root mean square over the load that P carries; `thin`: see `THIN`.
 
@@ -371,7 +358,7 @@ def solve_step(p: StepProblem) -> StepSolution:
         load_around=known.load_around + more * known.load_change, uplift=known.uplift + more * known.uplift_change
     )
     P, H = solution.P, solution.H
-    fields = {"P": P, "H": H, "mass": oil_there(p.contact, P, H, solution.left, rate)}
+    fields = {"P": P, "H": H, "mass": contact.oil_there(p.contact, P, H, solution.left, rate)}
     return StepSolution(fields, state.packed(_numbers(p, known, rate, solution, fields, approach)))
 
 
