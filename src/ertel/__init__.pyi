@@ -17,7 +17,9 @@ from ertel.inputs.python import Oil as Oil
 from ertel.inputs.python import impact as impact
 from ertel.inputs.python import quantity as quantity
 from ertel.inputs.python import rolling as rolling
+from ertel.physics import cams as cams
 from ertel.physics import film_formulas
+from ertel.physics import gears as gears
 from ertel.physics import hertz as hertz
 from ertel.physics.surfaces import Feature as Feature
 from ertel.physics.surfaces import RingWaviness as RingWaviness

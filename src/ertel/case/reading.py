@@ -19,7 +19,7 @@ from ertel.case.height_map import NO_MAPS, HeightMap
 from ertel.case.records import ConfigError, check_value, is_number, named, refusing, shortened, show
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Density, Viscosity
-from ertel.physics.motion import Oscillation, Polyline, Signal, Smooth, Track, constant
+from ertel.physics.motion import Oscillation, Polyline, Signal, Smooth, constant
 from ertel.physics.registry import OIL_LAWS, SHAPES
 from ertel.physics.surfaces import Feature
 from ertel.physics.units import FINITE, Amount, Bounds, Mark, Quantity, Unit, marks
@@ -173,8 +173,8 @@ class Reader:
                 return self.law(value, law, place, by_name=str in options)
             if Signal in options and not (float in options and is_number(value)):
                 return self.signal(value, place)
-            if Track in options and isinstance(value, list | tuple):
-                return self.polyline(Track, value, place)
+            if (line := records.points_in(options)) and isinstance(value, list | tuple):
+                return self.polyline(line, value, place)
             return self._plain_value(value, options, mark, names)
 
     def _plain_value(self, value: Any, options: Sequence[Any], mark: Mark | None, names: Sequence[str]) -> Any:
@@ -223,7 +223,7 @@ class Reader:
         return self.polyline(Polyline, data, place)
 
     def polyline(self, kind: type[Polyline], data: Sequence[Any], place: str) -> Polyline:
-        """A signal or a track from its points."""
+        """A signal, a track or a table from its points."""
         (x, value), points = kind.NAMES, []
         for number, point in enumerate(data, 1):
             where = f"{place}[{number}]"

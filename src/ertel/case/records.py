@@ -39,6 +39,11 @@ def choices_of(hint: Any) -> tuple[Any, ...]:
     return tuple(value for option in options if get_origin(option) is Literal for value in get_args(option))
 
 
+def points_in(options: Iterable[Any]) -> type[Polyline] | None:
+    """The kind of points that is among the kinds of values of an annotation."""
+    return next((kind for kind in options if isinstance(kind, type) and issubclass(kind, Polyline)), None)
+
+
 # -- writing ----------------------------------------------------------------------------------------------------------
 
 

@@ -8,7 +8,7 @@ Impact and rolling differ only in the motion and in the scales:
 Mixed cases are possible: impact on a moving track, a loaded ball that bounces, start-up, stop, reversal.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from math import copysign, cos, inf, pi
@@ -214,21 +214,17 @@ class Product(Signal):
         return min(self.first.shortest_period(), self.second.shortest_period())
 
 
-def reversed_sign(signal: Signal) -> Signal:
-    """The signal times -1."""
-    if isinstance(signal, Oscillation):
-        return replace(signal, mean=-signal.mean, amplitude=-signal.amplitude)
-    if isinstance(signal, Polyline):
-        return type(signal)(tuple((T, -plain(value)) for T, value in signal.points))
-    raise ValueError(f"{signal!r}: its sign cannot be changed")
-
-
 def constant(value: float) -> Signal:
     """A value that does not change."""
     return Polyline(((0.0, value),))
 
 
 NO_SLIDING, SAME_GAP = constant(0.0), constant(1.0)
+
+
+def reversed_sign(signal: Signal) -> Signal:
+    """The signal times -1."""
+    return Product(constant(-1.0), signal)
 
 
 @dataclass(frozen=True)
