@@ -17,6 +17,7 @@ from ertel.inputs.python import Oil as Oil
 from ertel.inputs.python import impact as impact
 from ertel.inputs.python import quantity as quantity
 from ertel.inputs.python import rolling as rolling
+from ertel.inputs.python import sampled as sampled
 from ertel.physics import cams as cams
 from ertel.physics import film_formulas
 from ertel.physics import gears as gears

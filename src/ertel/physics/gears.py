@@ -178,7 +178,7 @@ class Gear:
         radii = middle[0] + s, middle[1] - s
         if min(radii[0][0], radii[1][-1]) <= 0.0:
             instead = "take more teeth, a smaller addendum or a larger pressure_angle"
-            raise ValueError(f"teeth_1 = {self.teeth_1}: the path of contact reaches a base circle; {instead}")
+            raise ValueError(f"teeth_1 = {self.teeth_1:g}: the path of contact reaches a base circle; {instead}")
         share = self._share((s - s[0]) / (first + last), (first + last) / (np.pi * self.module * np.cos(phi)))
         speeds = self.speed * radii[0], self.speed * teeth[0] / teeth[1] * radii[1]
         load, time = self.torque / base[0] * share, (s - s[0]) / (self.speed * base[0])
