@@ -86,12 +86,8 @@ class MeasuredFile:
     ] = None
 
 
-NAMING = {
-    Conditions: Materials,
-    Oil: NamedLubricant,
-    Drive: Machines,
-    Measured: MeasuredFile,
-}  # further keys of sections and shapes
+# further keys of sections and shapes
+NAMING = {Conditions: Materials, Oil: NamedLubricant, Drive: Machines, Measured: MeasuredFile}
 TOP: Mapping[str, Meaning] = {  # keys of the file itself
     "name": Meaning("of the run's directory and titles; left out: that of the file", "steel_ball"),
     "schema": Meaning("version of this layout"),

@@ -22,23 +22,13 @@ from ertel.case.sections import Output, Solver, Thermal, Time
 from ertel.inputs.case_files import parse_case, with_all_units
 from ertel.inputs.layout import READER, Materials, NamedLubricant, field_names
 from ertel.inputs.quantities import NumberOrText, parse_quantity, plain_data
+from ertel.physics import units
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Oil as Oil
 from ertel.physics.motion import Smooth
 from ertel.physics.registry import FLUIDITY_LAWS
 from ertel.physics.surfaces import Feature, Shape
-from ertel.physics.units import (
-    DURATION,
-    HEIGHT,
-    TEMPERATURE,
-    TIME,
-    Mark,
-    Meaning,
-    Quantity,
-    marks,
-    meanings,
-    parameter_lines,
-)
+from ertel.physics.units import HEIGHT, TEMPERATURE, TIME, Mark, Meaning, Quantity, marks, meanings, parameter_lines
 
 
 class _Keywords(TypedDict, total=False):
@@ -293,7 +283,7 @@ def sampled(function: Callable[[float], float], until: float | str) -> dict[str,
     17
     """
     with refusing("until", until):
-        end = READER.amount(until, DURATION)
+        end = READER.amount(until, units.DURATION)
     last, cells = end.value if isinstance(end, Quantity) else end, 8
     error = inf
     while error > SAMPLED_TO and cells < MOST_SAMPLES // 2:

@@ -283,6 +283,10 @@ class Motion:
         """All that may vary in time."""
         return self.load, self.entrainment, self.sliding, self.curvature
 
+    def moment(self, T: float) -> tuple[float, float, float]:
+        """Load, entrainment and curvature at time T, on which the film of that moment depends."""
+        return self.load(T), self.entrainment(T), self.curvature(T)
+
     def flow_at(self, T: float) -> float:
         """U at time T; where the surfaces rest a zero with the sign of U before, whose flow left the rupture."""
         U = self.entrainment(T)

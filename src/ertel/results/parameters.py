@@ -89,41 +89,43 @@ def domain(case: Case) -> str:
     return f"{s.nodes} nodes, {inlet:.4g} a upstream to {2 * s.half_width - inlet:.4g} a downstream{across}"
 
 
-def formula_films(case: Case, load: float = 1.0, entrainment: float = 1.0) -> list[FormulaFilm]:
+def formula_films(case: Case, load: float = 1.0, entrainment: float = 1.0, curvature: float = 1.0) -> list[FormulaFilm]:
     """Film thickness of a rolling contact by every formula of `physics.film_formulas`, in the case's own a^2/R.
 
-    Of the moment with the load w in F* and the speed U in u_m.  Empty for an impact, and without load or without speed,
-    where the formulas have no meaning.  With layers of oil the flooded films, then what the layers leave of those that
-    are made for such a contact.
+    Of the moment with the load w in F*, the speed U in u_m and the curvature c of the gap.  Empty for an impact, and
+    without load or without speed, where the formulas have no meaning.  With layers of oil the flooded films, then
+    what the layers leave of those that are made for such a contact.
     """
     speed = abs(entrainment)
     if case.starts_apart or load <= 0 or speed == 0:
         return []
-    at = _at(case, load, speed)
+    at = _at(case, load, speed, curvature)
     ugw = _ugw(case, case.scales) if case.scales else None
-    formulas = film_formulas.films(at, ugw and HamrockDowson(ugw.U * speed, ugw.G, ugw.W * load), case.contact.angle)
-    unit = cbrt(load) ** 2  # the formulas' a^2 is that of the load w
+    formulas = film_formulas.films(
+        at, ugw and HamrockDowson(ugw.U * speed * curvature, ugw.G, ugw.W * load * curvature**2), case.contact.angle
+    )
+    unit = curvature * cbrt(load / curvature) ** 2  # the formulas' a^2/R is that of the moment
     flooded = [
         film._replace(central=film.central and film.central * unit, minimum=film.minimum and film.minimum * unit)
         for film in formulas
     ]
     if case.layer is None:
         return flooded
-    oil = case.layer / float(case.lubricant.density(cbrt(load)))
+    oil = case.layer / float(case.lubricant.density(cbrt(load * curvature**2)))
     return [*flooded, *(film.starved(oil) for film in flooded if film.central and film.inside)]
 
 
-def _at(case: Case, load: float, speed: float) -> Parameters:
-    """The parameters of a moment with the load w in F* and the speed U in u_m, both above zero."""
-    p = case.parameters
-    return Parameters.from_moes(p.M * load * speed**-0.75, p.L * speed**0.25, p.radius_ratio)
+def _at(case: Case, load: float, speed: float, curvature: float) -> Parameters:
+    """The parameters of a moment with the load w in F*, the speed U in u_m and the curvature c, all above zero."""
+    p, U = case.parameters, speed * curvature  # over R
+    return Parameters.from_moes(p.M * load * curvature**2 * U**-0.75, p.L * U**0.25, p.radius_ratio)
 
 
 def regime(case: Case) -> str:
     """The regime of a rolling contact at T = 0 with its g_V and g_E, see `film_formulas.regime_of`; "" of an impact."""
     if case.starts_apart:
         return ""
-    flow = FlowDirection.at(case.parameters.radius_ratio, case.contact.angle)
-    M, L = flow.moes(_at(case, case.motion.load(0.0), abs(case.motion.entrainment(0.0))))
+    flow, (w, U, c) = FlowDirection.at(case.parameters.radius_ratio, case.contact.angle), case.motion.moment(0.0)
+    M, L = flow.moes(_at(case, w, abs(U), c))
     g_V, g_E = film_formulas.regime_numbers(M, L)
     return f"{film_formulas.regime_of(M, L, flow.radius_ratio)} (g_V = {g_V:.3g}, g_E = {g_E:.3g})"
