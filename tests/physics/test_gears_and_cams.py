@@ -1,5 +1,6 @@
 """Gears and cams: radii, speeds and load by hand, and the case that follows."""
 
+from collections.abc import Callable
 from math import cos, pi, radians, sin, sqrt
 from typing import Any
 
@@ -120,3 +121,29 @@ def test_cams_that_do_not_work_and_what_follows_from_a_gear() -> None:
     ):
         with pytest.raises(ConfigError, match=wrong):
             parse_case({"contact": contact, "motion": {"gear": GEAR, **motion}})
+
+
+def reversing_cam() -> dict[str, Any]:
+    """Three degrees of a flank, on which the mean speed changes its sign."""
+    lift = [(angle, 0.004 * (1 + cos(3 * radians(angle)))) for angle in np.linspace(-21.5, -18.5, 13)]
+    slow = {"base_radius": "30 mm", "speed": "100 rpm", "preload": "1 N", "crown_radius": "20 mm"}
+    return ertel.cams.flat_tappet(lift, **CAM | slow).keywords
+
+
+def entering_teeth() -> dict[str, Any]:
+    return ertel.gears.involute(**GEAR | {"torque": "0.5 N*m", "crown_radius": "50 mm"}).keywords | {"until": "0.05 ms"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("given", [entering_teeth, reversing_cam])
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_films_of_a_tooth_and_of_a_cam_in_time(given: Callable[[], dict[str, Any]]) -> None:
+    """Of crowned bodies; the film stays where the mean speed passes through zero.
+
+    The grid is coarse: signals that stay leave 3.4 % of the energy of the teeth.  On 65 nodes it is 2.0 %, here 2.8 %.
+    """
+    result = ertel.simulate(ertel.rolling(**given(), **OTHERS))
+    budgets = result.summary["budgets"]
+    assert result.status.ok and result.dataset["H_min"].min() > 0.01
+    assert budgets["energy"]["imbalance"] < 0.07 and budgets["mass"]["imbalance"] < 0.04
+    np.testing.assert_array_equal(np.sign(result.dataset["mu_sliding"]), np.sign(result.case.motion.sliding(0.0)))
