@@ -59,12 +59,13 @@ def test_duration_and_largest_load_of_an_impact() -> None:
     assert summary["si"]["f_max_N"] == pytest.approx(summary["F_max"] * case.scales.load)
 
 
-def test_films_of_another_load_and_speed() -> None:
+def test_films_of_another_load_speed_and_radius() -> None:
     """As if the case had been given with them."""
     a = parse_case({"contact": ROLLING, "lubricant": ROLLING_OIL})
     other = {"load": f"{2 * 3.888524!r} N", "mean_speed": f"{3 * 0.502636!r} m/s"}
+    other["radius"] = f"{a.scales.R / 1.5!r} m"
     b = parse_case({"contact": ROLLING | other, "lubricant": ROLLING_OIL})
-    for one, two in zip(parameters.formula_films(a, 2.0, -3.0), parameters.formula_films(b), strict=True):
+    for one, two in zip(parameters.formula_films(a, 2.0, -3.0, 1.5), parameters.formula_films(b), strict=True):
         for p, q in ((one.central, two.central), (one.minimum, two.minimum)):
             assert (p is None and q is None) or p * a.scales.film == pytest.approx(q * b.scales.film)
     assert parameters.formula_films(a, 1.0, 0.0) == []

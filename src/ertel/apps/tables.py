@@ -145,7 +145,7 @@ def _print_values(out: PlainConsole, case: "Case", summary: Mapping[str, Any]) -
     for line in more_lines(summary):
         out.say(line)
     T = computed["T"].value if "T" in computed else 0.0
-    formulas = formula_films(case, case.motion.load(T), case.motion.entrainment(T)) if computed else ()
+    formulas = formula_films(case, *case.motion.moment(T)) if computed else ()
     if formulas:
         out.print()
         print_films(case, formulas, computed)
@@ -221,14 +221,14 @@ def _deviation(film: float | None, computed: Number) -> str:
 def print_formulas(case: "Case") -> None:
     """The parameters and scales of a case, and the films by the formulas at T = 0."""
     print_parameters(parameter_summary(case))
-    if films := formula_films(case, case.motion.load(0.0), case.motion.entrainment(0.0)):
+    if films := formula_films(case, *case.motion.moment(0.0)):
         console().print()
         print_films(case, films)
 
 
 def films_as_data(case: "Case") -> list[dict[str, Any]]:
     """The films by the formulas at T = 0, with sources and ranges, as data for JSON."""
-    rows = [film._asdict() for film in formula_films(case, case.motion.load(0.0), case.motion.entrainment(0.0))]
+    rows = [film._asdict() for film in formula_films(case, *case.motion.moment(0.0))]
     if case.scales:
         for row in rows:
             row["si"] = values_in_si({"H_c": row["central"], "H_min": row["minimum"]}, case.scales)

@@ -7,13 +7,13 @@ from typing import Any
 
 from ertel.case.conditions import FOREIGN, Kind
 from ertel.case.methods import NEW, of_kind
-from ertel.case.records import inner_laws, show
+from ertel.case.records import inner_laws, points_in, show
 from ertel.case.sections import SECTIONS
 from ertel.inputs import layout
 from ertel.inputs.layout import Key, Place
 from ertel.inputs.names import OF_OILS
 from ertel.inputs.quantities import LONGEST
-from ertel.physics.motion import Oscillation, Polyline, Signal, Track
+from ertel.physics.motion import Oscillation, Polyline, Signal, Smooth, Track
 from ertel.physics.registry import SHAPES, Registry
 from ertel.physics.units import FINITE, Bounds, Mark
 
@@ -146,6 +146,10 @@ def _value_schema(key: Key) -> Schema:
     """The schema of the value of a key."""
     if Track in key.options and key.mark is not None:
         return {"anyOf": [_marked_schema(key.mark), _points_schema(Track)]}
+    if Signal in key.options:
+        points = {"smooth": {**_points_schema(Smooth), "description": "points of a smooth curve"}}
+        smooth = {"type": "object", "properties": points, "required": ["smooth"], "additionalProperties": False}
+        return {"anyOf": [_marked_schema(FINITE), _points_schema(Polyline), smooth, _record_schema(Oscillation)]}
     if key.mark is not None:
         marked = _marked_schema(key.mark)
         return {"anyOf": [{"enum": list(key.choices)}, *marked["anyOf"]]} if key.choices else marked
@@ -153,10 +157,11 @@ def _value_schema(key: Key) -> Schema:
         return _law_schema(key.law, by_name=str in key.options)
     if key.choices:
         return {"enum": list(key.choices)}
-    if Signal in key.options:
-        return {"anyOf": [_marked_schema(FINITE), _points_schema(Polyline), _record_schema(Oscillation)]}
-    if layout.DataSheet in key.options:
-        return {"anyOf": [{"type": "string"}, _record_schema(layout.DataSheet)]}
+    if record := next((record for record in layout.TABLES if record in key.options), None):
+        table = _record_schema(record)
+        return {"anyOf": [{"type": "string"}, table]} if str in key.options else table
+    if line := points_in(key.options):
+        return _points_schema(line)
     if Ellipsis in key.options:
         return {"type": "array", "items": {"type": "number"}}
     types = {bool: "boolean", float: "number", int: "integer"}

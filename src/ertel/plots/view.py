@@ -145,7 +145,7 @@ class View:
     @property
     def slides(self) -> bool:
         """True if the surfaces slide."""
-        return self.case.motion.slide_to_roll != 0.0
+        return self.case.motion.slides
 
     # -- scales and words ---------------------------------------------------------------------------------------------
 
@@ -198,7 +198,7 @@ class View:
             conditions.append(f"$R_x/R_y$ = {about['radius_ratio']:.3g}")
         if about.get("entrainment_angle"):
             conditions.append(f"angle {about['entrainment_angle']:.3g}°")
-        if about["kind"] == "rolling" and self.slides:
+        if about["kind"] == "rolling" and self.slides and self.case.motion.keeps_ratio:
             conditions.append(f"slide-to-roll {self.case.motion.slide_to_roll:.3g}")
         return [name_of(about), *conditions_in_si(about), *conditions]
 

@@ -101,7 +101,7 @@ def friction_warnings(case: Case, coefficient: float) -> list[str]:
     if case.scales is None:
         return []
     heaviest = 1.0 if case.starts_apart else case.motion.load.range(inf)[1]
-    p, mu = case.scales.p_h * case.geometry.grown(heaviest), abs(coefficient)
+    p, mu = case.scales.p_h * case.geometry.grown(heaviest)[1], abs(coefficient)
     if isinstance(case.oil.viscosity_law, Barus) and p > BARUS_PRESSURE and (mu or not case.oil.is_newtonian):
         return [
             f'lubricant.viscosity = "barus": greatly overestimates the viscosity above {BARUS_PRESSURE / 1e9:g} GPa, '

@@ -94,31 +94,32 @@ def domain(case: Case) -> str:
     return f"{s.nodes} nodes, {inlet:.4g} a upstream to {2 * s.half_width - inlet:.4g} a downstream{across}"
 
 
-def formula_films(case: Case, load: float = 1.0, entrainment: float = 1.0) -> list[FormulaFilm]:
+def formula_films(case: Case, load: float = 1.0, entrainment: float = 1.0, curvature: float = 1.0) -> list[FormulaFilm]:
     """Film thickness of a rolling contact by every formula of `physics.film_formulas`, in the case's own a^2/R.
 
-    Of the moment with the load w in F* and the speed U in u_m.  Empty for an impact, and without load or without speed,
-    where the formulas have no meaning.  With layers of oil the flooded films, then what the layers leave of those that
-    are made for such a contact.
+    Of the moment with the load w in F*, the speed U in u_m and the curvature c of the gap.  Empty for an impact, and
+    without load or without speed, where the formulas have no meaning.  With layers of oil the flooded films, then
+    what the layers leave of those that are made for such a contact.
     """
     speed = abs(entrainment)
     if case.starts_apart or load <= 0 or speed == 0:
         return []
-    at, grown = case.parameters.at(load, speed), case.geometry.grown(load)
+    at, (size, pressure) = case.parameters.at(load, speed, curvature), case.geometry.grown(load, curvature)
     ugw = _ugw(case, case.scales) if case.scales else None
-    ugw = ugw and HamrockDowson(ugw.U * speed, ugw.G, ugw.W * load)
     if isinstance(at, LineParameters):
+        ugw = ugw and HamrockDowson(ugw.U * speed * curvature, ugw.G, ugw.W * load * curvature)
         formulas = line_films.line_films(at, ugw)
     else:
+        ugw = ugw and HamrockDowson(ugw.U * speed * curvature, ugw.G, ugw.W * load * curvature**2)
         formulas = film_formulas.films(at, ugw, case.contact.angle)
-    unit = grown**2  # the formulas' a^2 is that of the load w
+    unit = curvature * size**2  # the formulas' a^2/R is that of the moment
     flooded = [
         film._replace(central=film.central and film.central * unit, minimum=film.minimum and film.minimum * unit)
         for film in formulas
     ]
     if case.layer is None:
         return flooded
-    oil = case.layer / float(case.lubricant.density(grown))
+    oil = case.layer / float(case.lubricant.density(pressure))
     starved: Callable[[FormulaFilm, float], FormulaFilm] = (
         line_films.starved if case.geometry.is_line else FormulaFilm.starved
     )
@@ -129,7 +130,8 @@ def regime(case: Case) -> str:
     """The regime of a rolling contact at T = 0 with its g_V and g_E, see `film_formulas.regime_of`; "" of an impact."""
     if case.starts_apart:
         return ""
-    at = case.parameters.at(case.motion.load(0.0), abs(case.motion.entrainment(0.0)))
+    w, U, c = case.motion.moment(0.0)
+    at = case.parameters.at(w, abs(U), c)
     if case.geometry.is_line:
         return line_films.regime_of_line(at.M, at.L)
     flow = FlowDirection.at(case.parameters.radius_ratio, case.contact.angle)
