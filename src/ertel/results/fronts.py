@@ -58,7 +58,7 @@ def front(data: xr.Dataset, by: FrontDefinition = "film") -> Front:
     Parameters
     ----------
     data : xarray.Dataset
-        An impact, radial or in the plane (there the front along Y = 0 is found).
+        An impact, radial, of a line contact, or in the plane (there the front along Y = 0 is found).
     by : {"film", "slope", "half-hertz"}
         Definition of the front.  "film": the place of the minimum film thickness, at every step.  "slope": where the
         pressure falls most steeply outwards, on every map.  "half-hertz": from the place where the pressure is half of
@@ -85,8 +85,12 @@ def front(data: xr.Dataset, by: FrontDefinition = "film") -> Front:
 
 def _front_by_film(data: xr.Dataset) -> tuple[Values, Values]:
     loaded = data["P_max"].values > LOADED_FRONT * float(data["P_max"].max())
-    radius = np.hypot(data["X_min"].values, data["Y_min"].values)
-    return data["time"].values, np.where(loaded, radius, np.nan)
+    return data["time"].values, np.where(loaded, distance_of_minimum(data), np.nan)
+
+
+def distance_of_minimum(data: xr.Dataset) -> Values:
+    """The distance of the minimum film thickness from the centre (a*) at every step, (n,)."""
+    return np.hypot(data["X_min"].values, data["Y_min"].values if "Y_min" in data else 0.0)
 
 
 def _front_by_pressure(data: xr.Dataset, fall: Callable[[Values, Values, float], float]) -> tuple[Values, Values]:
@@ -99,10 +103,11 @@ def _front_by_pressure(data: xr.Dataset, fall: Callable[[Values, Values, float],
 
 
 def _outwards(field: xr.DataArray) -> tuple[Values, Values]:
-    """Radius (n,) and field (..., n) along a radius: the half line Y = 0, X >= 0 of a 2-D run."""
+    """Radius (n,) and field (..., n) along a radius: of a 2-D run and a line contact X >= 0, there on Y = 0."""
     if "r" in field.dims:
         return np.asarray(field["r"].values), np.asarray(field.values)
-    half = field.sel(Y=0.0, method="nearest").isel(X=field["X"].values >= 0)
+    middle = field.sel(Y=0.0, method="nearest") if "Y" in field.dims else field
+    half = middle.isel(X=field["X"].values >= 0)
     return np.asarray(half["X"].values), np.asarray(half.values)
 
 
