@@ -16,7 +16,7 @@ from matplotlib.axes import Axes
 
 from ertel.plots.drawing import NoFigure, compose
 from ertel.plots.fields import draw_film_map, draw_pressure_map
-from ertel.plots.view import Limits, View
+from ertel.plots.view import Limits, View, require_maps
 from ertel.results.profiles import between
 from ertel.results.variables import MADE_BY, is_steady
 
@@ -54,6 +54,7 @@ def movie(dataset: xr.Dataset, what: str = "film", rate: float = PER_SECOND) -> 
         raise NoFigure(f"what = {what!r}: must be one of {', '.join(MOVIES)} in a movie")
     if not 1.0 <= rate <= FASTEST:
         raise NoFigure(f"rate = {rate:g}: must be from 1 to {FASTEST:g} frames a second")
+    require_maps(dataset, what)
     dataset = in_motion(dataset)
     first, T = View(dataset, 0), dataset["frame"].values
     top = 1.5 * View.of(dataset).film_inside() if what == "film" else max(float(dataset["P"].max()), 0.01)
