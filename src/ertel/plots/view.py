@@ -16,13 +16,21 @@ from ertel.case.height_map import HeightMap
 from ertel.numerics.grid import Extrapolation, on_grids
 from ertel.physics import surfaces
 from ertel.physics.geometry import Geometry
-from ertel.physics.geometry import geometry as geometry_of
 from ertel.plots.drawing import NoFigure, Scale, Values
 from ertel.results.alignment import NOT_FULL, Comparison
 from ertel.results.dataset import maps_of
 from ertel.results.numbers import plus_minus
 from ertel.results.profiles import At, is_without_moments, mirrored, moment_of
-from ertel.results.variables import COEFFICIENT, FILMS, figures_of, is_line, names_where, with_clock, with_prefix
+from ertel.results.variables import (
+    COEFFICIENT,
+    FILMS,
+    figures_of,
+    geometry_of,
+    is_line,
+    names_where,
+    with_clock,
+    with_prefix,
+)
 
 MARGIN, WIDEST = 1.3, 2.0  # of what is shown round the contact, at most so many half widths from its centre
 LOADED = 0.02  # of the maximum pressure or load: with less the film carries nothing
@@ -128,9 +136,7 @@ class View:
     @property
     def geometry(self) -> Geometry:
         """The dry contact and its directions."""
-        about = self.dataset.attrs
-        given = {name: about[name] for name in ("radius_ratio", "length_ratio") if name in about}
-        return geometry_of(angle=about.get("entrainment_angle", 0.0), **given)
+        return geometry_of(self.dataset.attrs)
 
     @property
     def stretch(self) -> float:

@@ -16,7 +16,6 @@ from ertel.case.methods import METHODS
 from ertel.case.status import Status
 from ertel.physics.line_scales import LineScales
 from ertel.physics.scales import Scales
-from ertel.physics.geometry import geometry
 from ertel.physics.temperature_laws import ZERO_CELSIUS
 from ertel.results.variables import (
     COEFFICIENT,
@@ -27,6 +26,7 @@ from ertel.results.variables import (
     VARIABLES,
     Variable,
     along_a_line,
+    geometry_of,
     in_celsius,
     is_line,
     names_where,
@@ -190,7 +190,7 @@ def moment(summary: Outcome) -> str:
 
 def nodes_in_words(about: Outcome, nodes: int, across: int) -> str:
     """The grid in words: 257 x 257 nodes, 513 nodes along x.  about: method and radius_ratio of the contact."""
-    return METHODS[about["method"]].of(geometry(about.get("radius_ratio", 1.0))).space.in_words(nodes, across)
+    return METHODS[about["method"]].of(geometry_of(about)).space.in_words(nodes, across)
 
 
 def key_numbers(summary: Outcome) -> list[Number]:

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from math import floor, log10
 from typing import TYPE_CHECKING, Any
 
+from ertel.physics.geometry import Geometry, geometry
 from ertel.physics.scales import Scales
 from ertel.physics.temperature_laws import ZERO_CELSIUS
 
@@ -243,6 +244,12 @@ def stored_in(there: Container[Any], chosen: Callable[[Variable], Any], cold: bo
 def is_line(about: Mapping[str, Any]) -> bool:
     """Whether a summary, or the attributes of a Dataset, are those of a line contact."""
     return about.get("radius_ratio") == 0
+
+
+def geometry_of(about: Mapping[str, Any]) -> Geometry:
+    """The dry contact and its directions, from a summary or the attributes of a Dataset."""
+    ratio, angle = about.get("radius_ratio", 1.0), about.get("entrainment_angle", 0.0)
+    return geometry(ratio, angle, about.get("length_ratio", 100.0))
 
 
 def along_a_line(unit: str) -> str:
