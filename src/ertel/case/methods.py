@@ -128,7 +128,10 @@ METHODS: dict[str, Method] = {}
 
 def with_a_line(method: Method, widening: Widening, cost: Cost, **other: Any) -> Method:
     """The method with its form for line contacts: one row of nodes, which is solved directly."""
-    defaults, supports = replace(method.defaults, nodes=LINE_NODES, half_width=3.0), method.supports._replace(track=False)
+    defaults, supports = (
+        replace(method.defaults, nodes=LINE_NODES, half_width=3.0),
+        method.supports._replace(track=False),
+    )
     changed = {"space": AlongX(), "defaults": defaults, "supports": supports, "new_nodes": LINE_NODES, **other}
     return replace(method, on_a_line=replace(method, widening=widening, cost=cost, **changed))
 
@@ -163,7 +166,9 @@ LINE_NODES = 513
 ROW = Cost(12, (3e-3, 2e-5), 3e-4, is_dense=True)
 ROLLING_UNTIL = 6.0  # t0: the surfaces roll through a domain of the default length for M >= 5
 
-IN_2D = Method("2d", "impact", "plane: minutes", OnThePlane(), Solver(), AT_IMPACT, Cost(150, STEP), 129, "max-approach")
+IN_2D = Method(
+    "2d", "impact", "plane: minutes", OnThePlane(), Solver(), AT_IMPACT, Cost(150, STEP), 129, "max-approach"
+)
 register(with_a_line(IN_2D, LINE_IMPACT, ROW, title="in time"))
 register(
     Method(

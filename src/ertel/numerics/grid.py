@@ -113,6 +113,19 @@ class Grid:
             grids.append(coarser)
         return tuple(grids)
 
+    @property
+    def halvings(self) -> int:
+        """How often every second node can be left out, down to a few nodes; multigrid does not, where there is one row.
+
+        Where fields are even the middle must be a node of the coarsest grid.
+        """
+        if self.nodes_y > 1:
+            return len(self.hierarchy()) - 1
+        cells, count = (self.nodes_x - 1) // (2 if any(self.even) else 1), 0
+        while cells % 2 == 0 and cells >= 2 * (COARSE_ENOUGH - 1):
+            cells, count = cells // 2, count + 1
+        return count
+
 
 def _axis(nodes: int, spacing: float, centre: float) -> NDArray[np.float64]:
     # coordinates are counted from the middle, so that a symmetric grid is symmetric to the last bit

@@ -5,7 +5,7 @@ Moes' unit of film thickness is (2U)^(1/2) R, so that H_Moes = H 8 M/pi with H i
 which ertel's own films agree with a formula as its text says.
 """
 
-from math import exp, pi
+from math import exp, pi, sqrt
 
 from ertel.physics.film_formulas import FormulaFilm, dowson_higginson_minimum, dowson_toyoda_central
 from ertel.physics.line_scales import LineParameters
@@ -22,27 +22,17 @@ SOURCES = {
 }
 
 
-def asymptotes(M: float, L: float) -> dict[str, float]:
-    """The films of the four regimes in Moes' unit, by the names of `film_formulas.REGIMES`."""
-    return {
-        "isoviscous, rigid": 2.45 / M,
-        "isoviscous, elastic": 2.05 * M**-0.2,
-        "piezoviscous, rigid": 1.05 * L ** (2 / 3),
-        "piezoviscous, elastic": 2.08 * L**0.75 * M**-0.125,
-    }
-
-
 def moes_line(M: float, L: float) -> float:
     """Moes' fit of the central film, in his unit, for all M > 0 and L >= 0 and Barus' law.
 
     Against ertel's films: Barus -9 to +1 %; of L = 0 it is the minimum film, -4 to +3 %.
     """
-    rigid, elastic, piezo_rigid, piezo_elastic = asymptotes(M, L).values()
+    rigid, elastic = 2.45 / M, 2.05 * M**-0.2
     s = (7.0 + 8.0 * exp(-2.0 * elastic / rigid)) / 5.0
     isoviscous = (rigid ** (7 / 3) + elastic ** (7 / 3)) ** (3 / 7)
     if not L:
         return float(isoviscous)
-    piezoviscous = (piezo_rigid**-3.5 + piezo_elastic**-3.5) ** (-2 / 7)
+    piezoviscous = ((1.05 * L ** (2 / 3)) ** -3.5 + (2.08 * L**0.75 * M**-0.125) ** -3.5) ** (-2 / 7)
     return float((isoviscous**s + piezoviscous**s) ** (1.0 / s))
 
 
@@ -52,11 +42,15 @@ def expected_line_film(parameters: LineParameters) -> float:
 
 
 def regime_of_line(M: float, L: float) -> str:
-    """The regime whose film Moes' fit follows."""
-    films = asymptotes(M, L)
-    soft = max(("isoviscous, rigid", "isoviscous, elastic"), key=lambda name: films[name])
-    hard = min(("piezoviscous, rigid", "piezoviscous, elastic"), key=lambda name: films[name])
-    return max((soft, hard), key=lambda name: films[name])
+    """The regime on Johnson's chart of g_V = W^(3/2) G U^(-1/2) and g_E = W U^(-1/2), by name.
+
+    Johnson KL. Regimes of elastohydrodynamic lubrication. J Mech Eng Sci 1970;12:9-16, with the films h W/(R U) that
+    Hamrock gives for its regimes (Fundamentals of fluid film lubrication. NASA RP-1255; 1991).
+    """
+    g_E, g_V = sqrt(2.0) * M, sqrt(2.0) * M**1.5 * L
+    soft = max((4.9, "isoviscous, rigid"), (3.10 * g_E**0.8, "isoviscous, elastic"))
+    hard = min((1.05 * g_V ** (2 / 3), "piezoviscous, rigid"), (1.654 * g_V**0.54 * g_E**0.06, "piezoviscous, elastic"))
+    return max(soft, hard)[1]
 
 
 def masjedi_khonsari_central(parameters: HamrockDowson) -> float:

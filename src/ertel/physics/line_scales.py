@@ -47,9 +47,7 @@ class LineParameters(Parameters):
         require_not_negative(alpha_bar=self.alpha_bar)
 
     @classmethod
-    def from_moes(  # type: ignore[override]
-        cls, M: float, L: float, radius_ratio: float = 0.0, length_ratio: float = 100.0
-    ) -> "LineParameters":
+    def from_moes(cls, M: float, L: float, radius_ratio: float = 0.0, length_ratio: float = 100.0) -> "LineParameters":
         """Parameters from Moes' load parameter M > 0 and lubricant parameter L >= 0 of a line contact."""
         require_positive(M=M)
         require_not_negative(L=L)

@@ -86,6 +86,11 @@ class Waviness:
         return _is_cosine(self.phase_y), _is_cosine(self.phase_x) and self.front == inf
 
     @property
+    def is_uniform_along_y(self) -> bool:
+        """Whether the heights are the same at all Y."""
+        return self.wavelength_y == inf
+
+    @property
     def is_ridges_along_x(self) -> bool:
         """Whether the height is constant along X, so that motion along X does not change it."""
         return self.wavelength_x == inf and self.front == inf

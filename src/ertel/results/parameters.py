@@ -9,8 +9,8 @@ from ertel.case.case import Case
 from ertel.case.records import law_data, show
 from ertel.physics import film_formulas, line_films
 from ertel.physics.film_formulas import FormulaFilm
-from ertel.physics.materials import RHEOLOGY
 from ertel.physics.line_scales import LineParameters
+from ertel.physics.materials import RHEOLOGY
 from ertel.physics.registry import FLUIDITY_LAWS
 from ertel.physics.scales import FlowDirection, HamrockDowson, Parameters, Scales, hamrock_dowson
 

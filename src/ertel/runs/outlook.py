@@ -7,7 +7,7 @@ in `results.diagnostics`.
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from math import ceil, inf, isfinite, prod
+from math import ceil, inf, isfinite, prod, sqrt
 from typing import Any
 
 import numpy as np
@@ -308,12 +308,14 @@ def _oil_inertia(case: Case) -> str:
 
 def _no_tension(case: Case) -> str:
     """A sentence on the rebound from a full gap at a low Stokes number, where tension in the oil counts."""
-    St = case.parameters.stokes
-    if not case.starts_apart or case.layer or case.schedule.until != "rebound" or St >= LOW_STOKES:
+    St, lost = case.parameters.stokes, TENSION / case.parameters.stokes
+    if case.geometry.is_line:  # whose film on the rebound is about the trapped one
+        lost = 1.0 / (St * sqrt(sum(case.parameters.impact_films) / 2))
+    if not case.starts_apart or case.layer or case.schedule.until != "rebound" or lost <= TENSION / LOW_STOKES:
         return ""
     return (
         f"the Stokes number is {St:.3g}, and oil without tension does not hold the ball back: restitution is an upper "
-        f"bound; tension in the oil lowers it by about {TENSION:g}/St = {min(TENSION / St, 1.0):.2g}, at most to zero"
+        f"bound; tension in the oil lowers it by about {min(lost, 1.0):.2g}, at most to zero"
     )
 
 

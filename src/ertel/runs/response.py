@@ -115,7 +115,7 @@ def respond(case: CaseLike, roughnesses: Roughnesses, observers: Sequence[Observ
     -------
     xarray.Dataset
         H, P (Y, X) of the smooth impact at maximum approach, its scalars over time, and dH, roughness (wave, Y, X) in
-        units a*^2/R.  The attribute `status` is not "converged" where a run gave up; dH is then not to be used.
+        units a*^2/R; of a line contact all without Y.  The attribute `status` is not "converged" where a run gave up; dH is then not to be used.
 
     Raises
     ------
@@ -192,8 +192,11 @@ def _in_lockstep(
 
 
 def _field(fields: Iterable[Array], attributes: Mapping[str, str]) -> Field:
-    """A variable of the dataset: the whole fields of all responses."""
-    return ("wave", "Y", "X"), np.stack([np.asarray(field) for field in fields]), dict(attributes)
+    """A variable of the dataset: the whole fields of all responses; one row is a line along X."""
+    values = np.stack([np.asarray(field) for field in fields])
+    if values.shape[1] == 1:
+        return ("wave", "X"), values[:, 0], dict(attributes)
+    return ("wave", "Y", "X"), values, dict(attributes)
 
 
 # -- rolling ----------------------------------------------------------------------------------------------------------
@@ -282,7 +285,8 @@ def _errors(case: Case, rolling: Rolling, features: Roughnesses, responses: Sequ
 
 def _error_warnings(data: xr.Dataset, nodes: int) -> list[str]:
     """Sentences about responses that are uncertain on this grid, or whose error is not known."""
-    centre = data["dH_amplitude"].sel(X=0.0, Y=0.0, method="nearest").values
+    amplitude = data["dH_amplitude"]
+    centre = amplitude.sel({axis: 0.0 for axis in amplitude.dims[1:]}, method="nearest").values
     shares = data["dH_error"].values / np.maximum(centre, np.finfo(float).tiny)
     sentences = []
     for n, (share, amplitude) in enumerate(zip(shares, centre, strict=True), 1):

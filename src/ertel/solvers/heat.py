@@ -55,8 +55,8 @@ from ertel.numerics.integrals import Plane
 from ertel.numerics.newton import gcr
 from ertel.numerics.programs import ANY_SIZE, Program, exportable
 from ertel.numerics.stencils import inside, node_slopes
-from ertel.physics.geometry import Geometry
 from ertel.physics.fluidity import Fluidity, limited_stress
+from ertel.physics.geometry import Geometry
 from ertel.physics.lubricant import Lubricant
 from ertel.physics.thermal import AT_REST, Floats, Solid, WarmViscosity, peclet_number, response
 

@@ -154,7 +154,7 @@ class SteadyFilm(SteadySolver):
     """The method "steady"."""
 
     def __init__(self, case: Case):
-        self.case, self.grids = case, grids_of(case)[::-1]
+        self.case, self.grids = fed(case), grids_of(case)[::-1]
 
     def compile_ahead(self) -> None:
         """See `SteadySolver.compile_ahead`."""
@@ -188,6 +188,20 @@ class Rolling:
 def steady_film(case: Case) -> Rolling:
     """The steady contact with the load and the entrainment of T = 0, on all grids."""
     return Rolling(tuple(nested(case)))
+
+
+def fed(case: Case) -> Case:
+    """The case; with a full inlet where a rolling line contact has a layer of more oil than passes it.
+
+    Nothing leaks to the sides of a line.  So its film is the layer, or the flooded one; the oil that does not pass
+    gathers in front of it.
+    """
+    if case.layer is None or case.starts_apart or not case.geometry.is_line:
+        return case
+    full = replace(case, oil=replace(case.oil, layer=None, layer_1=None, layer_2=None))
+    flooded = steady_film(full).finest
+    passes = flooded.account.terms["inflow"] / abs(case.motion.entrainment(0.0))
+    return full if case.layer >= passes else case
 
 
 def nested(case: Case, done: Sequence[GridSolution] = ()) -> Iterator[GridSolution]:

@@ -130,6 +130,7 @@ class Transient2D(Stepper):
     """
 
     def __init__(self, case: Case, small: float = SMALL):
+        case = steady.fed(case)
         self.case, self.small = case, small
         self.grid = grid_of(case)
         check_coarsening(self.grid)
@@ -138,9 +139,7 @@ class Transient2D(Stepper):
         self.outside = discretise.outside_of(case, self.grid)
         self.layer = discretise.layer_of(case, self.grid)
         self.closure = NewtonsLaw(case.motion.inertia, case.motion.load, self.geometry.hertz_load)
-        elastic = multigrid.deformation_operators(
-            self.grid, self.geometry.compliance, PRECISION, self.geometry.reach
-        )
+        elastic = multigrid.deformation_operators(self.grid, self.geometry.compliance, PRECISION, self.geometry.reach)
         self.coordinates = self.grid.coordinates
         tolerance = case.solver.tolerance
         if not case.schedule.step:
@@ -153,7 +152,7 @@ class Transient2D(Stepper):
             tolerance,
             case.film_scale,
             self.geometry.hertz_load,
-            coarsenings(case, self.grid.spacing, len(elastic) - 1),
+            coarsenings(case, self.grid.spacing, self.grid.halvings),
         )
         self.setting: Setting = jax.device_put(setting)
         self._programs: dict[Any, Compiled] = {}
