@@ -44,9 +44,9 @@ from ertel.plots.drawing import (
 from ertel.plots.interferograms import animation, interferogram, interferogram_of
 from ertel.plots.measurements import Overlay, measured, measured_view
 from ertel.plots.movies import movie
-from ertel.plots.view import WIDEST, View, of_two, require_maps
+from ertel.plots.view import WIDEST, View, of_two
 from ertel.results.profiles import At
-from ertel.results.variables import FIGURES_OF_MAPS, figures_of, is_steady
+from ertel.results.variables import FIGURES_OF_MAPS, figures_of, is_line, is_steady
 
 __all__ = [
     "BLUE", "GREEN", "GREY", "NAMES", "ORANGE", "ORDERED_COLOURS", "NoFigure", "Sheet", "animation", "comparison",
@@ -71,7 +71,7 @@ def _friction_rows(view: View) -> Rows:
 
 
 def _overview_rows(view: View) -> Rows:
-    """Maps of film and pressure, their profiles, and how the run went; of a line contact, without maps, through time."""
+    """Maps of film and pressure, their profiles, and how the run went; of a line contact the film through time."""
     if view.is_line and view.frame is None:
         return [[fields.draw_along_the_flow, histories.draw_grids, histories.draw_convergence]]
     if view.is_line:
@@ -148,9 +148,8 @@ def draw(
 
 def _require(dataset: xr.Dataset, name: str) -> None:
     if name not in (found := figures_of(dataset)):
-        if name in FIGURES_OF_MAPS:
-            require_maps(dataset, name)
         run = "a steady contact" if is_steady(dataset) else "a run in time"
+        run = "a line contact" if is_line(dataset.attrs) and name in FIGURES_OF_MAPS else run
         raise NoFigure(f"{name}: {run} has no such figure; it has {', '.join(found)}")
 
 

@@ -199,7 +199,7 @@ def draw_pressure_profiles(axes: Axes, view: View) -> None:
     top = view.largest("P", lambda each: float(each.midlines("P").max()))
     _draw_profiles(axes, view, "P", view.scale("P", top), 1.35 * top)
     if view.is_line:
-        dry = view.geometry.dry_pressure(view.load, view.x, 0.0) * view.scale("P", top).factor
+        dry = view.geometry.dry_pressure(view.value("F"), view.x, 0.0) * view.scale("P", top).factor
         axes.plot(view.x * view.across.factor, dry, color=GREY, linewidth=1.5, linestyle=":", label="dry contact")
     axes.legend(loc="upper center", frameon=False, fontsize="small")
 
@@ -246,8 +246,8 @@ def draw_along_x(axes: Axes, view: View, name: str) -> None:
 def _draw_oil_below(axes: Axes, view: View, z: Scale) -> None:
     """Fill the part of the gap of a line contact that has oil, where it is not full; a map shows its edge."""
     if view.is_line and np.any(view.values("void")):
-        oil = view.values("oil") * z.factor
-        axes.fill_between(view.x * view.across.factor, oil, color=BLUE, alpha=0.2, linewidth=0.0, label="oil in the gap")
+        x, oil = view.x * view.across.factor, view.values("oil") * z.factor
+        axes.fill_between(x, oil, color=BLUE, alpha=0.2, linewidth=0.0, label="oil in the gap")
 
 
 def _since_zero(view: View, number: int) -> float:
@@ -296,7 +296,8 @@ def _draw_section(axes: Axes, view: View, along: str, heading: str) -> None:
         axes.legend(loc="upper left", fontsize="small", framealpha=0.85)
     if right.get_legend_handles_labels()[0]:
         right.legend(loc="upper right", fontsize="small", framealpha=0.85)
-    side = view.extent(view.x, view.values("P").reshape(-1, view.x.size).max(axis=0)) * (1.0 if along == "x" else view.stretch) * across
+    widest = view.values("P").reshape(-1, view.x.size).max(axis=0)
+    side = view.extent(view.x, widest) * (1.0 if along == "x" else view.stretch) * across
     axes.set(xlim=(-side, min(side, x[-1] * across)), xlabel=view.axis_label(along), title=heading)
     rough = _draw_roughness_below(axes, view, x, 4.0 * central * h.factor, along)
     _set_height(right, 1.1 * max(float(P.max()), float(dry.max())) * p.factor, rough)

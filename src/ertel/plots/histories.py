@@ -93,7 +93,7 @@ def draw_place(axes: Axes, view: View) -> None:
 
 
 def _dry_edge(view: View, T: Values) -> Values:
-    """The edge of the dry contact in a*, nan without contact: by its speed, from the maximum A = 1, where A = 1 - s^2."""
+    """The edge of the dry contact in a*, nan without contact: by its speed, from the maximum on with A = 1 - s^2."""
     schedule, dry = view.case.schedule, view.geometry.hertz
     s = np.linspace(0.0, 1.0, EDGES)
     middle = (s[1:] + s[:-1]) / 2

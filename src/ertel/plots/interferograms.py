@@ -242,7 +242,6 @@ def animation(
     NoFigure
         A steady contact, too few maps, and as `interferogram`.
     """
-    require_maps(dataset, "interferogram")
     scaled, dataset = _film_scale(dataset, film_scale), in_motion(dataset)
     count = dataset.sizes["frame"]
     views = {frame: View(dataset, frame) for frame in range(0, count, -(-count // FRAMES))}

@@ -54,7 +54,6 @@ def movie(dataset: xr.Dataset, what: str = "film", rate: float = PER_SECOND) -> 
         raise NoFigure(f"what = {what!r}: must be one of {', '.join(MOVIES)} in a movie")
     if not 1.0 <= rate <= FASTEST:
         raise NoFigure(f"rate = {rate:g}: must be from 1 to {FASTEST:g} frames a second")
-    require_maps(dataset, what)
     dataset = in_motion(dataset)
     first, T = View(dataset, 0), dataset["frame"].values
     top = 1.5 * View.of(dataset).film_inside() if what == "film" else max(float(dataset["P"].max()), 0.01)
@@ -70,9 +69,10 @@ def movie(dataset: xr.Dataset, what: str = "film", rate: float = PER_SECOND) -> 
 
 
 def in_motion(dataset: xr.Dataset) -> xr.Dataset:
-    """The run, loaded.  Raises NoFigure where it does not move: a steady contact, or fewer than two maps."""
+    """The run, loaded.  Raises NoFigure for a steady contact, a line contact, and fewer than two maps."""
     if is_steady(dataset):
         raise NoFigure("animation: a steady contact does not move; draw its picture")
+    require_maps(dataset, "animation")
     if (count := dataset.sizes["frame"]) < 2:
         raise NoFigure(f"animation: the run has {count} maps, and needs 2 to move; let it run on")
     return dataset.load()

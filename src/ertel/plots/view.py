@@ -224,7 +224,7 @@ class View:
             return [self._film_with_error(name) for name in FILMS]
         parts = [f"{self.moment} at {self.clock}"]
         if "F" in self.dataset:
-            parts.append(f"load {self.with_unit('F', self._value('F'))}")
+            parts.append(f"load {self.with_unit('F', self.value('F'))}")
         if "U" in self.dataset and np.any(self.dataset["U"].values):
             parts.append(f"speed {self.with_unit('U', self.flow)}")
         return parts
@@ -262,19 +262,15 @@ class View:
         """T of the map; 0 of a steady contact."""
         return 0.0 if self.frame is None else float(self.dataset["frame"].values[self.frame])
 
-    def _value(self, name: str) -> float:
+    def value(self, name: str) -> float:
+        """A number at the moment of a run in time."""
         return float(np.interp(self.time, self.dataset["time"].values, self.dataset[name].values))
-
-    @property
-    def load(self) -> float:
-        """The load of the film (F*) at the moment of a run in time."""
-        return self._value("F")
 
     @property
     def flow(self) -> float:
         """The entrainment; of a steady contact +1 where the oil goes to the right."""
         if self.frame is not None:
-            return self._value("U") if "U" in self.dataset else 0.0
+            return self.value("U") if "U" in self.dataset else 0.0
         loaded = (self.dataset["P"] > 0).any([axis for axis in self.dataset["P"].dims if axis != "X"])
         X = self.dataset["X"].values  # pressure reaches far upstream, and ends soon behind the contact
         return -float(np.sign(np.mean(X[loaded.values])))
@@ -348,7 +344,7 @@ class View:
 def require_maps(dataset: xr.Dataset, name: str) -> None:
     """Raise NoFigure for a line contact.  name: of what needs a map."""
     if is_line(dataset.attrs):
-        raise NoFigure(f"{name}: a line contact has profiles along x and no maps; it has {', '.join(figures_of(dataset))}")
+        raise NoFigure(f"{name}: a line contact has no maps; it has {', '.join(figures_of(dataset))}")
 
 
 def _thinnest(dataset: xr.Dataset) -> int | None:

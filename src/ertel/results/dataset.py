@@ -62,9 +62,7 @@ def columns(case: Case, records: Sequence[Mapping[str, float]]) -> dict[str, np.
 
 def maps(case: Case, frames: Sequence[Frame]) -> dict[str, np.ndarray]:
     """Frames as arrays by variable name, stacked along the first axis; the one row of a line contact has no axis."""
-    fields = {
-        name: np.array([frame.fields[name] for frame in frames], dtype=float) for name in names_over(case, "map")
-    }
+    fields = {name: np.array([frame.fields[name] for frame in frames], dtype=float) for name in names_over(case, "map")}
     if case.geometry.is_line:
         fields = {name: values.reshape(len(frames), case.solver.nodes) for name, values in fields.items()}
     return {
@@ -121,8 +119,8 @@ def assemble_steady(case: Case, grid: Any, solutions: Sequence[SteadyGrid]) -> x
 
 def _dataset(case: Case, arrays: Arrays) -> xr.Dataset:
     """The Dataset of a run from its arrays, with the attributes of its variables and its own."""
-    scales, line = case.scales, case.geometry.is_line
-    described = {name: (*indexed(name, *each), variable_attributes(name, scales, line)) for name, each in arrays.items()}
+    about = {name: variable_attributes(name, case.scales, case.geometry.is_line) for name in arrays}
+    described = {name: (*indexed(name, *each), about[name]) for name, each in arrays.items()}
     axes = {name: described.pop(name) for name in names_where(lambda v: v.over == "axis") if name in described}
     return xr.Dataset({**described, **variables_of(case)}, axes, provenance(case))
 

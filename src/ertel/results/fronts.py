@@ -65,8 +65,9 @@ def front(data: xr.Dataset, by: FrontDefinition = "film") -> Front:
     by : {"film", "slope", "half-hertz"}
         Definition of the front.  "film": the place of the minimum film thickness, at every step.  "slope": where the
         pressure falls most steeply outwards, on every map.  "half-hertz": from the place where the pressure is half of
-        the Hertz maximum at the same approach, sqrt(Delta), of a line contact under the same load, sqrt(F), as the Hertz
-        pressure is at sqrt(3)/2 of its radius; on every map.  The definitions on maps need an interval (`Output`) of 0.05 t0 or less.
+        the Hertz maximum at the same approach, sqrt(Delta), of a line contact under the same load, sqrt(F), as the
+        Hertz pressure is at sqrt(3)/2 of its radius; on every map.  The definitions on maps need an interval (`Output`)
+        of 0.05 t0 or less.
 
     Raises
     ------

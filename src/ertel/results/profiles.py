@@ -112,8 +112,8 @@ def _in_t0(frames: xr.DataArray, at: float | str) -> float:
 def profile(dataset: xr.Dataset, at: At = None, along: str = "x") -> xr.Dataset:
     """Film thickness, pressure and oil along a line through the centre, at a moment of a run in time.
 
-    Between two maps they are interpolated linearly in time.  An axisymmetric run has the same line along x and y, a line
-    contact has only that along x.
+    Between two maps they are interpolated linearly in time.  An axisymmetric run has the same line along x and y; a
+    line contact has only that along x.
 
     dataset: a run, dimensionless as it is stored.  at: as of `moment_of`; of a steady contact it is left out.  along:
     "x" or "y".  Raises ValueError where the direction is not one of these, or the run does not have it or this moment.

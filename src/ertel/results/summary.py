@@ -244,8 +244,8 @@ def attributes(summary: Mapping[str, Any]) -> dict[str, str | int | float]:
 def extremes(data: xr.Dataset) -> dict[str, dict[str, Any]]:
     """The smallest H_min and the largest P_max over all steps; empty before the first step.
 
-    By name: `value` (dimensionless), `T` (t0), `X` and `Y` (a*; of a line contact X alone), and `note`, empty or what is
-    to be said of the value.
+    By name: `value` (dimensionless), `T` (t0), `X` and `Y` (a*; a line contact has X alone), and `note`, empty or what
+    is to be said of the value.
     """
     content = {}
     for name, (extreme, x, y) in EXTREMES.items() if data.sizes["time"] else ():

@@ -45,10 +45,8 @@ class Plot:
         return MethodType(getattr(plots, name), self.dataset)
 
     def _names(self) -> tuple[str, ...]:
-        names = figures_of(self.dataset)
-        if "si_factor" not in self.dataset["H"].attrs:
-            return names
-        return (*names, *(PHYSICAL[1:] if is_line(self.dataset.attrs) else PHYSICAL))
+        names, more = figures_of(self.dataset), PHYSICAL[is_line(self.dataset.attrs) :]
+        return (*names, *more) if "si_factor" in self.dataset["H"].attrs else names
 
     def __dir__(self) -> Iterable[str]:
         return [*self._names(), "dataset"]
@@ -131,7 +129,8 @@ class Result:
         """The oil that a rolling contact leaves behind, at its end: points [y, thickness], in SI texts with a unit.
 
         It is the `layer` of the contact that follows on this track: `ertel.rolling(..., layer=result.track)`.  The oil
-        of both surfaces is taken together.  A line contact leaves one thickness behind.  Raises ValueError for an impact and a run that failed.
+        of both surfaces is taken together.  A line contact leaves one thickness behind.  Raises ValueError for an
+        impact and a run that failed.
         """
         if not self.status.ok:
             raise ValueError(f"track: the run ended with status {self.status.value!r} and leaves none")
