@@ -276,9 +276,8 @@ def draw_across_the_flow(axes: Axes, view: View) -> None:
 
 def _draw_section(axes: Axes, view: View, along: str, heading: str) -> None:
     """Draw film and pressure through the centre along "x" or "y", with the Hertz pressure."""
-    section = view.dataset[["H", "P"]]
-    if not view.is_line:
-        section = section.sel({"Y" if along == "x" else "X": 0.0}, method="nearest")
+    middle = {} if view.is_line else {"Y" if along == "x" else "X": 0.0}
+    section = view.dataset[["H", "P"]].sel(middle, method="nearest")
     x, H, P = (np.asarray(section[name].values) for name in (along.upper(), "H", "P"))
     central, across = float(view.dataset["H_c"].values[-1]), view.across.factor
     geometry, load = view.geometry, float(view.dataset["load"].values[-1])
@@ -296,7 +295,7 @@ def _draw_section(axes: Axes, view: View, along: str, heading: str) -> None:
         axes.legend(loc="upper left", fontsize="small", framealpha=0.85)
     if right.get_legend_handles_labels()[0]:
         right.legend(loc="upper right", fontsize="small", framealpha=0.85)
-    widest = view.values("P").reshape(-1, view.x.size).max(axis=0)
+    widest = np.atleast_2d(view.values("P")).max(axis=0)
     side = view.extent(view.x, widest) * (1.0 if along == "x" else view.stretch) * across
     axes.set(xlim=(-side, min(side, x[-1] * across)), xlabel=view.axis_label(along), title=heading)
     rough = _draw_roughness_below(axes, view, x, 4.0 * central * h.factor, along)

@@ -15,7 +15,6 @@ from ertel.results import fronts
 from ertel.results.profiles import LAST, events_of
 
 PALE_BLUE = "#0072B255"
-EDGES = 801  # of the dry contact through time that are computed
 Look = tuple[str, str, str]  # label, colour and style of a line
 
 
@@ -95,7 +94,7 @@ def draw_place(axes: Axes, view: View) -> None:
 def _dry_edge(view: View, T: Values) -> Values:
     """The edge of the dry contact in a*, nan without contact: by its speed, from the maximum on with A = 1 - s^2."""
     schedule, dry = view.case.schedule, view.geometry.hertz
-    s = np.linspace(0.0, 1.0, EDGES)
+    s = np.linspace(0.0, 1.0, 801)
     middle = (s[1:] + s[:-1]) / 2
     steps = np.diff(s) * 2.0 * middle / [dry.front_speed(1.0 - each**2) for each in middle]
     before = np.abs(T + schedule.start_approach - dry.contact_time / 2)  # or after: the rebound is the same

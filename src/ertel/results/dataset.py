@@ -62,13 +62,10 @@ def columns(case: Case, records: Sequence[Mapping[str, float]]) -> dict[str, np.
 
 def maps(case: Case, frames: Sequence[Frame]) -> dict[str, np.ndarray]:
     """Frames as arrays by variable name, stacked along the first axis; the one row of a line contact has no axis."""
-    fields = {name: np.array([frame.fields[name] for frame in frames], dtype=float) for name in names_over(case, "map")}
-    if case.geometry.is_line:
-        fields = {name: values.reshape(len(frames), case.solver.nodes) for name, values in fields.items()}
     return {
         "frame": np.array([frame.T for frame in frames], dtype=float),
         "event": np.array([variables.EVENTS.index(frame.event) for frame in frames], dtype=np.int8),
-        **fields,
+        **{n: np.array([np.squeeze(frame.fields[n]) for frame in frames], float) for n in names_over(case, "map")},
     }
 
 
