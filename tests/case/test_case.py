@@ -73,6 +73,8 @@ BASES: list[dict[str, Any]] = [  # every field is given in one of them, or has a
     in_si("rolling", **TWO_SPEEDS, radius="0.01 m") | {"thermal": THERMAL},
     in_si("rolling", **TWO_SPEEDS, **REDUCED),
     in_si("rolling", **TWO_SPEEDS, **PAIRS),
+    in_si("rolling", **TWO_SPEEDS, radius="0.01 m", length="0.02 m"),
+    {"contact": {"kind": "rolling", **MOES, "radius_ratio": 0.0, "length_ratio": 50.0}},
 ]
 
 
@@ -137,7 +139,8 @@ def test_the_record_says_all_that_is_solved() -> None:
     assert case.output == Output()
     assert (case.oil.eta0, case.oil.alpha) == (0.04, 2.2e-8)
     assert case.motion == FREE_BALL
-    assert case.schedule == (-1.0, "max-approach", 5e-5, None, 0.1, None)
+    assert case.schedule[:-1] == (-1.0, "max-approach", 5e-5, None, 0.1, None)
+    assert case.schedule.contact_time == pytest.approx(2.943275)
 
 
 def test_a_steady_case_has_no_time() -> None:

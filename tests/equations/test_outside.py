@@ -6,7 +6,7 @@ import pytest
 from ertel.equations import outside
 from ertel.equations.state import State
 from ertel.numerics.grid import Grid, Symmetry
-from ertel.physics.geometry import ContactMotion, far_pressure
+from ertel.physics.far_field import ContactMotion, far_pressure
 
 LAMBDA_BAR = 0.05
 APPROACHING, ROLLING = ContactMotion(-0.5, 1.0, 0.0, 0.0), ContactMotion(0.9, 0.0, 1.0, 1.0)

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from ertel.physics.geometry import CIRCLE, SHARE_OF_DEFORMATION, Geometry, far_film, far_pressure, squeeze
-from ertel.physics.geometry import ContactMotion as Motion
+from ertel.physics.far_field import ContactMotion as Motion
+from ertel.physics.far_field import far_film, far_pressure, squeeze
+from ertel.physics.geometry import CIRCLE, SHARE_OF_DEFORMATION, Geometry
 from ertel.physics.rupture import rupture
 
 LAMBDA_BAR = 0.03

@@ -10,7 +10,7 @@ from scipy.integrate import quad, solve_ivp
 
 from ertel.numerics.halfspace import line_coefficients
 from ertel.physics import line_films
-from ertel.physics.geometry import Geometry, HertzLine, Line
+from ertel.physics.geometry import Geometry, HertzLine, LineContact
 from ertel.physics.line_scales import LineParameters, line_impact_scales, line_rolling_scales
 from ertel.physics.scales import hamrock_dowson, parameters
 
@@ -55,14 +55,16 @@ def test_displacement_of_the_hertz_pressure():
 
 def test_dry_pressure_carries_its_load():
     for load in (0.3, 1.0, 2.0):
-        total = quad(lambda x, load=load: float(Line().dry_pressure(load, np.array(x), 0.0)), -1.5, 1.5, limit=200)[0]
-        assert total == pytest.approx(load * Line().hertz_load, rel=1e-4)
+        total = quad(
+            lambda x, load=load: float(LineContact().dry_pressure(load, np.array(x), 0.0)), -1.5, 1.5, limit=200
+        )[0]
+        assert total == pytest.approx(load * LineContact().hertz_load, rel=1e-4)
 
 
 @pytest.mark.parametrize(("reach", "turns"), [(20.0, 1.5422), (100.0, 1.5501), (1000.0, 1.5560)])
 def test_dry_impact(reach: float, turns: float):
     """Newton's law with the load of the dry contact takes 2 x 1.55 kappa, and the edge moves as the energy says."""
-    line = Line(length_ratio=reach)
+    line = LineContact(length_ratio=reach)
     kappa = line.hertz.approach
     assert line.hertz.contact_time / 2 == pytest.approx(turns * kappa, rel=1e-4)
 
@@ -82,14 +84,14 @@ def test_dry_impact(reach: float, turns: float):
 
 def test_oil_far_out_is_the_limit_of_slender_ellipses():
     X, Y = np.array([-3.0, -2.0, 2.5]), np.zeros(3)
-    slender, line = Geometry(0.01), Line()
+    slender, line = Geometry(0.01), LineContact()
     assert line.far_flow(0.4, 1.0, X, Y) == pytest.approx(slender.far_flow(0.4, 1.0, X, Y), rel=0.02)
     assert line.gap(X, Y) == pytest.approx(slender.gap(X, Y))
 
 
 def test_a_growing_deformation_acts_like_a_speed():
     """Reynolds' equation in a parabola that rises by ln(reach/X), integrated from far."""
-    line, X = Line(length_ratio=30.0), 3.0
+    line, X = LineContact(length_ratio=30.0), 3.0
     rate = line.compliance * line.hertz_load
 
     def flow(x: float) -> float:  # the integral of the rate from the middle

@@ -126,8 +126,12 @@ def test_an_impact():
 @pytest.mark.slow  # three grids of programs
 @pytest.mark.parametrize(
     ("oil", "length_ratio", "H_c", "H_min", "e"),
-    [({}, 100.0, 0.1401, 0.0192, 0.9841), ({}, 20.0, 0.1525, 0.0261, 0.9757), ({"layer": 0.3}, 100.0, 0.12239, 0.0187, 0.9913)],
-)  # fmt: skip
+    [
+        ({}, 100.0, 0.1401, 0.0192, 0.9841),
+        ({}, 20.0, 0.1525, 0.0261, 0.9757),
+        ({"layer": 0.3}, 100.0, 0.12239, 0.0187, 0.9913),
+    ],
+)
 def test_impacts_on_fine_rows(oil: Any, length_ratio: float, H_c: float, H_min: float, e: float):
     """To 0.2 %, the minimum to 1 %, restitution to 3e-4."""
     coarse, fine = (simulate(impact(nodes, length_ratio, oil)).summary for nodes in (257, 513))

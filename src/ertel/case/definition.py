@@ -18,8 +18,9 @@ from ertel.case.records import ConfigError, named, scaled, scaled_all, show, wit
 from ertel.case.sections import START_APPROACH, Drive, Output, Schedule, Solver, Thermal, Time
 from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
 from ertel.physics import film_formulas, hertz, surfaces
+from ertel.physics.far_field import ContactMotion, squeezed_film
 from ertel.physics.film_formulas import IMPACT_EXPONENT, starved_share
-from ertel.physics.geometry import CIRCLE, ContactMotion, Geometry, squeezed_film
+from ertel.physics.geometry import CIRCLE, Geometry
 from ertel.physics.line_films import expected_line_film
 from ertel.physics.line_scales import LineParameters
 from ertel.physics.lubricant import ALPHA, Lubricant, Oil

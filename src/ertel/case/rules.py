@@ -12,8 +12,9 @@ from ertel.case.definition import SECTIONS, Definition
 from ertel.case.methods import Method, as_written, of_kind
 from ertel.case.records import ConfigError, checked, show
 from ertel.case.sections import WIDEST_HALF_WIDTH
+from ertel.physics.far_field import ContactMotion, far_film
 from ertel.physics.film_formulas import rigid_film
-from ertel.physics.geometry import CIRCLE, HERTZ_LOAD, ContactMotion, far_film
+from ertel.physics.geometry import CIRCLE, HERTZ_LOAD
 from ertel.physics.lubricant import DowsonHigginson
 from ertel.physics.registry import FLUIDITY_LAWS
 from ertel.physics.units import ABOVE_ZERO, NOT_NEGATIVE, Mark
@@ -309,7 +310,7 @@ def _motion(case: Definition) -> Complaints:
 def _outside(case: Definition) -> Complaints:
     """The oil that carries a ball as it rolls must not all lie outside the grid.
 
-    Far out P = lambda_bar U |X|/(5 H^2) with H = r^2/2 (`physics.geometry`): on r > w it carries 8 lambda_bar U/(5 w).
+    Far out P = lambda_bar U |X|/(5 H^2) with H = r^2/2 (`physics.far_field`): on r > w it carries 8 lambda_bar U/(5 w).
     """
     if case.starts_apart or case.geometry is not CIRCLE:
         return

@@ -53,7 +53,8 @@ class Space(Protocol):
 class OnThePlane(Space):
     """A uniform grid on a rectangle, which multigrid can coarsen."""
 
-    axes, lacks = ("Y", "X"), ()
+    axes: tuple[str, ...] = ("Y", "X")
+    lacks: tuple[str, ...] = ()
 
     def across(self, solver: Solver) -> int:
         return nodes_across(solver.nodes, (solver.half_width_y or solver.half_width) / solver.half_width)
@@ -124,7 +125,8 @@ class OnThePlane(Space):
 class AlongX(OnThePlane):
     """A uniform row of nodes along the flow, for a line contact: nothing changes across it."""
 
-    axes, lacks = ("X",), ("half_width_y",)
+    axes = ("X",)
+    lacks = ("half_width_y",)
 
     def across(self, solver: Solver) -> int:
         return 1

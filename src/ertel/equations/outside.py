@@ -1,4 +1,4 @@
-"""The oil outside the grid: the pressure at the grid's edge, and its load and deformation, from `physics.geometry`."""
+"""The oil outside the grid: the pressure at the grid's edge, and its load and deformation, from `physics.far_field`."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from ertel.equations.state import State
 from ertel.numerics import bdf
 from ertel.numerics.grid import Grid
-from ertel.physics.geometry import CIRCLE, NEAREST, ContactMotion, Geometry, far_pressure, rigid_pressure
+from ertel.physics.far_field import NEAREST, ContactMotion, far_pressure, rigid_pressure
+from ertel.physics.geometry import CIRCLE, Geometry
 
 Floats = NDArray[np.float64]
 

@@ -93,8 +93,8 @@ def measure(grid: Grid, P: Array, H: Array) -> dict[str, float]:
     """The key values of a film of shape `grid.shape`, dimensionless.
 
     H_c, P_c: at (0, 0).  H_min: the minimum where P > 0, at (X_min, Y_min).  P_max: at (X_P_max, Y_P_max); P_fall: how
-    much lower the mean of the next nodes is (four, two on a line), as a share of it.  load: integral of P.  Of two extremes that mirror
-    each other about an axis, the one on its positive side is named.
+    much lower the mean of the next nodes is (four, two on a line), as a share of it.  load: integral of P.  Of two
+    extremes that mirror each other about an axis, the one on its positive side is named.
     """
     return unpacked(_numbers(Plane.of(grid), P, H))
 

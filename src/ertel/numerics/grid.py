@@ -31,8 +31,9 @@ NO_SYMMETRY = Symmetry()
 class Grid:
     """A grid of nodes_x times nodes_y nodes around (centre_x, centre_y), each in a square cell of side `spacing`.
 
-    Arrays on it have shape (nodes_y, nodes_x); one row is a line contact, in which nothing changes along Y.  If fields are even, only one side of the axis is stored (see
-    `stencils`), and `shape` is smaller.  x and y always cover the whole plane.
+    Arrays on it have shape (nodes_y, nodes_x); one row is a line contact, in which nothing changes along Y.  If fields
+    are even, only one side of the axis is stored (see `stencils`), and `shape` is smaller.  x and y always cover the
+    whole plane.
     """
 
     nodes_x: int
@@ -115,10 +116,7 @@ class Grid:
 
     @property
     def halvings(self) -> int:
-        """How often every second node can be left out, down to a few nodes; multigrid does not, where there is one row.
-
-        Where fields are even the middle must be a node of the coarsest grid.
-        """
+        """Number of times that every second node can be left out, down to a few; also of one row, without multigrid."""
         if self.nodes_y > 1:
             return len(self.hierarchy()) - 1
         cells, count = (self.nodes_x - 1) // (2 if any(self.even) else 1), 0

@@ -17,7 +17,7 @@ Source: Johnson KL. Contact Mechanics. Cambridge 1985, section 4.2.  Scaling by 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import cbrt, copysign, cos, exp, hypot, log, pi, radians, sin, sqrt
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,7 @@ RIGHT = 90.0  # degrees: an angle of whole multiples of it is along a principal 
 LEAST_RATIO, LARGEST_RATIO = 1 / 100, 100.0  # of the radii; beyond, the contact is a line in all but name
 
 HERTZ_LOAD = 2.0 * pi / 3.0  # double integral of sqrt(1 - r^2): the dry load that carries Delta = 1 on a circle
+SHARE_OF_DEFORMATION = 8.0 / 5.0  # weight of a rate of H that falls as 1/r: 1/H^3 against r/(2 H^3), H = r^2/2
 LINE_LOAD = pi / 2.0  # integral of sqrt(1 - x^2): the dry load of a line contact
 _z, _w = np.polynomial.legendre.leggauss(64)
 PLACES = (1.0 + _z) / 2.0, _w / 2.0  # from 0 to 1, and weights
@@ -308,7 +309,7 @@ class HertzLine:
 
 
 @dataclass(frozen=True)
-class Line(Geometry):
+class LineContact(Geometry):
     """Two cylinders with parallel axes across the flow; see `HertzLine` for reach.  Y has no influence."""
 
     radius_ratio: float = 0.0
@@ -390,83 +391,5 @@ def geometry(radius_ratio: float = 1.0, angle: float = 0.0, length_ratio: float 
     It is a line for 0, of that length over its half width.
     """
     if radius_ratio == 0.0:
-        return Line(length_ratio=length_ratio)
+        return LineContact(length_ratio=length_ratio)
     return CIRCLE if radius_ratio == 1.0 else Geometry(radius_ratio, angle)
-
-
-# -- the oil far from the contact: its pressure in closed form ---------------------------------------------------------
-#
-# Far out the gap is a parabola, H = G + constant, and the oil has the viscosity of ambient pressure.  For a circle,
-# with G = r^2/2,
-#
-#     P = lambda_bar (V/4 - U X/5) / H^2
-#
-# solves Reynolds' equation for surfaces that approach with V and entrain with U, in a gap that is full all around.  For
-# an ellipse only the numbers 4 and 5 differ (`Geometry.far_flow`).  Where the oil is entrained it ruptures behind the
-# contact, which raises the pressure beside it (`rupture`).
-
-NEAREST = 2.0  # distance from which the formulas hold, in units of the dry contact's size
-SHARE_OF_DEFORMATION = 8.0 / 5.0  # weight of a rate of H that falls as 1/r: 1/H^3 against r/(2 H^3), H = r^2/2
-
-
-class ContactMotion(NamedTuple):
-    """Delta, V = dDelta/dT, the load in units F*, and U: all of a contact that matters to the oil far away.
-
-    load_rate: the rate of the load in rolling, where V leaves the rupture in its place; None in an impact.
-    """
-
-    approach: float
-    velocity: float
-    load: float
-    entrainment: float
-    load_rate: float | None = None
-
-
-def far_film(X: Floats, Y: Floats, motion: ContactMotion, geometry: Geometry = CIRCLE) -> Floats:
-    """H at a distance: the parabola, and the deformation by the load as a point force."""
-    force = geometry.compliance * geometry.hertz_load * motion.load
-    return geometry.gap(X, Y) - motion.approach + force * geometry.influence(np.hypot(X, Y))
-
-
-def squeeze(r: Floats, motion: ContactMotion, geometry: Geometry = CIRCLE) -> Floats:
-    """The speed of approach that acts at a distance: V less the rate of the deformation there, weighted.
-
-    In an impact the load is that of a dry contact at this Delta.
-    """
-    rate = motion.load_rate
-    if rate is None:
-        rate = geometry.dry_load_rate(motion.approach, motion.velocity)
-    return motion.velocity - geometry.rising(r, rate)
-
-
-def far_pressure(X: Floats, Y: Floats, motion: ContactMotion, lambda_bar: float, geometry: Geometry = CIRCLE) -> Floats:
-    """P at a distance of `NEAREST` or more; X and Y broadcast.
-
-    Against impacts and rolling contacts on wide grids, M = 10 to 1000: within 6 % at a distance of 2, 3 % at 4.5.
-    """
-    X, Y = np.broadcast_arrays(X, Y)
-    film = far_film(X, Y, motion, geometry)
-    velocity, constant = squeeze(np.hypot(X, Y), motion, geometry), film - geometry.gap(X, Y)
-    flow = geometry.ruptured_flow(velocity, motion.entrainment, X, Y, constant, held=motion.load_rate is not None)
-    return np.maximum(lambda_bar * flow / film**2, 0.0)
-
-
-def rigid_pressure(
-    X: Floats, Y: Floats, motion: ContactMotion, lambda_bar: float, geometry: Geometry = CIRCLE
-) -> Floats:
-    """P everywhere while the surfaces are apart and rigid; below a film sqrt(lambda_bar) they would give way.
-
-    Where they also roll it ends at the middle, without the rupture of `far_pressure`: it is the start of a run.
-    """
-    film = geometry.gap(X, Y) - motion.approach
-    flow = geometry.far_flow(motion.velocity, motion.entrainment, X, Y)
-    return np.maximum(lambda_bar * flow / np.maximum(film**2, lambda_bar), 0.0)
-
-
-def squeezed_film(motion: ContactMotion, lambda_bar: float, geometry: Geometry = CIRCLE) -> tuple[float, float]:
-    """The central film (a^2/R) under `rigid_pressure`, which deforms the bodies, and its load (F*)."""
-    r = np.geomspace(1e-6, 1e6, 2000)
-    X, Y, around = geometry.circle(r)
-    ring = around * rigid_pressure(X, Y, motion, lambda_bar, geometry).mean(axis=1)  # the integral over each circle
-    deformation, load = (np.trapezoid(ring * each * r, np.log(r)) for each in (geometry.influence(r), 1.0))
-    return geometry.compliance * float(deformation) - motion.approach, float(load) / geometry.hertz_load

@@ -207,7 +207,7 @@ def line_impact_scales(R: float, mass: float, speed: float, E_prime: float, leng
     --------
     >>> scales = line_impact_scales(R=0.01, mass=0.3, speed=1.0, E_prime=226e9, length=0.02)
     >>> f"{scales.a:.6g} m, {scales.p_h:.7g} Pa, {scales.length_ratio:.5g}"
-    '0.000283978 m, 1.604476e+09 Pa, 70.428'
+    '0.000283978 m, 1.604475e+09 Pa, 70.428'
     """
     require_positive(R=R, mass=mass, speed=speed, E_prime=E_prime, length=length)
     inertia = 1.0

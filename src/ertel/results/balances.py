@@ -116,7 +116,7 @@ def _closed(terms: Mapping[str, float], turned_over: float) -> dict[str, float |
 # -- the oil outside the domain ----------------------------------------------------------------------------------------
 
 UNCERTAIN_MOMENTUM = 5e-3  # share of the ball's momentum that may depend on where the domain ends
-FAR_FIELD_ERROR = 0.1  # of the load outside, which is known in closed form (`physics.geometry`) but not exactly
+FAR_FIELD_ERROR = 0.1  # of the load outside, which is known in closed form (`physics.far_field`) but not exactly
 
 
 def uncertain_momentum(case: Case, data: "xr.Dataset") -> float:

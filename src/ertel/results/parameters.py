@@ -3,6 +3,7 @@
 This module imports neither JAX nor xarray, so that they are known at once.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 from ertel.case.case import Case
@@ -117,9 +118,10 @@ def formula_films(case: Case, load: float = 1.0, entrainment: float = 1.0) -> li
     ]
     if case.layer is None:
         return flooded
-    oil, starved = case.layer / float(case.lubricant.density(grown)), FormulaFilm.starved
-    if case.geometry.is_line:
-        starved = line_films.starved
+    oil = case.layer / float(case.lubricant.density(grown))
+    starved: Callable[[FormulaFilm, float], FormulaFilm] = (
+        line_films.starved if case.geometry.is_line else FormulaFilm.starved
+    )
     return [*flooded, *(starved(film, oil) for film in flooded if film.central and film.inside)]
 
 

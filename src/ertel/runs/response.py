@@ -115,7 +115,8 @@ def respond(case: CaseLike, roughnesses: Roughnesses, observers: Sequence[Observ
     -------
     xarray.Dataset
         H, P (Y, X) of the smooth impact at maximum approach, its scalars over time, and dH, roughness (wave, Y, X) in
-        units a*^2/R; of a line contact all without Y.  The attribute `status` is not "converged" where a run gave up; dH is then not to be used.
+        units a*^2/R; of a line contact all without Y.  The attribute `status` is not "converged" where a run gave up;
+        dH is then not to be used.
 
     Raises
     ------

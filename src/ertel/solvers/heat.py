@@ -167,8 +167,8 @@ def heated(case: Case, P: Any, H: Any, heat: Floats | None = None, grid: Grid | 
 def _of_layer(case: Case, inlet: Inlet) -> Inlet:
     """The inlet with the factor of a film on layers of oil: heat thins what a flooded inlet lets pass, not the layer.
 
-    With the share R(r) of the flooded film on a layer r times as thick (`definition.share_of`), the warm film is phi_T R(r/phi_T) times
-    the cold flooded one: phi_T of that on much oil, all of the layer on little.
+    With the share R(r) of the flooded film on a layer r times as thick (`definition.share_of`), the warm film is phi_T
+    R(r/phi_T) times the cold flooded one: phi_T of that on much oil, all of the layer on little.
     """
     r, share = starvation(case)
     if isinf(r):

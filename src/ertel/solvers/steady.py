@@ -29,7 +29,8 @@ from ertel.numerics import multigrid, newton, stencils
 from ertel.numerics.grid import Grid, check_coarsening, expected_next
 from ertel.numerics.integrals import Plane
 from ertel.numerics.programs import ANY_SIZE, Program, double_precision
-from ertel.physics.geometry import ContactMotion, Geometry
+from ertel.physics.far_field import ContactMotion
+from ertel.physics.geometry import Geometry
 from ertel.solvers import nonlinear
 from ertel.solvers.heat import Heated, heated
 
