@@ -13,7 +13,7 @@ from ertel.inputs import layout
 from ertel.inputs.layout import Key, Place
 from ertel.inputs.names import OF_OILS
 from ertel.inputs.quantities import LONGEST
-from ertel.physics.geometry import Line
+from ertel.physics.geometry import geometry
 from ertel.physics.motion import Oscillation, Polyline, Signal, Track
 from ertel.physics.registry import SHAPES, Registry
 from ertel.physics.units import FINITE, Bounds, Mark
@@ -46,7 +46,7 @@ def template(kind: Kind, name: str, line: bool = False) -> str:
 
     line: for a line contact.
     """
-    method = of_kind(kind)[0].of(Line()) if line else NEW[kind]
+    method = of_kind(kind)[0].of(geometry(0.0)) if line else NEW[kind]
     contact = {**GIVEN[kind]["[contact]"], **(LINE[kind] if line else {})}
     lines = [
         f"#:schema ./{SCHEMA_FILE}",
