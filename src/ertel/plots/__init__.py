@@ -60,7 +60,7 @@ Rows = Sequence[Sequence[Callable[[Axes, View], None]]]
 def _friction_rows(view: View) -> Rows:
     """Shear stress where the surfaces slide, and power loss; coefficients of a run in time where something moves."""
     stress, loss = fields.draw_stress_map, fields.draw_loss_map
-    if view.is_line:
+    if view.geometry.is_line:
         stress, loss = (partial(fields.draw_along_x, name=name) for name in ("tau_x", "loss"))
     over_the_surface = [stress, loss] if view.slides else [loss]
     if view.frame is None:
@@ -72,9 +72,9 @@ def _friction_rows(view: View) -> Rows:
 
 def _overview_rows(view: View) -> Rows:
     """Maps of film and pressure, their profiles, and how the run went; of a line contact the film through time."""
-    if view.is_line and view.frame is None:
+    if view.geometry.is_line and view.frame is None:
         return [[fields.draw_along_the_flow, histories.draw_grids, histories.draw_convergence]]
-    if view.is_line:
+    if view.geometry.is_line:
         return [
             [fields.draw_film_profiles, histories.draw_film_through_time, histories.draw_film_history],
             [fields.draw_pressure_profiles, histories.draw_pressure_history, histories.draw_motion],
@@ -97,7 +97,7 @@ PANELS: Mapping[str, Rows | Callable[[View], Rows]] = {  # of each figure
     "oil": [[fields.draw_oil_map]],
     "maps": [[fields.draw_film_map, fields.draw_pressure_map]],
     "profiles": [[fields.draw_film_profiles, fields.draw_pressure_profiles]],
-    "midlines": lambda view: [[fields.draw_along_the_flow, *([] if view.is_line else [fields.draw_across_the_flow])]],
+    "midlines": lambda view: [[fields.draw_along_the_flow, fields.draw_across_the_flow][: 2 - view.geometry.is_line]],
     "history": [
         [histories.draw_motion, histories.draw_film_history],
         [histories.draw_place, histories.draw_pressure_history],

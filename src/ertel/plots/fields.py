@@ -198,7 +198,7 @@ def draw_pressure_profiles(axes: Axes, view: View) -> None:
     """Pressure along the mid-line through time, the chosen moment in black."""
     top = view.largest("P", lambda each: float(each.midlines("P").max()))
     _draw_profiles(axes, view, "P", view.scale("P", top), 1.35 * top)
-    if view.is_line:
+    if view.geometry.is_line:
         dry = view.geometry.dry_pressure(view.value("F"), view.x, 0.0) * view.scale("P", top).factor
         axes.plot(view.x * view.across.factor, dry, color=GREY, linewidth=1.5, linestyle=":", label="dry contact")
     axes.legend(loc="upper center", frameon=False, fontsize="small")
@@ -245,7 +245,7 @@ def draw_along_x(axes: Axes, view: View, name: str) -> None:
 
 def _draw_oil_below(axes: Axes, view: View, z: Scale) -> None:
     """Fill the part of the gap of a line contact that has oil, where it is not full; a map shows its edge."""
-    if view.is_line and np.any(view.values("void")):
+    if view.geometry.is_line and np.any(view.values("void")):
         x, oil = view.x * view.across.factor, view.values("oil") * z.factor
         axes.fill_between(x, oil, color=BLUE, alpha=0.2, linewidth=0.0, label="oil in the gap")
 
@@ -276,7 +276,7 @@ def draw_across_the_flow(axes: Axes, view: View) -> None:
 
 def _draw_section(axes: Axes, view: View, along: str, heading: str) -> None:
     """Draw film and pressure through the centre along "x" or "y", with the Hertz pressure."""
-    middle = {} if view.is_line else {"Y" if along == "x" else "X": 0.0}
+    middle = {} if view.geometry.is_line else {"Y" if along == "x" else "X": 0.0}
     section = view.dataset[["H", "P"]].sel(middle, method="nearest")
     x, H, P = (np.asarray(section[name].values) for name in (along.upper(), "H", "P"))
     central, across = float(view.dataset["H_c"].values[-1]), view.across.factor

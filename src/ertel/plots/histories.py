@@ -293,7 +293,7 @@ def draw_grids(axes: Axes, view: View) -> None:
 def _grid_names(view: View) -> list[str]:
     """The nodes of every grid: 65², or 65 x 97; 65 of a line contact."""
     grids = [int(nodes) for nodes in view.dataset["grid"].values]
-    if view.is_line:
+    if view.geometry.is_line:
         return [str(nodes) for nodes in grids]
     X, Y = view.dataset.sizes["X"], view.dataset.sizes["Y"]
     return [f"{n}²" if X == Y else f"{n} x {round((n - 1) * (Y - 1) / (X - 1)) + 1}" for n in grids]

@@ -150,11 +150,6 @@ class View:
         return self.stretch > LONG
 
     @property
-    def is_line(self) -> bool:
-        """True if the run is a line contact, which has profiles along x and no maps."""
-        return is_line(self.dataset.attrs)
-
-    @property
     def slides(self) -> bool:
         """True if the surfaces slide."""
         return self.case.motion.slide_to_roll != 0.0
@@ -206,7 +201,7 @@ class View:
         """The name of the run, then its conditions."""
         about = self.dataset.attrs
         conditions = [f"$M$ = {about['M']:.4g}", f"$L$ = {about['L']:.3g}"]
-        if self.is_line:
+        if self.geometry.is_line:
             length = f", {with_prefix(2 * about['a_y_m'], 'm')} long" if "a_y_m" in about else ""
             conditions.append(f"line contact{length}")
         elif "radius_ratio" in about:
