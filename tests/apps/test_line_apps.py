@@ -1,7 +1,9 @@
 """Line contacts in the commands and in the app."""
 
+import asyncio
 import json
 import re
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -47,3 +49,40 @@ def test_the_app_draws_profiles(lines: Path) -> None:
     assert picture.readout is None
     with pytest.raises(ValueError, match="film: a line contact has no such figure"):
         draw_picture(PlotRequest(lines / "impact", "film", stamp=stamp_of(lines / "impact")))
+
+
+@pytest.mark.asyncio
+async def test_pages_of_line_contacts(lines: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The pages of a run and of two side by side ask for profiles, and have no tabs of maps."""
+    pytest.importorskip("nicegui")
+    from app_runs import stand_in
+    from nicegui import ElementFilter, ui
+    from nicegui.testing import user_simulation
+
+    from ertel.apps.browser import pictures, server
+    from ertel.apps.browser.folder import Folder
+    from ertel.apps.browser.processes import Processes
+    from ertel.apps.browser.site import Site
+
+    asked: set[tuple[str, str]] = set()
+
+    def drawn(request: pictures.PlotRequest) -> pictures.Picture:
+        asked.add((request.run.name, request.figure))
+        return pictures.Picture(b"", None)
+
+    monkeypatch.setattr(pictures, "draw_picture", drawn)
+    folder = Folder.at(lines)
+    site = Site(folder, Processes(folder, stand_in(tmp_path)), pictures.Worker(lambda: ThreadPoolExecutor(1)))
+    async with user_simulation(root=server.root_of(site)) as user:
+        site.serve_pictures()
+        first, both = {("impact", "profiles")}, {("steady", "midlines"), ("impact", "profiles")}
+        for page, wanted in (("/run?name=impact", first), ("/compare?a=steady&b=impact", both)):
+            asked.clear()
+            await user.open(page)
+            for _ in range(500):
+                await asyncio.sleep(0.02)
+                if asked >= wanted:
+                    break
+            assert asked == wanted
+            with user:
+                assert not {each.props["name"] for each in ElementFilter(kind=ui.tab)} & {"maps", "interferogram"}
