@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from matplotlib.ticker import LogLocator, MaxNLocator
 
+from ertel.physics import hertz
 from ertel.plots.drawing import BLUE, GREEN, GREY, ORANGE, ORDERED_COLOURS, NoFigure, Values, plain_ticks
 from ertel.plots.view import LOADED, WIDEST, View
 from ertel.results import fronts
@@ -92,12 +93,15 @@ def draw_place(axes: Axes, view: View) -> None:
 
 
 def _dry_edge(view: View, T: Values) -> Values:
-    """The edge of the dry contact in a*, nan without contact: by its speed, from the maximum on with A = 1 - s^2."""
-    schedule, dry = view.case.schedule, view.geometry.hertz
+    """The edge of the dry contact in a*, nan without contact; that of a line by its speed, with A = 1 - s^2."""
+    since_touch, line = T + view.case.schedule.start_approach, view.geometry.hertz
+    if not view.geometry.is_line:
+        dry = hertz.contact_radius(since_touch / view.geometry.dry_approach(1.0))
+        return np.where(dry > 0, dry, np.nan)
     s = np.linspace(0.0, 1.0, 801)
     middle = (s[1:] + s[:-1]) / 2
-    steps = np.diff(s) * 2.0 * middle / [dry.front_speed(1.0 - each**2) for each in middle]
-    before = np.abs(T + schedule.start_approach - dry.contact_time / 2)  # or after: the rebound is the same
+    steps = np.diff(s) * 2.0 * middle / [line.front_speed(1.0 - each**2) for each in middle]
+    before = np.abs(since_touch - line.contact_time / 2)  # the maximum, or after it: the rebound is the same
     return np.interp(before, np.append(0.0, np.cumsum(steps)), 1.0 - s**2, right=np.nan)
 
 

@@ -20,12 +20,12 @@ from ertel.plots.drawing import NoFigure, Scale, Values
 from ertel.results.alignment import NOT_FULL, Comparison
 from ertel.results.dataset import maps_of
 from ertel.results.numbers import plus_minus
+from ertel.results.parameters import geometry_of
 from ertel.results.profiles import At, is_without_moments, mirrored, moment_of
 from ertel.results.variables import (
     COEFFICIENT,
     FILMS,
     figures_of,
-    geometry_of,
     is_line,
     names_where,
     with_clock,

@@ -17,6 +17,7 @@ from ertel.case.status import Status
 from ertel.physics.line_scales import LineScales
 from ertel.physics.scales import Scales
 from ertel.physics.temperature_laws import ZERO_CELSIUS
+from ertel.results.parameters import geometry_of
 from ertel.results.variables import (
     COEFFICIENT,
     FILMS,
@@ -26,7 +27,6 @@ from ertel.results.variables import (
     VARIABLES,
     Variable,
     along_a_line,
-    geometry_of,
     in_celsius,
     is_line,
     names_where,

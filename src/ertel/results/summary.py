@@ -19,7 +19,7 @@ from ertel.case.status import Status
 from ertel.results import balances, diagnostics
 from ertel.results.dataset import SteadyGrid, names_over
 from ertel.results.numbers import ERRORS
-from ertel.results.parameters import parameters_of, scale_values
+from ertel.results.parameters import parameters_of, scale_values, values_in_si
 from ertel.results.variables import (
     COEFFICIENT,
     FILMS,
@@ -27,7 +27,6 @@ from ertel.results.variables import (
     VARIABLES,
     first_touch,
     names_where,
-    values_in_si,
     with_coefficients,
 )
 

@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 from math import floor, log10
 from typing import TYPE_CHECKING, Any
 
-from ertel.physics.geometry import Geometry, geometry
 from ertel.physics.scales import Scales
 from ertel.physics.temperature_laws import ZERO_CELSIUS
 
@@ -246,12 +245,6 @@ def is_line(about: Mapping[str, Any]) -> bool:
     return about.get("radius_ratio") == 0
 
 
-def geometry_of(about: Mapping[str, Any]) -> Geometry:
-    """The dry contact and its directions, from a summary or the attributes of a Dataset."""
-    ratio, angle = about.get("radius_ratio", 1.0), about.get("entrainment_angle", 0.0)
-    return geometry(ratio, angle, about.get("length_ratio", 100.0))
-
-
 def along_a_line(unit: str) -> str:
     """A unit of an integral over the surface as that of an integral along a line contact, for each length across."""
     return re.sub(r"(a\*?)\^2 p_h", r"\1 p_h", re.sub(r"(a\*?)\^4", r"\1^3", unit))
@@ -291,10 +284,7 @@ def with_coefficients(values: Mapping[str, Any], scales: Scales | None) -> dict[
 
 
 def variable_attributes(name: str, scales: Scales | None, line: bool = False) -> dict[str, Any]:
-    """CF attributes of a variable: units, long_name, symbol, what 1 stands for, and its SI factor if there is one.
-
-    line: whether it is that of a line contact.
-    """
+    """CF attributes of a variable, of a line contact or not: units, names, what 1 stands for, its SI factor if any."""
     variable = VARIABLES[name]
     attributes: dict[str, Any] = {"long_name": variable.long_name, "symbol": variable.symbol, "units": "1"}
     if variable.unit == KELVIN:
@@ -402,24 +392,6 @@ def with_prefix(value: float, unit: str) -> str:
     """A value in SI for reading: 1.4e9, "Pa" is "1.4 GPa"."""
     one, name = prefixed(unit, value)
     return f"{value / one:.4g} {name}".rstrip()
-
-
-def values_in_si(values: Mapping[str, Any], scales: Scales, zero: float = 0.0) -> dict[str, float | None]:
-    """Convert dimensionless values, by the name of their variable, to SI; what has no unit is left out.
-
-    zero: T at t = 0.
-
-    The names in SI end with the unit: H_c becomes h_c_m, P_max p_max_Pa.  H_c_error and H_c_extrapolated scale as H_c.
-    """
-    converted = {}
-    for name, value in values.items():
-        base = name.removesuffix("_error").removesuffix("_extrapolated")
-        variable = VARIABLES.get(base)
-        if variable is not None and variable.scale:
-            key = named_with_unit(variable.si_name + name.removeprefix(base), variable.si_units)
-            start = zero if name == "T" else 0.0
-            converted[key] = None if value is None else (value - start) * variable.factor(scales)
-    return converted
 
 
 def named_with_unit(name: str, unit: str) -> str:
