@@ -20,7 +20,7 @@ from ertel.inputs.case_files import parse_case
 from ertel.physics import hertz
 from ertel.physics.film_formulas import FormulaFilm
 from ertel.physics.units import Quantity
-from ertel.results import parameters, variables
+from ertel.results import parameters
 from ertel.results.earlier import as_now, from_touch, one_number
 from ertel.results.numbers import ERRORS, key_numbers, lines, more_lines, number, scalars
 from ertel.results.summary import _finite, comparisons, extremes, impact_summary, rolling_summary, with_error
@@ -39,7 +39,7 @@ WORK = {"steps": 1, "newton_iterations": 1, "krylov_iterations": 1, "wall_s": 1.
 
 def test_si_summary_has_units_in_its_names() -> None:
     s = parse_case(BALL_FALLS).scales
-    assert variables.values_in_si(dict.fromkeys(AT_MAXIMUM, 1.0), s) == {
+    assert parameters.values_in_si(dict.fromkeys(AT_MAXIMUM, 1.0), s) == {
         **{"t_s": s.t0, "delta_m": s.film, "f_N": s.load, "p_c_Pa": s.p_h, "p_max_Pa": s.p_h, "load_N": s.force},
         **{"h_c_m": s.film, "h_min_m": s.film, "x_min_m": s.a, "y_min_m": s.a, "power_loss_W": s.power},
     }

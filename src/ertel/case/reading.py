@@ -30,7 +30,10 @@ SIGNAL_TEXT = "a number, an array of [T, value], or a table { smooth } or { mean
 LAWS = {Viscosity: OIL_LAWS["viscosity"], Density: OIL_LAWS["density"], Fluidity: OIL_LAWS["rheology"]}
 UNBOUNDED = {int: Bounds(whole=True, most=inf), float: Bounds(most=inf)}  # numbers of laws of one's own, without a mark
 THINNING = 'shear thinning is written lubricant.rheology = { law = "ree-eyring", tau0 = "5 MPa" }'
-NOT_THERE = {  # keys that a tribologist may try and that ertel does not support, with an explanation
+LINE = "a line contact is that of a length: give contact.length, or radius_ratio = 0 without dimensions"
+NOT_THERE = {  # keys and names that a tribologist may try and that ertel does not support, with an explanation
+    **dict.fromkeys(("line", "line contact", "width"), LINE),
+    **dict.fromkeys(("line_load", "load_per_length"), "give load, that on the whole length, and length"),
     "ellipticity": "give radius_ratio = R_x/R_y, or the radii radius_x and radius_y",
     "tau0": THINNING,
     "eyring": THINNING,
@@ -183,7 +186,8 @@ class Reader:
             except ValueError as error:
                 raise ValueError(f"{error}{''.join(f', or {show(name)}' for name in names)}") from error
         if names:
-            raise ValueError(f"allowed: {records.alternatives(map(repr, names))}")
+            allowed = f"allowed: {records.alternatives(map(repr, names))}"
+            raise ValueError(f"{NOT_THERE[value]}; {allowed}" if value == "line" else allowed)
         if HeightMap in options:
             if not isinstance(value, str):
                 raise ValueError("must be a string")

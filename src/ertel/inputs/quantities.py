@@ -139,6 +139,8 @@ def _factor(written: str, unit: Unit) -> Decimal:
         factor = 1.0 if wrong else one.to(unit.unit).magnitude
     except Exception as error:  # pint raises many kinds, from its own to the tokenizer's
         raise ValueError(unknown) from error
+    if wrong and unit.unit == "N" and (one * registry.m).check(unit.unit):
+        raise ValueError("is a load per length; give the load on the whole length, and contact.length")
     if wrong:
         raise ValueError(f'has the wrong dimension {one.dimensionality}; write for example "{unit.example}"')
     return Decimal(f"{factor:.14g}")  # without the round-off of powers of ten

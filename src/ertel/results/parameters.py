@@ -3,17 +3,19 @@
 This module imports neither JAX nor xarray, so that they are known at once.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from ertel.case.case import Case
 from ertel.case.records import law_data, show
 from ertel.physics import film_formulas, line_films
 from ertel.physics.film_formulas import FormulaFilm
+from ertel.physics.geometry import Geometry, geometry
 from ertel.physics.line_scales import LineParameters
 from ertel.physics.materials import RHEOLOGY
 from ertel.physics.registry import FLUIDITY_LAWS
 from ertel.physics.scales import FlowDirection, HamrockDowson, Parameters, Scales, hamrock_dowson
+from ertel.results.variables import VARIABLES, named_with_unit
 
 
 def parameters_of(case: Case) -> dict[str, float]:
@@ -82,6 +84,30 @@ def scale_values(case: Case) -> dict[str, float]:
     named = {"R_m": s.R, "E_prime_Pa": s.E_prime, "a_m": s.a, **across, "p_h_Pa": s.p_h, "delta_m": s.approach}
     speed = {"v0_m_per_s": s.speed} if case.starts_apart else {"u_m_m_per_s": s.front_speed}
     return named | {"F_N": s.load, "t0_s": s.t0} | speed
+
+
+def values_in_si(values: Mapping[str, Any], scales: Scales, zero: float = 0.0) -> dict[str, float | None]:
+    """Convert dimensionless values, by the name of their variable, to SI; what has no unit is left out.
+
+    zero: T at t = 0.
+
+    The names in SI end with the unit: H_c becomes h_c_m, P_max p_max_Pa.  H_c_error and H_c_extrapolated scale as H_c.
+    """
+    converted = {}
+    for name, value in values.items():
+        base = name.removesuffix("_error").removesuffix("_extrapolated")
+        variable = VARIABLES.get(base)
+        if variable is not None and variable.scale:
+            key = named_with_unit(variable.si_name + name.removeprefix(base), variable.si_units)
+            start = zero if name == "T" else 0.0
+            converted[key] = None if value is None else (value - start) * variable.factor(scales)
+    return converted
+
+
+def geometry_of(about: Mapping[str, Any]) -> Geometry:
+    """The dry contact and its directions, from a summary or the attributes of a Dataset."""
+    ratio, angle = about.get("radius_ratio", 1.0), about.get("entrainment_angle", 0.0)
+    return geometry(ratio, angle, about.get("length_ratio", 100.0))
 
 
 def domain(case: Case) -> str:
