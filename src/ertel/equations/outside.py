@@ -76,7 +76,8 @@ class Outside:
 
     def guess(self, motion: ContactMotion) -> Floats:
         """A guess of P on the grid where it is far from the contact, zero elsewhere."""
-        where, P = self.is_edge | (self.geometry.distance(self.X, self.Y) >= NEAREST), np.zeros(self.is_edge.shape)
+        near = NEAREST * self.geometry.grown(motion.load, motion.curvature)[0]
+        where, P = self.is_edge | (self.geometry.distance(self.X, self.Y) >= near), np.zeros(self.is_edge.shape)
         P[where] = far_pressure(self.X[where], self.Y[where], motion, self.lambda_bar, self.geometry)
         return P
 
