@@ -169,7 +169,7 @@ class Measured:
         Amount | None, units.WIDTH, Meaning("length of the map along its x; left out: as the file says", "500 um")
     ] = None
     length_y: Annotated[
-        Amount | None, units.WIDTH, Meaning("length of the map along its y; left out: as the file says", "500 um")
+        Amount | None, units.WIDTH, Meaning("length of a map along its y; left out: as the file says", "500 um")
     ] = None
     rms: Annotated[
         Amount | None, units.RMS, Meaning("root mean square of its heights; left out: as measured", "50 nm")

@@ -72,7 +72,7 @@ class MeasuredFile:
     spacing: Annotated[
         Amount | None,
         units.WIDTH,
-        Meaning("distance of the points of a file that does not say its lengths, in place of length_x", "0.5 um"),
+        Meaning("distance of the points of a file that has no lengths, in place of length_x", "0.5 um"),
     ] = None
     detrend: Annotated[
         Literal["plane", "curvature", "mean", "none"] | None,
