@@ -9,6 +9,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import suppress
+from pathlib import Path
 
 import psutil
 import pytest
@@ -98,6 +99,19 @@ def _memory_is_bounded() -> Iterator[None]:
     gc.collect()
     with suppress(OSError, AttributeError):  # GNU's library keeps what is freed
         ctypes.CDLL("libc.so.6").malloc_trim(0)
+
+
+@pytest.fixture(scope="session")
+def lines(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with two stored runs of line contacts: `steady`, in SI, and `impact`, to the rebound, without."""
+    import ertel  # not above: what it imports reads the environment
+
+    folder, oil = tmp_path_factory.mktemp("lines"), ertel.Oil(eta0="40 mPa*s", alpha="20 / GPa")
+    track = {"load": "2 kN", "mean_speed": "1 m/s", "slide_to_roll": 0.0001}
+    rolling = ertel.rolling(radius="10 mm", length="10 mm", E_prime="226 GPa", oil=oil, nodes=129, **track)
+    ertel.run(rolling, folder / "steady")
+    ertel.run(ertel.impact(M=20, L=10, radius_ratio=0, nodes=129, until="rebound", interval=0.1), folder / "impact")
+    return folder
 
 
 @pytest.fixture

@@ -12,11 +12,11 @@ import ertel
 SHOWN = """
     impact rolling Oil quantity load_case Case Solver Time Output ConfigError simulate run open
     sweep converge fit traction cache respond respond_linearly respond_in_rolling Result Measurement to_si plots fronts
-    waves formulas hertz materials oils optics Feature Spot Waviness RingWaviness Measured SelfAffine
+    waves formulas hertz gears cams materials oils optics Feature Spot Waviness RingWaviness Measured SelfAffine
 """
 FOR_EXPERTS = """
-    parse_case to_toml Status Lubricant Motion Parameters Scales viscosity_laws density_laws fluidity_laws shapes
-    units accessor amplitude_reduction physics numerics case equations inputs results solvers runs apps
+    parse_case to_toml sampled Status Lubricant Motion Parameters Scales viscosity_laws density_laws fluidity_laws
+    shapes units accessor amplitude_reduction physics numerics case equations inputs results solvers runs apps
 """
 
 

@@ -17,7 +17,9 @@ from ertel.inputs.python import Oil as Oil
 from ertel.inputs.python import impact as impact
 from ertel.inputs.python import quantity as quantity
 from ertel.inputs.python import rolling as rolling
+from ertel.physics import cams as cams
 from ertel.physics import film_formulas
+from ertel.physics import gears as gears
 from ertel.physics import hertz as hertz
 from ertel.physics.surfaces import Feature as Feature
 from ertel.physics.surfaces import RingWaviness as RingWaviness
@@ -60,6 +62,7 @@ from ertel import solvers as solvers
 from ertel.case.status import Status as Status
 from ertel.inputs.case_files import parse_case as parse_case
 from ertel.inputs.case_files import to_toml as to_toml
+from ertel.inputs.python import sampled as sampled
 from ertel.physics import amplitude_reduction as amplitude_reduction
 from ertel.physics import units as units
 from ertel.physics.lubricant import Lubricant as Lubricant

@@ -94,7 +94,7 @@ async def until(there):
 
 async def test_the_first_page_lists_the_runs_and_a_page_of_no_run_says_so(user):
     for page, text in (
-        ("/", "Impact and rolling of lubricated point contacts"),
+        ("/", "Impact and rolling of lubricated point and line contacts"),
         ("/", "finished · impact, M 1000, L 10"),
         ("/run?name=../../etc", "lies outside"),
         ("/run?name=runs/nothing", "runs/nothing is not a run"),
@@ -174,7 +174,7 @@ async def test_a_run_is_deleted_after_a_question(user, site):
     user.find(marker="delete-run").click()
     await until(lambda: all_of(user, "delete-it"))
     user.find(marker="delete-it").click()
-    await user.should_see("Impact and rolling of lubricated point contacts", retries=50)  # the page has ended
+    await user.should_see("Impact and rolling of lubricated point and line contacts", retries=50)  # the page has ended
     assert not run.exists() and site.folder.runs() == [other]
     key = re.search('data-run="([0-9a-f]+)"', one(user, "runs").content)[1]
     user.find(marker="runs").trigger("click", key)

@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from ertel.equations.approach import NewtonsLaw, balanced, rate_of_change
 from ertel.numerics.bdf import derivative_weights
 from ertel.physics import hertz
-from ertel.physics.geometry import HERTZ_LOAD
+from ertel.physics.dry_contact import HERTZ_LOAD
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Oscillation, constant
 from ertel.physics.scales import impact_scales
 

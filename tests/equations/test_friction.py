@@ -22,8 +22,9 @@ from ertel.equations.contact import Contact, bare_contact, traceable
 from ertel.equations.thinning import ThinningFlow
 from ertel.numerics.grid import Grid
 from ertel.numerics.integrals import Plane
+from ertel.physics.dry_contact import HERTZ_LOAD
 from ertel.physics.fluidity import Limited, ReeEyring
-from ertel.physics.geometry import CIRCLE, HERTZ_LOAD
+from ertel.physics.geometry import CIRCLE
 from ertel.physics.lubricant import Barus, Incompressible, Lubricant
 from ertel.physics.motion import constant
 from ertel.physics.scales import Parameters

@@ -13,7 +13,7 @@ from ertel.case.methods import METHODS, ROLLING_UNTIL
 from ertel.case.sections import Time
 from ertel.inputs.case_files import parse_case
 from ertel.physics.geometry import CIRCLE, Geometry
-from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, Oscillation, Polyline, constant
+from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, Oscillation, Polyline, Product, constant
 from ertel.results.parameters import formula_films, parameter_summary
 
 MOES = {"kind": "rolling", "M": 200, "L": 10}
@@ -87,7 +87,8 @@ def test_the_ball_s_mass_is_its_inertia():
 
 
 def test_dimensionless_inertia_and_slide():
-    assert in_time(motion={"inertia": 0.3, "slide_to_roll": 1}).motion == Motion(constant(1), constant(1), 0.3, 1)
+    sliding = Product(constant(1), constant(1))
+    assert in_time(motion={"inertia": 0.3, "slide_to_roll": 1}).motion == Motion(constant(1), constant(1), 0.3, sliding)
 
 
 # -- the defaults -----------------------------------------------------------------------------------------------------

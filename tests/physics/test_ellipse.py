@@ -14,7 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ertel.physics import film_formulas, hertz
-from ertel.physics.geometry import CIRCLE, Geometry, geometry, hertz_ellipse
+from ertel.physics.dry_contact import hertz_ellipse
+from ertel.physics.geometry import CIRCLE, Geometry, geometry
 from ertel.physics.materials import reduced_radius
 from ertel.physics.scales import FlowDirection, Parameters, hamrock_dowson, impact_scales, parameters, rolling_scales
 

@@ -46,6 +46,28 @@ def test_a_full_gap_solves_reynolds_equation_where_nothing_is_deformed(motion: M
     assert np.abs(imbalance(pressure, X, Y, motion, geometry)).max() < 2e-3
 
 
+@pytest.mark.parametrize("geometry", GEOMETRIES)
+def test_a_parabola_that_grows_sucks_as_bodies_that_part(geometry: Geometry) -> None:
+    """div(H^3 grad P)/lambda_bar = dH/dT for H = c G with dc/dT = 1, as the speed of each place says."""
+
+    def pressure(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        apart = geometry.far_flow(-1.0, 0.0, x, y) * geometry.bent(x, y)
+        return LAMBDA_BAR * apart / geometry.gap(x, y) ** 2
+
+    still = imbalance(pressure, X, Y, Motion(0.0, 0.0, 0.0, 0.0), geometry)
+    np.testing.assert_allclose(still, geometry.gap(X, Y), rtol=1e-3)
+
+
+def test_the_oil_around_a_gap_of_another_curvature() -> None:
+    """It is that of a contact in which all of the gap is c times as large, at lambda_bar c^-2; and it grows as said."""
+    c, motion = 2.0, Motion(0.5, 0.1, 0.8, 1.0, load_rate=0.2)
+    bent = Motion(c * 0.5, c * 0.1, c * 0.8, 1.0, c * 0.2, curvature=c)
+    P = far_pressure(X, Y, motion, LAMBDA_BAR)
+    np.testing.assert_allclose(far_pressure(X, Y, bent, c**2 * LAMBDA_BAR), P, rtol=1e-12)
+    less, more = (far_pressure(X, Y, motion._replace(bending=rate), LAMBDA_BAR) for rate in (0.02, -0.02))
+    assert (less < P).all() and (P < more).all()
+
+
 # -- the rupture ------------------------------------------------------------------------------------------------------
 
 

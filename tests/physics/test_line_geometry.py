@@ -10,7 +10,8 @@ from scipy.integrate import quad, solve_ivp
 
 from ertel.numerics.halfspace import line_coefficients
 from ertel.physics import line_films
-from ertel.physics.geometry import Geometry, HertzLine, LineContact
+from ertel.physics.dry_contact import HertzLine
+from ertel.physics.geometry import Geometry, LineContact
 from ertel.physics.line_scales import LineParameters, line_impact_scales, line_rolling_scales
 from ertel.physics.scales import hamrock_dowson, parameters
 

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ertel.case.height_map import HeightMap, Measured
-from ertel.physics.motion import FREE_BALL, STEADY_ROLLING
+from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, constant
 from ertel.physics.surfaces import Feature, RingWaviness, SelfAffine, Spot, Waviness, even, height
 from ertel.physics.units import Quantity
 
@@ -57,7 +57,7 @@ MAP = Measured(HeightMap(np.random.default_rng(0).normal(size=(24, 40))), 4.0, 2
 @given(st.floats(-2.0, 2.0), st.floats(0.0, 3.0), st.sampled_from([1, 2]))
 def test_a_feature_moves_with_its_own_surface(shape, close, slide_to_roll, T, surface) -> None:
     """Surface 1 at 1 + S/2, surface 2 at 1 - S/2, in units u_m."""
-    motion = replace(STEADY_ROLLING, slide_to_roll=slide_to_roll)
+    motion = replace(STEADY_ROLLING, sliding=constant(slide_to_roll))
     speed = 1 + (0.5 if surface == 1 else -0.5) * slide_to_roll
     found = height([Feature(shape, surface)], motion, T, X, Y)
     np.testing.assert_allclose(found, shape.heights(X - speed * T, Y), atol=close)

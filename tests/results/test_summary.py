@@ -20,7 +20,7 @@ from ertel.inputs.case_files import parse_case
 from ertel.physics import hertz
 from ertel.physics.film_formulas import FormulaFilm
 from ertel.physics.units import Quantity
-from ertel.results import parameters, variables
+from ertel.results import parameters
 from ertel.results.earlier import as_now, from_touch, one_number
 from ertel.results.numbers import ERRORS, key_numbers, lines, more_lines, number, scalars
 from ertel.results.summary import _finite, comparisons, extremes, impact_summary, rolling_summary, with_error
@@ -39,7 +39,7 @@ WORK = {"steps": 1, "newton_iterations": 1, "krylov_iterations": 1, "wall_s": 1.
 
 def test_si_summary_has_units_in_its_names() -> None:
     s = parse_case(BALL_FALLS).scales
-    assert variables.values_in_si(dict.fromkeys(AT_MAXIMUM, 1.0), s) == {
+    assert parameters.values_in_si(dict.fromkeys(AT_MAXIMUM, 1.0), s) == {
         **{"t_s": s.t0, "delta_m": s.film, "f_N": s.load, "p_c_Pa": s.p_h, "p_max_Pa": s.p_h, "load_N": s.force},
         **{"h_c_m": s.film, "h_min_m": s.film, "x_min_m": s.a, "y_min_m": s.a, "power_loss_W": s.power},
     }
@@ -59,12 +59,13 @@ def test_duration_and_largest_load_of_an_impact() -> None:
     assert summary["si"]["f_max_N"] == pytest.approx(summary["F_max"] * case.scales.load)
 
 
-def test_films_of_another_load_and_speed() -> None:
+def test_films_of_another_load_speed_and_radius() -> None:
     """As if the case had been given with them."""
     a = parse_case({"contact": ROLLING, "lubricant": ROLLING_OIL})
     other = {"load": f"{2 * 3.888524!r} N", "mean_speed": f"{3 * 0.502636!r} m/s"}
+    other["radius"] = f"{a.scales.R / 1.5!r} m"
     b = parse_case({"contact": ROLLING | other, "lubricant": ROLLING_OIL})
-    for one, two in zip(parameters.formula_films(a, 2.0, -3.0), parameters.formula_films(b), strict=True):
+    for one, two in zip(parameters.formula_films(a, 2.0, -3.0, 1.5), parameters.formula_films(b), strict=True):
         for p, q in ((one.central, two.central), (one.minimum, two.minimum)):
             assert (p is None and q is None) or p * a.scales.film == pytest.approx(q * b.scales.film)
     assert parameters.formula_films(a, 1.0, 0.0) == []

@@ -18,7 +18,7 @@ from ertel.equations.account import Friction, friction
 from ertel.equations.state import State
 from ertel.numerics.integrals import Plane
 from ertel.numerics.stencils import unfolded
-from ertel.physics.geometry import hertz_ellipse
+from ertel.physics.dry_contact import hertz_ellipse
 from ertel.physics.surfaces import Feature, Waviness
 from ertel.results.summary import comparisons
 from ertel.runs.response import respond, respond_in_rolling, respond_linearly

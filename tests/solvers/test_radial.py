@@ -26,7 +26,8 @@ from ertel.equations.approach import ClosureLine
 from ertel.equations.state import State
 from ertel.numerics import bdf
 from ertel.numerics.integrals import disc_weights
-from ertel.physics import geometry, hertz
+from ertel.physics import hertz
+from ertel.physics.dry_contact import HERTZ_LOAD
 from ertel.physics.lubricant import Oil
 from ertel.physics.registry import VISCOSITY_LAWS
 from ertel.physics.scales import Parameters
@@ -123,7 +124,7 @@ def test_the_load_is_exact_for_a_cone_and_right_for_hertz() -> None:
     r = radial.radii(65, 3.0)
     assert disc_weights(r) @ (1 - r / 3.0) == pytest.approx(pi * 3.0**2 / 3, rel=1e-13)
     r = radial.radii(513, 3.0)
-    assert disc_weights(r) @ hertz.pressure(r) == pytest.approx(geometry.HERTZ_LOAD, rel=1e-4)
+    assert disc_weights(r) @ hertz.pressure(r) == pytest.approx(HERTZ_LOAD, rel=1e-4)
 
 
 # -- the equations ----------------------------------------------------------------------------------------------------

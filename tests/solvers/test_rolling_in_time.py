@@ -9,6 +9,7 @@ from math import pi
 import jax
 import numpy as np
 import pytest
+import xarray as xr
 from cases import OIL, free_ball, rolled, steps_of
 from cases import march as levels_of
 
@@ -19,10 +20,11 @@ from ertel.equations import contact
 from ertel.equations.flow import Rate
 from ertel.equations.outside import predicted
 from ertel.equations.state import State
-from ertel.physics.geometry import HERTZ_LOAD
-from ertel.physics.motion import Oscillation, Polyline, constant
+from ertel.physics.dry_contact import HERTZ_LOAD
+from ertel.physics.motion import Oscillation, Polyline, Smooth, constant
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature, SelfAffine, Spot, Waviness
+from ertel.results.balances import in_time
 from ertel.solvers import steady
 from ertel.solvers.transient import Transient2D
 
@@ -136,6 +138,78 @@ def test_a_heavy_ball_swings_about_the_applied_load() -> None:
     levels = march(rolling(Drive(load=load, inertia=0.5)), 0.05, 50)
     loads = [total_pressure(level) * (6 / 32) ** 2 / HERTZ_LOAD for level in levels]
     assert max(loads) > 1.3 and loads[0] < max(loads) - 0.1
+
+
+# -- signals: curvature and slide-to-roll ratio -----------------------------------------------------------------------
+
+
+def test_a_curvature_that_stays_is_another_radius() -> None:
+    """A gap c times as curved is the contact of bodies with R/c: the same films, in its own units of length."""
+    c, p = 2.0, P20
+    s = c ** (-1 / 3)  # a of that contact
+    other = Parameters(p.lambda_bar / (c**2 * s), p.alpha_bar * c * s)
+    bent = march(rolling(Drive(curvature=constant(c))), 0.1, 4)
+    grid = replace(METHODS["transient"].defaults, nodes=33, tolerance=TIGHT, half_width=3.0 / s, inlet=4.5 / s)
+    small = march(rolled(other, OIL, grid), 0.1 / s, 4)
+    for one, two in zip(bent, small, strict=True):
+        assert largest(one.H, c * s**2 * np.asarray(two.H)) < 10 * TIGHT
+        assert largest(one.P, c * s * np.asarray(two.P)) < 10 * TIGHT
+        assert one.outside == pytest.approx(two.outside, rel=1e-6)  # F* is that of the contact itself
+
+
+SWAY = Oscillation(1.0, 0.2, 3.0)
+
+
+def test_a_curvature_and_a_slide_to_roll_ratio_that_change_are_mirrored_with_the_speed() -> None:
+    feature = Waviness(0.02, 0.8, phase_x=0.4)
+    signals = Drive(curvature=SWAY, slide_to_roll=Oscillation(0.5, 0.4, 2.0))
+    there, *_, first = march(rolling(signals, Feature(feature)), 0.1, 4)
+    back = replace(signals, entrainment=constant(-1.0))
+    here = march(rolling(back, Feature(replace(feature, phase_x=-0.4))), 0.1, 4)[0]
+    assert largest(np.asarray(here.H)[:, ::-1], there.H) < 1e-7
+    assert largest(first.H, there.H) > 0.1  # at the edge of the grid
+
+
+def test_a_ratio_given_as_a_signal_is_the_ratio() -> None:
+    """The position of the roughness and the friction; where it changes, both follow."""
+    wave = Feature(Waviness(0.02, 0.8))
+    number, signal, changing = (
+        rolling(Drive(slide_to_roll=ratio), wave) for ratio in (0.5, Smooth(((0.0, 0.5), (9.0, 0.5))), SWAY)
+    )
+    one, two = (march(case, 0.1, 3)[0] for case in (number, signal))
+    assert largest(one.H, two.H) < 1e-12 and one.record["mu_sliding"] == pytest.approx(two.record["mu_sliding"])
+    another = march(changing, 0.1, 3)[0]
+    expected = one.record["mu_sliding"] * SWAY(0.3) / 0.5
+    assert another.record["mu_sliding"] == pytest.approx(expected, rel=0.02)
+    assert changing.motion.travel(1, 0.3) == pytest.approx(0.3 + 0.5 * SWAY.integral(0.3))
+
+
+def test_a_signal_of_many_points_does_not_force_a_step_a_point() -> None:
+    """The film of 201 points in 1 t0 is that of 26, in as many steps."""
+    runs = []
+    for points in (26, 201):
+        times = np.linspace(0.0, 1.0, points)
+        signal = Smooth(tuple(zip(times.tolist(), SWAY.at(times).tolist(), strict=True)))
+        case = rolling(Drive(curvature=signal, load=signal), time=Time(until=1.0), tolerance=1e-4)
+        runs.append(steps_of(case, Transient2D(case)))
+    few, many = runs
+    assert len(many) < 1.05 * len(few) + 2 and len(many) < 100
+    assert many[-1].record["H_c"] == pytest.approx(few[-1].record["H_c"], rel=1e-3)
+
+
+@pytest.mark.parametrize(("nodes", "most"), [(33, 0.02), pytest.param(65, 0.005, marks=pytest.mark.slow)])
+def test_the_budgets_of_a_gap_that_changes_its_curvature(nodes: int, most: float) -> None:
+    """The work of the gap that bends is part of the energy: without it the budget would not close on the finer grid."""
+    flatter = Smooth(tuple((0.1 * n, 1.0 - 0.015 * n) for n in range(16)))
+    time = Time(until=1.5, step=0.05 * 32 / (nodes - 1))
+    case = rolling(Drive(curvature=flatter), nodes=nodes, time=time, tolerance=1e-6)
+    records = [step.record for step in steps_of(case, Transient2D(case))]
+    columns = {name: ("time", [record[name] for record in records]) for name in records[0]}
+    data = xr.Dataset(columns, {"time": [record["T"] for record in records]})
+    found = {name: terms["imbalance"] for name, terms in in_time(case, data).items()}
+    assert found["mass"] < most / 3 and found["energy"] < most
+    turned_over = float(np.trapezoid(data["power_from_surfaces"], data["time"]))
+    assert 1.5 * 0.15 / 5 > 0.01 * turned_over  # -dc/dT times the integral of P G under the pressure of Hertz
 
 
 # -- laws -------------------------------------------------------------------------------------------------------------

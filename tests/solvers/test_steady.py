@@ -19,7 +19,8 @@ from ertel.equations import contact, discretise
 from ertel.equations.approach import balanced
 from ertel.equations.flow import Rate, steady_rate
 from ertel.numerics import multigrid, stencils
-from ertel.physics.geometry import CIRCLE, HERTZ_LOAD
+from ertel.physics.dry_contact import HERTZ_LOAD
+from ertel.physics.geometry import CIRCLE
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import constant
 from ertel.physics.scales import Parameters

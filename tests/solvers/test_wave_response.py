@@ -17,8 +17,8 @@ from ertel.equations import contact, discretise
 from ertel.equations.contact import Rate
 from ertel.inputs.python import rolling
 from ertel.numerics.stencils import folded
+from ertel.physics.dry_contact import HERTZ_LOAD
 from ertel.physics.fluidity import ReeEyring
-from ertel.physics.geometry import HERTZ_LOAD
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import constant
 from ertel.physics.scales import Parameters

@@ -21,7 +21,7 @@ from scipy.optimize import brentq
 
 import ertel
 from ertel.physics import film_formulas
-from ertel.physics.geometry import hertz_ellipse
+from ertel.physics.dry_contact import hertz_ellipse
 from ertel.physics.lubricant import Lubricant
 from ertel.physics.scales import HamrockDowson
 

@@ -52,6 +52,7 @@ def print_schema(requested: bool) -> None:
 def new(
     kind: Annotated[Literal["impact", "rolling"], typer.Argument(help="Kind of contact.")],
     file: Annotated[Path | None, path_argument("FILE", "New case file; default KIND.toml.")] = None,
+    line: Annotated[bool, typer.Option("--line", help="Of a line contact: a roller in place of a ball.")] = False,
     schema: Annotated[
         bool,
         typer.Option("--schema", is_eager=True, callback=print_schema, help="Print the JSON schema of case files."),
@@ -66,7 +67,7 @@ def new(
 
     path = file or Path(f"{kind}.toml").absolute()
     path.parent.mkdir(parents=True, exist_ok=True)
-    if not _write_new(path, template(kind, in_shell(path))):
+    if not _write_new(path, template(kind, in_shell(path), line)):
         leave(BAD_INPUT, f"{shown(path)} exists already and is left as it is; give another FILE")
     print_path(path)
     beside = path.with_name(SCHEMA_FILE)

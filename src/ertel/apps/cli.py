@@ -35,7 +35,7 @@ from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, say
 PART_HELP = "Do the I-th of N parts only, such as one task of a job array; the command without it gathers."
 app = typer.Typer(
     cls=process.Commands,
-    help="Elastohydrodynamic lubrication of point contacts: a ball hits an oiled surface, or rolls and slides on it.",
+    help="Elastohydrodynamic lubrication: a ball or a roller hits an oiled surface, or rolls and slides on it.",
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )

@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 
 from ertel.apps.terminal import capital, printable
-from ertel.case.methods import METHODS
 from ertel.case.records import ConfigError, show
 from ertel.inputs import materials, oils
 from ertel.physics.materials import Material, NamedOil, Sourced, celsius
 from ertel.physics.units import COMPLIANCE, KINEMATIC_VISCOSITY, TEMPERATURE, Unit, marks
-from ertel.results.numbers import Number, aligned, duration, moment, more_lines, numbers, values_of
-from ertel.results.parameters import domain, formula_films, parameter_summary, rheology_of
-from ertel.results.variables import FILMS, values_in_si, with_prefix
+from ertel.results.numbers import Number, aligned, duration, moment, more_lines, nodes_in_words, numbers, values_of
+from ertel.results.parameters import domain, formula_films, parameter_summary, rheology_of, values_in_si
+from ertel.results.variables import FILMS, is_line, with_prefix
 
 if TYPE_CHECKING:
     from ertel.case.case import Case
@@ -59,14 +58,16 @@ def print_names(content: Mapping[str, str]) -> None:
 def print_parameters(content: Mapping[str, Any]) -> None:
     """The parameters of a case, then its scales in SI."""
     values = {name: value for name, value in {**content, **content.get("si", {})}.items() if name != "si"}
-    titles = {name: f"{name} (a rigid ball's)" if name.startswith("trapped_film") else name for name in values}
+    body = "cylinder" if is_line(content) else "ball"
+    titles = {name: f"{name} (a rigid {body}'s)" if name.startswith("trapped_film") else name for name in values}
     print_names({"parameter": "value", **{titles[name]: f"{value:.6g}" for name, value in values.items()}})
 
 
 def needs(content: Mapping[str, Any]) -> dict[str, str]:
     """Oil, grid, memory and time of an outlook in words."""
     grid, memory, time = content["grid"], content["memory"], content["time"]
-    size = METHODS[content["method"]].space.in_words(grid["nodes"], grid["nodes_across"])
+    about = {**content["parameters"], "method": content["method"]}
+    size = nodes_in_words(about, grid["nodes"], grid["nodes_across"])
     in_si = f" = {with_prefix(grid['spacing_m'], 'm')}" if "spacing_m" in grid else ""
     there = f" of {memory['available'] / 1e9:.3g} GB" if memory["available"] else ""
     steps = f", {time['steps']} time steps" if time["steps"] else ""
@@ -145,7 +146,7 @@ def _print_values(out: PlainConsole, case: "Case", summary: Mapping[str, Any]) -
     for line in more_lines(summary):
         out.say(line)
     T = computed["T"].value if "T" in computed else 0.0
-    formulas = formula_films(case, case.motion.load(T), case.motion.entrainment(T)) if computed else ()
+    formulas = formula_films(case, *case.motion.moment(T)) if computed else ()
     if formulas:
         out.print()
         print_films(case, formulas, computed)
@@ -221,14 +222,14 @@ def _deviation(film: float | None, computed: Number) -> str:
 def print_formulas(case: "Case") -> None:
     """The parameters and scales of a case, and the films by the formulas at T = 0."""
     print_parameters(parameter_summary(case))
-    if films := formula_films(case, case.motion.load(0.0), case.motion.entrainment(0.0)):
+    if films := formula_films(case, *case.motion.moment(0.0)):
         console().print()
         print_films(case, films)
 
 
 def films_as_data(case: "Case") -> list[dict[str, Any]]:
     """The films by the formulas at T = 0, with sources and ranges, as data for JSON."""
-    rows = [film._asdict() for film in formula_films(case, case.motion.load(0.0), case.motion.entrainment(0.0))]
+    rows = [film._asdict() for film in formula_films(case, *case.motion.moment(0.0))]
     if case.scales:
         for row in rows:
             row["si"] = values_in_si({"H_c": row["central"], "H_min": row["minimum"]}, case.scales)

@@ -25,7 +25,7 @@ from ertel.physics.geometry import CIRCLE, Geometry
 from ertel.physics.line_films import expected_line_film
 from ertel.physics.line_scales import LineParameters
 from ertel.physics.lubricant import ALPHA, Lubricant, Oil
-from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, Track, constant, reversed_sign
+from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, Product, Track, constant, reversed_sign
 from ertel.physics.scales import Parameters, Scales
 from ertel.physics.surfaces import Feature
 from ertel.physics.units import marks
@@ -185,13 +185,16 @@ class Case:
         usual = FREE_BALL if self.starts_apart else STEADY_ROLLING
         drive = scaled(self.drive or Drive(), self.scales, "motion")
         mean, slide = self.contact.speeds
-        load, entrainment = drive.load or usual.load, drive.entrainment or usual.entrainment
+        load, entrainment, sliding = drive.load or usual.load, drive.entrainment or usual.entrainment, drive.sliding
         if self.scales and mean is not None:
             if self.starts_apart:
                 entrainment = drive.entrainment or constant(mean / self.scales.front_speed)
             elif mean < 0:
-                entrainment = reversed_sign(entrainment)
-        return Motion(load, entrainment, self._inertia(drive), slide or drive.slide_to_roll or 0.0)
+                entrainment, sliding = reversed_sign(entrainment), sliding and reversed_sign(sliding)
+        if ratio := slide or drive.slide_to_roll:
+            sliding = Product(constant(ratio) if isinstance(ratio, int | float) else ratio, entrainment)
+        others = sliding or usual.sliding, drive.curvature or usual.curvature
+        return Motion(load, entrainment, self._inertia(drive), *others)
 
     def _inertia(self, drive: Drive) -> float:
         if self.starts_apart:

@@ -13,7 +13,8 @@ from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
 from ertel.case.records import ConfigError, checked, show, with_unit
 from ertel.physics import line_scales, materials, scales, units
-from ertel.physics.geometry import LARGEST_RATIO, LEAST_RATIO, Geometry, geometry
+from ertel.physics.dry_contact import LARGEST_RATIO, LEAST_RATIO
+from ertel.physics.geometry import Geometry, geometry
 from ertel.physics.line_scales import LineParameters, LineScales
 from ertel.physics.lubricant import Oil
 from ertel.physics.scales import Parameters, Scales

@@ -86,8 +86,8 @@ def largest_pressure(case: Case) -> float:
     """The maximum Hertz pressure (Pa) at the largest load, an impact's without oil; zero for a dimensionless case."""
     if case.scales is None:
         return 0.0
-    load = 1.0 if case.starts_apart else case.motion.load.range(inf)[1]
-    return case.scales.p_h * case.geometry.grown(load)
+    load, curvature = (signal.range(inf)[1] for signal in (case.motion.load, case.motion.curvature))
+    return case.scales.p_h * (1.0 if case.starts_apart else case.geometry.grown(load, curvature)[1])
 
 
 def newtonian_stress(case: Case) -> float:
@@ -99,7 +99,7 @@ def newtonian_stress(case: Case) -> float:
 
     Along a line it is the integral from 0 to 1 of eta(p_h sqrt(1 - x^2)) dx.
     """
-    sliding = abs(case.motion.slide_to_roll) * max(map(abs, case.motion.entrainment.range(inf)))
+    sliding = max(map(abs, case.motion.sliding.range(inf)))
     if case.scales is None or case.oil.eta0 is None or not sliding:
         return 0.0
     z, weight = _PLACES

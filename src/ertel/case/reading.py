@@ -19,18 +19,21 @@ from ertel.case.records import ConfigError, check_value, is_number, named, refus
 from ertel.case.sections import SECTIONS
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Density, Viscosity
-from ertel.physics.motion import Oscillation, Polyline, Signal, Track, constant
+from ertel.physics.motion import Oscillation, Polyline, Signal, Smooth, constant
 from ertel.physics.registry import OIL_LAWS, SHAPES
 from ertel.physics.surfaces import Feature
 from ertel.physics.units import FINITE, MUST_BE_GIVEN, Amount, Bounds, Field, Mark, Quantity, Unit, fields_of
 
 T = TypeVar("T")
 Data = Mapping[str, Any]
-SIGNAL_TEXT = "a number, an array of [T, value], or a table { mean, amplitude, period, phase }"
+SIGNAL_TEXT = "a number, an array of [T, value], or a table { smooth } or { mean, amplitude, period, phase }"
 LAWS = {Viscosity: OIL_LAWS["viscosity"], Density: OIL_LAWS["density"], Fluidity: OIL_LAWS["rheology"]}
 UNBOUNDED = {int: Bounds(whole=True, most=inf), float: Bounds(most=inf)}  # numbers of laws of one's own, without a mark
 THINNING = 'shear thinning is written lubricant.rheology = { law = "ree-eyring", tau0 = "5 MPa" }'
-NOT_THERE = {  # keys that a tribologist may try and that ertel does not support, with an explanation
+LINE = "a line contact is that of a length: give contact.length, or radius_ratio = 0 without dimensions"
+NOT_THERE = {  # keys and names that a tribologist may try and that ertel does not support, with an explanation
+    **dict.fromkeys(("line", "line contact", "width"), LINE),
+    **dict.fromkeys(("line_load", "load_per_length"), "give load, that on the whole length, and length"),
     "ellipticity": "give radius_ratio = R_x/R_y, or the radii radius_x and radius_y",
     "tau0": THINNING,
     "eyring": THINNING,
@@ -170,10 +173,10 @@ class Reader:
         with refusing(place, value):
             if law := next((option for option in options if option in LAWS), None):
                 return self.law(value, law, place, by_name=str in options)
-            if Signal in options:
+            if Signal in options and not (float in options and is_number(value)):
                 return self.signal(value, place)
-            if Track in options and isinstance(value, list | tuple):
-                return self.polyline(Track, value, place)
+            if (line := records.points_in(options)) and isinstance(value, list | tuple):
+                return self.polyline(line, value, place)
             return self._plain_value(value, options, mark, names)
 
     def _plain_value(self, value: Any, options: Sequence[Any], mark: Mark | None, names: Sequence[str]) -> Any:
@@ -183,7 +186,8 @@ class Reader:
             except ValueError as error:
                 raise ValueError(f"{error}{''.join(f', or {show(name)}' for name in names)}") from error
         if names:
-            raise ValueError(f"allowed: {records.alternatives(map(repr, names))}")
+            allowed = f"allowed: {records.alternatives(map(repr, names))}"
+            raise ValueError(f"{NOT_THERE[value]}; {allowed}" if value == "line" else allowed)
         if HeightMap in options:
             if not isinstance(value, str):
                 raise ValueError("must be a string")
@@ -209,7 +213,10 @@ class Reader:
         return value if isinstance(value, Quantity) else float(value)  # type: ignore[arg-type]
 
     def signal(self, data: Any, place: str) -> Signal:
-        """A signal from a number, a list of [T, value], or a table { mean, amplitude, period, phase }."""
+        """A signal from a number, a list of [T, value], or a table { smooth } or { mean, amplitude, period, phase }."""
+        points = data.get("smooth") if isinstance(data, Mapping) and len(data) == 1 else None
+        if isinstance(points, list | tuple) and points:
+            return self.polyline(Smooth, points, f"{place}.smooth")
         if isinstance(data, Mapping):
             return self.record(Oscillation, data, place)
         if is_number(data):
@@ -219,7 +226,7 @@ class Reader:
         return self.polyline(Polyline, data, place)
 
     def polyline(self, kind: type[Polyline], data: Sequence[Any], place: str) -> Polyline:
-        """A signal or a track from its points."""
+        """A signal, a track or a table from its points."""
         (x, value), points = kind.NAMES, []
         for number, point in enumerate(data, 1):
             where = f"{place}[{number}]"

@@ -17,13 +17,18 @@ import numpy as np
 from ertel.case.height_map import HeightMap
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Oil
-from ertel.physics.motion import Oscillation, Polyline
+from ertel.physics.motion import Oscillation, Polyline, Smooth
 from ertel.physics.registry import FLUIDITY_LAWS, OIL_LAWS, SHAPES, Registry
 from ertel.physics.scales import Scales
 from ertel.physics.surfaces import Feature
 from ertel.physics.units import LARGEST, Bounds, Mark, Quantity, Unit, fields_of
 
 T = TypeVar("T")
+
+
+def points_in(options: Iterable[Any]) -> type[Polyline] | None:
+    """The kind of points that is among the kinds of values of an annotation."""
+    return next((kind for kind in options if isinstance(kind, type) and issubclass(kind, Polyline)), None)
 
 
 # -- writing ----------------------------------------------------------------------------------------------------------
@@ -47,6 +52,8 @@ def _plain(value: Any, mark: object = None) -> Any:
             return with_unit(value, mark)
         case tuple() | list():
             return [_plain(item) for item in value]
+        case Smooth():
+            return {"smooth": [_plain(point) for point in value.points]}
         case Polyline():
             (start, first), *rest = value.points
             return _plain(first) if start == 0.0 and not rest else [_plain(point) for point in value.points]
@@ -120,7 +127,7 @@ def checked(record: T, place: str) -> T:
                     check_value(number, of_number)
     for name, field in fields_of(record).items():
         value, mark, choices = getattr(record, name), field.mark, field.choices
-        if isinstance(value, Polyline) or (is_dataclass(value) and mark is None):
+        if isinstance(value, Polyline | Oscillation) or (is_dataclass(value) and mark is None):
             checked(value, f"{place}.{name}")
             continue
         is_default = type(value) is type(field.usual) and bool(value == field.usual)  # which may be infinite

@@ -12,9 +12,10 @@ from ertel.case.height_map import Measured
 from ertel.case.methods import Method, as_written, of_kind
 from ertel.case.records import ConfigError, checked, show
 from ertel.case.sections import SECTIONS, WIDEST_HALF_WIDTH
+from ertel.physics.dry_contact import HERTZ_LOAD
 from ertel.physics.far_field import ContactMotion, far_film
 from ertel.physics.film_formulas import rigid_film
-from ertel.physics.geometry import CIRCLE, HERTZ_LOAD
+from ertel.physics.geometry import CIRCLE
 from ertel.physics.lubricant import DowsonHigginson
 from ertel.physics.registry import FLUIDITY_LAWS
 from ertel.physics.units import ABOVE_ZERO, NOT_NEGATIVE, Mark
@@ -207,9 +208,19 @@ def _drive(case: Case) -> Complaints:
     drive, contact = case.drive, case.contact
     if drive is None:
         return
-    if drive.slide_to_roll is not None and contact.speeds.slide_to_roll is not None:
+    number = isinstance(drive.slide_to_roll, int | float)
+    given = contact.slide_to_roll is not None or contact.speed_1 is not None
+    if drive.slide_to_roll is not None and (given or number) and contact.speeds.slide_to_roll is not None:
         instead = "with speeds in [contact] write contact.slide_to_roll, or contact.speed_1 and contact.speed_2"
-        yield "motion.slide_to_roll", f"belongs to dimensionless cases; {instead}"
+        allowed = "belongs to dimensionless cases" if number else "is given twice"
+        yield "motion.slide_to_roll", f"{allowed}; {instead}"
+    if drive.sliding is not None and (given or drive.slide_to_roll is not None):
+        yield "motion.sliding", "is given together with slide_to_roll or two speeds; allowed: one of them"
+    for key in ("sliding", "curvature") if case.starts_apart else ():
+        if getattr(drive, key) is not None:
+            yield f"motion.{key}", "is for rolling; leave it out of an impact"
+    if drive.curvature is not None and case.is_steady:
+        yield "motion.curvature", f"is a function of time; use {_in_time(case)}, or give the radius itself"
     if drive.inertia is not None and (case.starts_apart or contact.is_physical):
         of_rolling = "give contact.mass or contact.ball_density"
         instead = "for an impact it follows from its scales" if case.starts_apart else of_rolling
@@ -238,6 +249,9 @@ def _layer(case: Case) -> Complaints:
         return
     if oil.layer is not None and (oil.layer_1 is not None or oil.layer_2 is not None):
         yield "lubricant.layer", "give layer, or layer_1 and layer_2"
+    if oil.layer is None and oil.layer_1 != oil.layer_2 and not (case.starts_apart or motion.keeps_ratio):
+        instead = "give layer, the oil that enters per area at the entrainment speed"
+        yield "lubricant.layer_1, layer_2", f"what enters would change with the slide-to-roll ratio in time; {instead}"
     if oil.layer is None and motion.flows and abs(motion.slide_to_roll) > 2:
         away = f"at slide_to_roll = {motion.slide_to_roll:g} one surface takes its oil out of the inlet"
         instead = "give layer, the oil that enters per area at the entrainment speed"
@@ -250,7 +264,8 @@ def _layer(case: Case) -> Complaints:
                 least = f"must be at least roughness[{number}].{key} = {height:.4g} a^2/R"
                 why = "a layer of the same thickness everywhere does not lie on a rougher surface"
                 yield f"lubricant.layer = {thinnest:.4g} a^2/R", f"{least}; {why}"
-    contact = ContactMotion(case.geometry.dry_approach(1.0), 0.0, 1.0, 0.0)
+    c = motion.curvature.range(inf)[0]
+    contact = ContactMotion(case.geometry.dry_approach(1.0), 0.0, 1.0, 0.0, curvature=c)
     if case.geometry.is_line and not case.starts_apart:
         return  # what does not pass makes the inlet full, see `steady.fed`
     X, Y = np.array([solver.inlet or solver.half_width, 0.0]), np.array([0.0, solver.half_width_y or solver.half_width])
@@ -286,13 +301,14 @@ def _schedule(case: Case) -> Complaints:
 
 def _motion(case: Case) -> Complaints:
     """A solution must exist, and a steady film needs a motion that does not change in time."""
-    load, entrainment = case.motion.load, case.motion.entrainment
+    load, entrainment, sliding = case.motion.load, case.motion.entrainment, case.motion.sliding
     until = inf if case.is_steady else case.schedule.until
     if until == "rebound" and load.range(inf)[1] > 0:
         yield "time.until", "a ball under a load may never leave; give a time, in units t0"
     if case.starts_apart:
         return
-    for name, signal in {"load": load, "entrainment": entrainment}.items() if case.is_steady else ():
+    varied = {"load": load, "entrainment": entrainment, "sliding": sliding}
+    for name, signal in varied.items() if case.is_steady else ():
         least, most = signal.range(inf)
         if least != most:
             yield f"motion.{name}", f"varies in time from {least:g} to {most:g}; use {_in_time(case)}"
@@ -302,6 +318,9 @@ def _motion(case: Case) -> Complaints:
     if load(0.0) <= 0:
         yield "motion.load", f"is {load(0.0):g} at T = 0; must be above zero there"
     lowest = load.range(inf if isinstance(until, str) else until)[0]
+    flattest = case.motion.curvature.range(inf)[0]
+    if flattest <= 0:
+        yield "motion.curvature", f"goes down to {flattest:g}; must stay above zero"
     if case.motion.inertia == 0 and lowest <= 0:
         why = "without inertia the film balances it at every moment"
         yield "motion.load", f"goes down to {lowest:g}; must stay above zero, {why}"
@@ -355,7 +374,7 @@ def _thermal(case: Case) -> Complaints:
         thermal.viscosity_of(eta0)
     except ValueError as error:
         yield "thermal.viscosity", str(error)
-    pressure = scales.p_h * case.geometry.grown(case.motion.load(0.0)) / scales.E_prime
+    pressure = scales.p_h * case.geometry.grown(case.motion.load(0.0))[1] / scales.E_prime
     speed = case.motion.entrainment(0.0) * scales.front_speed
     inlet = thermal.inlet(eta0, pressure, speed, case.motion.slide_to_roll)
     if not inlet.factor > 0:

@@ -110,7 +110,11 @@ class Output:
 @explained
 @dataclass(frozen=True)
 class Drive:
-    """Load and entrainment as functions of time: the section [motion].  None: the default of the kind of contact."""
+    """Load, speeds and curvature as functions of time: the section [motion].  None: the default of the kind of contact.
+
+    A signal is a number, points [T, value] with straight lines between them, of which each ends a time step, a table
+    `smooth` of many points with a smooth curve through them (`physics.motion.Smooth`), or an oscillation.
+    """
 
     load: Annotated[
         Signal | None,
@@ -123,7 +127,22 @@ class Drive:
         ),
     ] = None
     slide_to_roll: Annotated[
-        Given, units.FINITE, Meaning("(u1 - u2)/u_m of a contact without dimensions; left out: 0", 0.1)
+        Signal | Given,
+        units.FINITE,
+        Meaning("(u1 - u2)/U(T), a number only in a contact without dimensions; left out: 0", 0.1),
+    ] = None
+    sliding: Annotated[
+        Signal | None,
+        Meaning(
+            "rolling: u1 - u2 in u_m, in place of slide_to_roll where U(T) passes through zero", [[0, 0.1], [5, 1]]
+        ),
+    ] = None
+    curvature: Annotated[
+        Signal | None,
+        Meaning(
+            "rolling in time: R/R(T), above zero, with R of [contact]; of an ellipse both radii change; left out: 1",
+            [[0, 1], [5, 1.2]],
+        ),
     ] = None
     inertia: Annotated[
         Given,

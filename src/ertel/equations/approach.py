@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ertel.numerics.bdf import Weights
-from ertel.physics.geometry import HERTZ_LOAD
+from ertel.physics.dry_contact import HERTZ_LOAD
 from ertel.physics.motion import Signal
 
 

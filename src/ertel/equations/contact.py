@@ -180,6 +180,18 @@ def steady_oil(contact: Contact, P: Array, H: Array, rate: Rate) -> OilContent:
     return OilContent(oil, full, void, passing, entrainment, turned(kinked))
 
 
+def oil_there(contact: Contact, P: Array, H: Array, residual: Array, rate: Rate) -> Array:
+    """The oil that is there after a step, as mass: rho H less what the residual leaves over, shape (n, n).
+
+    This oil obeys Reynolds' equation exactly at every node.  Where P > 0 the rest is what Newton's iteration left; the
+    next step corrects it.  Where P = 0 it is the void of the cavity, which the next step hands on.  On a dry edge the
+    oil moves with the flow alone.
+    """
+    full = mass(contact, P, H)
+    dry = jnp.where(P > 0.0, 0.0, jnp.maximum(rate.of(full, contact.spacing), 0.0))
+    return full - (residual + dry - inside(dry, contact.even)) / rate.new
+
+
 def _of_a_full_gap(contact: Contact, P: Array, H: Array, rate: Rate) -> Array:
     """The residual of a gap that is full of oil; on the edge only the rate of change following the flow."""
     change = rate.of(mass(contact, P, H), contact.spacing, rate.kinked(P))

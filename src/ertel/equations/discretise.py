@@ -56,8 +56,10 @@ def contact_of(case: Case, grid: Grid, T: float = 0.0) -> Contact:
 
 
 def roughened(smooth: Contact, case: Case, grid: Grid, T: float) -> Contact:
-    """The smooth contact with the case's roughness added at its position at time T, and the oil's flow at that time."""
+    """The smooth contact with its curvature and the oil's flow at time T, and the case's roughness where it is then."""
     smooth = replace(smooth, flow=flow_of(case, T))
+    if case.motion.bends:
+        smooth = replace(smooth, gap=case.motion.curvature(T) * smooth.gap)
     if not case.features:
         return smooth
     return replace(smooth, gap=smooth.gap - heights(case.features, case, grid, T))
@@ -74,21 +76,21 @@ def heights(features: Sequence[Feature], case: Case, grid: Grid, T: float) -> Ar
 
 
 def gap_slope(case: Case, grid: Grid) -> Array:
-    """dG/dX of the smooth gap G, which is a parabola: the central difference is exact."""
+    """dG/dX of the smooth gap G of the case, which is a parabola: the central difference is exact."""
     X, Y = grid.kept_x[None, :], grid.kept_y[:, None]
     return jax.device_put((case.geometry.gap(X + 1.0, Y) - case.geometry.gap(X - 1.0, Y)) / 2.0)
 
 
 def gap_change(case: Case, grid: Grid, T: float) -> Array:
-    """The rate of change of the undeformed gap, roughness included, following the flow."""
+    """The rate of change of the undeformed gap, roughness included, following the flow, while its curvature stays."""
     slope, change = np.asarray(gap_slope(case, grid)), np.asarray(roughness_change(case, grid, T))
-    return jax.device_put(case.motion.entrainment(T) * slope - change)
+    return jax.device_put(case.motion.entrainment(T) * case.motion.curvature(T) * slope - change)
 
 
 def roughness_change(case: Case, grid: Grid, T: float) -> Array | float:
     """The rate of change of the roughness following the flow, by a central difference; 0.0 where nothing slides."""
     motion = case.motion
-    if not (case.features and motion.flows and motion.slide_to_roll):
+    if not (case.features and motion.slides):
         return 0.0
     drift, Y = motion.entrainment.integral, grid.kept_y[:, None]
 

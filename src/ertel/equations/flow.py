@@ -123,19 +123,38 @@ def rate_in_time(
     flow: Flow | None,
     spacing: FloatLike,
     pressures: Sequence[Array] = (),
+    bent: tuple[Array | None, Array] | None = None,
 ) -> Rate:
     """The rate at the new time by backward differences along the flow.
 
     weights: for the new and the earlier times, newest first.  masses: at the earlier times, each of shape (n, n).
-    flow: None where the oil stays.  pressures: at the earlier times, for a run that starts from a starved film.
+    flow: None where the oil stays.  pressures: at the earlier times, for a run that starts from a starved film.  bent:
+    the parabola of the gap, None where it stays, and by how much of it the gap was another one than at the start.
     """
     if flow is None:
         return Rate(weights[0], sum(w * m for w, m in zip(weights[1:], masses, strict=True)))
     changes = [mass - flow.start.oil for mass in masses]
     starved, was_full = flow.start.kinked is not None, flow.start.oil >= flow.start.full
     full = [was_full & (P > 0.0) for P in pressures] if starved else None
-    past = followed(weights[1:], changes, flow.distances, full) - weights[0] * flow.start.oil
+    past = -weights[0] * flow.start.oil
+    if bent is not None and bent[0] is not None and not starved:
+        changes = [change - more * bent[0] for change, more in zip(changes, bent[1], strict=True)]
+        ways = flow.distances[0], flow.distances[0] + flow.distances[1]
+        for weight, more, way in zip(weights[1:], bent[1], ways, strict=False):
+            past += weight * more * parabola_moved(bent[0], way)
+    past += followed(weights[1:], changes, flow.distances, full)
     return Rate(weights[0], past + wedge(flow.start, flow.entrainment, spacing))
+
+
+def parabola_moved(gap: Array, nodes: FloatLike) -> Array:
+    """A parabola after it has moved by a number of nodes along X, exactly.
+
+    Upstream of the grid it goes on, where `stencils.shifted_along_x` has nothing but the value of the edge.
+    """
+    first, second, third = (gap[:, i : i + 1] for i in range(3))
+    bend, i = third - 2.0 * second + first, jnp.arange(gap.shape[1])
+    slope = second - first + (i - 0.5) * bend
+    return gap - nodes * slope + 0.5 * nodes**2 * bend
 
 
 def followed(

@@ -42,6 +42,9 @@ UNCHANGED = Surroundings(0.0, 0.0, 0.0)
 class Outside:
     """The oil outside a grid: the places at which its pressure is taken.
 
+    A gap that changes its curvature presses and sucks on the edge of the grid.  Farther out this is left out, because
+    the parabola ends somewhere: up to 50 a, at a rate of 3 % in t0 and lambda_bar = 0.02, it carries 0.2 % of the load.
+
     X, Y: the nodes of the grid.  is_edge: which of them are on the edge.  far: X, Y and area of the quadrature points
     outside, shape (3, n).
     """
@@ -56,8 +59,9 @@ class Outside:
     def at(self, motion: ContactMotion) -> Surroundings:
         """The oil around the grid for a given motion."""
         nodes, X, Y, areas = self._around
-        P = far_pressure(X, Y, motion, self.lambda_bar, self.geometry)
         edge, outside = np.zeros(self.is_edge.shape), areas.shape[1]
+        bending = motion.bending * (np.arange(len(X)) < len(X) - outside)
+        P = far_pressure(X, Y, motion._replace(bending=bending), self.lambda_bar, self.geometry)
         edge[nodes] = P[:-outside]
         return Surroundings(edge, *(areas @ P[-outside:]).tolist())
 

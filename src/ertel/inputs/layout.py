@@ -13,10 +13,12 @@ from ertel.case.conditions import Conditions, Kind
 from ertel.case.height_map import HeightMap, Measured
 from ertel.case.methods import METHODS, of_kind
 from ertel.case.reading import LAWS, Reader
-from ertel.case.records import show
-from ertel.case.sections import SECTIONS, START_APPROACH, Solver, Thermal, Time
+from ertel.case.records import points_in, show
+from ertel.case.sections import SECTIONS, START_APPROACH, Drive, Solver, Thermal, Time
 from ertel.inputs.quantities import parse_quantity
 from ertel.physics import units
+from ertel.physics.cams import Cam
+from ertel.physics.gears import Gear
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import Oscillation, Signal, Track
 from ertel.physics.registry import OIL_LAWS, SHAPES, Registry
@@ -62,6 +64,14 @@ class NamedLubricant:
 
 
 @dataclass(frozen=True)
+class Machines:
+    """A part of a machine from which the motion follows, and of [contact] radii, load and speed, in [motion]."""
+
+    gear: Annotated[Gear | None, Meaning("a pair of gears: their teeth meet from the first touch to the last")] = None
+    cam: Annotated[Cam | None, Meaning("a cam that lifts a flat-faced follower")] = None
+
+
+@dataclass(frozen=True)
 class MeasuredFile:
     """Keys for reading the file of a measured map or profile, in [[roughness]]."""
 
@@ -80,12 +90,14 @@ class MeasuredFile:
     ] = None
 
 
-NAMING = {Conditions: Materials, Oil: NamedLubricant, Measured: MeasuredFile}  # further keys of sections and shapes
+# further keys of sections and shapes
+NAMING = {Conditions: Materials, Oil: NamedLubricant, Drive: Machines, Measured: MeasuredFile}
 TOP: Mapping[str, Meaning] = {  # keys of the file itself
     "name": Meaning("of the run's directory and titles; left out: that of the file", "steel_ball"),
     "schema": Meaning("version of this layout"),
     "roughness": Meaning("shapes on the surfaces, any number of them; their heights are added"),
 }
+TABLES = (DataSheet, Gear, Cam)  # records that are the value of one key
 SURFACE = Meaning("surface on which the shape is and with which it moves")
 NEEDED = "needed"
 
@@ -134,8 +146,8 @@ class Key(Field):
         """The keys of a table that is the value: of a signal, a data sheet or a law."""
         if Signal in self.options:
             return keys_of(Oscillation)
-        if DataSheet in self.options:
-            return keys_of(DataSheet)
+        if record := next((record for record in TABLES if record in self.options), None):
+            return keys_of(record)
         laws: Mapping[str, Any] = self.law or {}
         law = table.get("law")
         return keys_of(laws[law]) if isinstance(law, str) and law in laws else ()
@@ -147,14 +159,18 @@ class Key(Field):
             text = f"number ({self.mark.own}) or quantity" if self.mark.scale else "quantity"
             text += ", or [[y, thickness], ...]" * (Track in self.options)
             return ", ".join([*self.choices, text])
-        if self.mark is not None:
+        if self.mark is not None and Signal not in self.options:
             return "integer" if self.mark.whole else "number"
         if self.law is not None:
             return f"{', '.join(able_names(self.law))} or table" if str in self.options else "table"
         if self.choices:
             return " or ".join(map(str, self.choices))
         words = {bool: "true or false", float: "number", int: "integer", HeightMap: "name of a file"}
-        words |= {Signal: "number, [[T, value], ...] or table", DataSheet: "name or table"}
+        words |= {DataSheet: "name or table", Gear: "table", Cam: "table"}
+        if Signal in self.options:
+            return "number, [[T, value], ...] or table"
+        if line := points_in(self.options):
+            return f"[[{', '.join(line.NAMES)}], ...]"
         return next((words[option] for option in self.options if option in words), "text")
 
 
@@ -182,7 +198,9 @@ def places() -> Iterator[Place]:
                     if fields(laws[law]):
                         yield _table(f'{field} = {{ law = "{law}" }}', laws[law])
         if name == "motion":
-            yield _table("load, entrainment = { ... }", Oscillation)
+            yield _table("load, entrainment, ... = { ... }", Oscillation)
+            yield _table("gear = { ... }", Gear)
+            yield _table("cam = { ... }", Cam)
 
 
 def section(name: str) -> Place:

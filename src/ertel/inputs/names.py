@@ -31,14 +31,15 @@ from ertel.case.methods import METHODS, as_written
 from ertel.case.records import ConfigError, data_of, law_fields, named, oil_data, show, with_unit
 from ertel.case.sections import Thermal
 from ertel.inputs import oils
-from ertel.inputs.layout import READER, DataSheet, Materials, NamedLubricant, field_names
+from ertel.inputs.layout import READER, DataSheet, Machines, Materials, NamedLubricant, field_names
 from ertel.inputs.quantities import parse_temperature
 from ertel.physics.fluidity import Carreau, Limited
 from ertel.physics.materials import RHEOLOGY, NamedOil, Sourced
-from ertel.physics.units import DENSITY, STRESS, Unit, marks
+from ertel.physics.units import DENSITY, STRESS, Unit, fields_of, marks
 
 OIL_KEYS, MATERIAL_KEYS = field_names(NamedLubricant), field_names(Materials)
 OF_PRESSURE = ("alpha", "z", "p0")  # a given one makes the law Roelands', unless the law is given too
+FOLLOWING = ("slide_to_roll", "speed_1", "speed_2", "radius", "radius_1", "radius_2")  # from a gear or a cam, too
 DIMENSIONLESS = ("M", "L", "lambda_bar", "alpha_bar")
 
 
@@ -48,6 +49,7 @@ def without_names(data: Mapping[str, Any], folder: Path = Path()) -> dict[str, A
     folder: that in which the file lubricant.oils lies.  Raises ValueError, naming the field, for a name that is not in
     the library, a temperature outside its data, and data of [thermal] that are missing.
     """
+    data = _with_machine(data)
     (lubricant,) = _tables(data, "lubricant")
     if isinstance(file := lubricant.get("oils"), str):
         data = {**data, "lubricant": {**lubricant, "oils": str(folder / file)}}
@@ -57,6 +59,25 @@ def without_names(data: Mapping[str, Any], folder: Path = Path()) -> dict[str, A
         if isinstance(written, Mapping) and any(key in written for key in keys):
             resolved[section] = named(section, resolve, written, data)
     return resolved
+
+
+def _with_machine(data: Mapping[str, Any]) -> dict[str, Any]:
+    """The data with the sections that follow from a machine part in [motion]."""
+    (motion,) = _tables(data, "motion")
+    given = [name for name in field_names(Machines) if name in motion]
+    if not given:
+        return dict(data)
+    place, data = f"motion.{given[0]}", {**data, "motion": {key: motion[key] for key in motion if key not in given}}
+    if len(given) > 1:
+        raise ConfigError(f"{place}: is given together with motion.{given[1]}; allowed: one of them")
+    part = READER.record(fields_of(Machines)[given[0]].options[0], motion[given[0]], place)
+    for name, section in named(place, lambda: part.passage.sections).items():
+        (table,) = _tables(data, name)
+        for key in (*section, *FOLLOWING) if name in ("contact", "motion") else ():
+            if key in table and key != "kind":
+                raise ConfigError(f"{name}.{key} = {show(table[key])}: follows from {place}; leave it out")
+        data[name] = {**section, **table}
+    return dict(data)
 
 
 def _tables(data: Mapping[str, Any], *names: str) -> Iterator[Mapping[str, Any]]:

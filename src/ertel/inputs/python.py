@@ -9,19 +9,23 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from inspect import Parameter, Signature
+from itertools import pairwise
+from math import inf
 from textwrap import wrap
 from typing import Any, Literal, TypedDict, Unpack, get_type_hints
 
 from ertel.case.case import Case
 from ertel.case.conditions import FOREIGN, Conditions, Kind
 from ertel.case.reading import hint_for
-from ertel.case.records import ConfigError, law_data, oil_data, show, with_own_numbers, with_unit
+from ertel.case.records import ConfigError, law_data, oil_data, refusing, show, with_own_numbers, with_unit
 from ertel.case.sections import Output, Solver, Thermal, Time
 from ertel.inputs.case_files import parse_case, with_all_units
 from ertel.inputs.layout import READER, Materials, NamedLubricant, field_names
 from ertel.inputs.quantities import NumberOrText, parse_quantity, plain_data
+from ertel.physics import units
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Oil as Oil
+from ertel.physics.motion import Smooth
 from ertel.physics.registry import FLUIDITY_LAWS
 from ertel.physics.surfaces import Feature, Shape
 from ertel.physics.units import HEIGHT, TEMPERATURE, TIME, Mark, Meaning, Quantity, marks, meanings, parameter_lines
@@ -108,7 +112,10 @@ SPECIAL: Mapping[str, Meaning] = {  # keywords that are no fields of a record
         "{'law': 'ree-eyring', 'tau0': '5 MPa'}, the record of a law, or 'newtonian'; 'carreau' takes its data from a "
         "named oil that has them"
     ),
-    "motion": Meaning("load, entrainment (signals), slide_to_roll, inertia, as [motion] of a case file"),
+    "motion": Meaning(
+        "load, entrainment, slide_to_roll, sliding, curvature (signals) and inertia, as [motion] of a case file; a "
+        "function of time becomes a signal by `ertel.sampled`"
+    ),
     "roughness": Meaning(
         "shapes, features (a shape on surface 1 or 2), or tables as [[roughness]] of a case file; heights are added"
     ),
@@ -245,6 +252,51 @@ def quantity(text: str) -> Quantity:
         with suppress(ValueError):
             return Quantity(parse_quantity(plain_data(text), unit.in_si), unit.unit)
     raise ConfigError(f"text = {show(text)}: must be a length or a time with its unit, such as '20 nm' or '5 ms'")
+
+
+MOST_SAMPLES, SAMPLED_TO = 2000, 1e-4  # of a function; the largest error between the samples, of its largest value
+
+
+def sampled(function: Callable[[float], float], until: float | str) -> dict[str, list[tuple[float | str, float]]]:
+    """A function of time as a signal: samples with a smooth curve through them, which a case can write down.
+
+    Parameters
+    ----------
+    function : callable
+        The value at a time: in t0, or in seconds where `until` has a unit.  It should be smooth: the kinks of points
+        with straight lines between them are better given as such, [[T, value], ...].
+    until : float or str
+        The last time, from zero on: a number in t0, or a text with its unit, "5 ms".
+
+    Returns
+    -------
+    dict
+        The table { smooth = [[T, value], ...] } of a case file; so many samples that the curve is within 1e-4 of the
+        largest value half-way between them, at most 2000.
+
+    Raises
+    ------
+    ConfigError
+        The last time is not above zero.
+
+    Examples
+    --------
+    >>> len(sampled(lambda T: 1.0 + 0.1 * T**2, until=2.0)["smooth"])
+    17
+    """
+    with refusing("until", until):
+        end = READER.amount(until, units.DURATION)
+    last, cells = end.value if isinstance(end, Quantity) else end, 8
+    error = inf
+    while error > SAMPLED_TO and cells < MOST_SAMPLES // 2:
+        cells *= 2
+        times = [last * n / cells for n in range(cells + 1)]
+        points = tuple((time, float(function(time))) for time in times)
+        halves = [(early + late) / 2 for early, late in pairwise(times)]
+        curve, largest = Smooth(points), max(abs(value) for _, value in points)
+        error = max(abs(curve(time) - function(time)) for time in halves) / (largest or 1.0)
+    unit = " s" if isinstance(end, Quantity) else ""
+    return {"smooth": [(f"{time!r}{unit}" if unit else time, value) for time, value in points]}
 
 
 def _case(kind: Kind, given: Mapping[str, Any], keywords: Any) -> Case:

@@ -21,6 +21,7 @@ from ertel.physics.units import PREFIXED, Bounds, Mark, Unit, reads_quantities
 
 NumberOrText = float | str  # in SI, or a text with a unit
 HOTTER_THAN_ANY = 1e4  # K
+ANGULAR = re.compile("rpm|rad|deg|rev|turn")
 PIXELS = ("px", "pixel", "pixels", "dot", "pel", "css_pixel")  # pint has sizes for some of them
 LONGEST = 60  # characters of a quantity
 
@@ -124,6 +125,8 @@ def _factor(written: str, unit: Unit) -> Decimal:
     power = 0 if written == unit.unit else PREFIXED.get((written.replace("1/ ", "1/"), unit.unit))
     if power is not None:
         return Decimal(10) ** power
+    if unit.unit == "rad/s" and not ANGULAR.search(written):
+        raise ValueError(f'does not say what turns: write "{unit.example}", or rad/s')
     if written in PIXELS:
         raise ValueError('is in pixels; give the size of one as its unit, such as "0.8 um"')
     unknown = f'has an unknown unit "{written}"; write for example "{unit.example}"'
@@ -136,6 +139,8 @@ def _factor(written: str, unit: Unit) -> Decimal:
         factor = 1.0 if wrong else one.to(unit.unit).magnitude
     except Exception as error:  # pint raises many kinds, from its own to the tokenizer's
         raise ValueError(unknown) from error
+    if wrong and unit.unit == "N" and (one * registry.m).check(unit.unit):
+        raise ValueError("is a load per length; give the load on the whole length, and contact.length")
     if wrong:
         raise ValueError(f'has the wrong dimension {one.dimensionality}; write for example "{unit.example}"')
     return Decimal(f"{factor:.14g}")  # without the round-off of powers of ten

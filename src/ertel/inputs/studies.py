@@ -11,8 +11,8 @@ A list, or a range FIRST:LAST:NUMBER (see `quantities`), in the place of any val
 "product" every value is combined with every other, with "zip" the first values of all belong together, then the second
 ones, ...
 
-Three keys may have a list as their plain value: motion.load and motion.entrainment, whose points [T, value] are one
-signal, and lubricant.layer, whose points [y, thickness] are one track.  A list of such lists makes these vary.  Tables
+A few keys may have a list as their plain value: those of [motion], whose points [T, value] are one signal, and
+lubricant.layer, whose points [y, thickness] are one track.  A list of such lists makes these vary.  Tables
 (of an oscillation, of a law, of a data sheet, of a shape) do not vary as a whole unless they stand in a list; each
 value in them may.
 """
@@ -36,8 +36,10 @@ from ertel.physics.units import Unit
 
 SWEEP = "sweep"
 RANGE = ("from", "to", "number")  # the keys of a range in earlier versions
-SIGNALS = (("motion", "load"), ("motion", "entrainment"), ("lubricant", "layer"))
 TEXT = "reference"  # of an oil: any text, and no range
+MOVING = ("load", "entrainment", "slide_to_roll", "sliding", "curvature")
+SIGNALS = [("motion", name, *inner) for name in MOVING for inner in ((), ("smooth",))]
+SIGNALS += [("lubricant", "layer"), ("motion", "gear", "sharing"), ("motion", "cam", "lift")]
 MOST_RUNS = 10_000
 
 Place = tuple[str | int, ...]  # of a value in a case: section, key, ... ; ("roughness", 0, "amplitude")

@@ -6,14 +6,15 @@ from textwrap import wrap
 from typing import Any
 
 from ertel.case.conditions import FOREIGN, Kind
-from ertel.case.methods import NEW, of_kind
-from ertel.case.records import inner_laws, show
+from ertel.case.methods import NEW, Method, of_kind
+from ertel.case.records import inner_laws, points_in, show
 from ertel.case.sections import SECTIONS
 from ertel.inputs import layout
 from ertel.inputs.layout import Key, Place
 from ertel.inputs.names import OF_OILS
 from ertel.inputs.quantities import LONGEST
-from ertel.physics.motion import Oscillation, Polyline, Signal, Track
+from ertel.physics.geometry import geometry
+from ertel.physics.motion import Oscillation, Polyline, Signal, Smooth, Track
 from ertel.physics.registry import SHAPES, Registry
 from ertel.physics.units import FINITE, Bounds, Mark
 
@@ -32,15 +33,24 @@ GIVEN: Mapping[Kind, Mapping[str, Mapping[str, Any]]] = {  # what a new case fil
         "[lubricant]": OIL,
     },
 }
+LINE: Mapping[Kind, Mapping[str, Any]] = {  # in the place of these, for a line contact
+    "impact": {"length": "10 mm", "mass": "3 kg", "ball_density": None, "speed": "0.3 m/s"},
+    "rolling": {"length": "10 mm", "load": "2 kN"},
+}
 ABOUT: Mapping[Kind, str] = {"impact": "A ball hits an oiled surface.", "rolling": "A ball rolls on an oiled surface."}
 SHAPE = "spot"
 
 
-def template(kind: Kind, name: str) -> str:
-    """A new case file.  kind: "impact" or "rolling".  name: of the file, for the comments at its head."""
+def template(kind: Kind, name: str, line: bool = False) -> str:
+    """A new case file.  kind: "impact" or "rolling".  name: of the file, for the comments at its head.
+
+    line: for a line contact.
+    """
+    method = of_kind(kind)[0].of(geometry(0.0)) if line else NEW[kind]
+    contact = {**GIVEN[kind]["[contact]"], **(LINE[kind] if line else {})}
     lines = [
         f"#:schema ./{SCHEMA_FILE}",
-        f"# {ABOUT[kind]}",
+        f"# {ABOUT[kind].replace('ball', 'roller') if line else ABOUT[kind]}",
         "#",
         f"#   ertel check {name}        what follows from it, without running it",
         f"#   ertel run {name}",
@@ -48,25 +58,26 @@ def template(kind: Kind, name: str) -> str:
         "# Keys in comments are optional; some exclude others, see ertel check. Quantities have a unit, any",
         "# that you like; amounts without one are in the units of the case: lengths a, heights a^2/R, times t0.",
     ]
-    given = {**GIVEN[kind], "[solver]": {"method": NEW[kind].name, "nodes": NEW[kind].new_nodes}}
+    solver = {"method": method.name, "nodes": method.new_nodes}
+    given = {**GIVEN[kind], "[contact]": contact, "[solver]": solver}
     for place in layout.places():
         is_told = place.title.startswith("[") or place.title == f'shape = "{SHAPE}"'
         if is_told and not _is_of_other(place.text, kind):
-            lines += _section(place, given, kind)
+            lines += _section(place, given, method)
     return "\n".join(lines) + "\n"
 
 
-def _section(place: Place, given: Mapping[str, Mapping[str, Any]], kind: Kind) -> Iterator[str]:
+def _section(place: Place, given: Mapping[str, Mapping[str, Any]], method: Method) -> Iterator[str]:
     """The lines of a section; one of which nothing is given is a comment as a whole."""
-    values = given.get(place.title, {})
+    values, kind = given.get(place.title, {}), method.kind
     mark = "" if values else "# "
     if place.title.startswith("["):
         yield ""
         yield from _line(f"{mark}{place.title}", place.text)
     foreign = FOREIGN[kind] if place.title == "[contact]" else ()
     ours = [key for key in place.keys if key.name not in foreign and not _is_of_other(key.meaning.text, kind)]
-    for key in sorted(ours, key=lambda key: key.name not in values):
-        yield from _line(_written(key, values, _examples(place.title, kind)), key.meaning.text)
+    for key in sorted(ours, key=lambda key: values.get(key.name) is None):
+        yield from _line(_written(key, values, _examples(place.title, method)), key.meaning.text)
 
 
 def _is_of_other(meaning: str, kind: Kind) -> bool:
@@ -76,16 +87,16 @@ def _is_of_other(meaning: str, kind: Kind) -> bool:
 
 
 def _written(key: Key, values: Mapping[str, Any], examples: Mapping[str, str]) -> str:
-    if key.name in values:
+    if values.get(key.name) is not None:
         return f"{key.name} = {show(values[key.name])}"
     return f"# {key.name} = {examples.get(key.name) or key.example or show(SHAPE)}"
 
 
-def _examples(title: str, kind: Kind) -> Mapping[str, str]:
+def _examples(title: str, method: Method) -> Mapping[str, str]:
     """Examples that depend on the kind of contact: the defaults of its method, and its end."""
     if title == "[solver]":
-        return {name: show(value) for name, value in vars(NEW[kind].defaults).items() if value is not None}
-    return {"until": show(next(each.end for each in of_kind(kind) if each.end))} if title == "[time]" else {}
+        return {name: show(value) for name, value in vars(method.defaults).items() if value is not None}
+    return {"until": show(next(each.end for each in of_kind(method.kind) if each.end))} if title == "[time]" else {}
 
 
 def _line(text: str, meaning: str) -> Iterator[str]:
@@ -146,6 +157,10 @@ def _value_schema(key: Key) -> Schema:
     """The schema of the value of a key."""
     if Track in key.options and key.mark is not None:
         return {"anyOf": [_marked_schema(key.mark), _points_schema(Track)]}
+    if Signal in key.options:
+        points = {"smooth": {**_points_schema(Smooth), "description": "points of a smooth curve"}}
+        smooth = {"type": "object", "properties": points, "required": ["smooth"], "additionalProperties": False}
+        return {"anyOf": [_marked_schema(FINITE), _points_schema(Polyline), smooth, _record_schema(Oscillation)]}
     if key.mark is not None:
         marked = _marked_schema(key.mark)
         return {"anyOf": [{"enum": list(key.choices)}, *marked["anyOf"]]} if key.choices else marked
@@ -153,10 +168,11 @@ def _value_schema(key: Key) -> Schema:
         return _law_schema(key.law, by_name=str in key.options)
     if key.choices:
         return {"enum": list(key.choices)}
-    if Signal in key.options:
-        return {"anyOf": [_marked_schema(FINITE), _points_schema(Polyline), _record_schema(Oscillation)]}
-    if layout.DataSheet in key.options:
-        return {"anyOf": [{"type": "string"}, _record_schema(layout.DataSheet)]}
+    if record := next((record for record in layout.TABLES if record in key.options), None):
+        table = _record_schema(record)
+        return {"anyOf": [{"type": "string"}, table]} if str in key.options else table
+    if line := points_in(key.options):
+        return _points_schema(line)
     if Ellipsis in key.options:
         return {"type": "array", "items": {"type": "number"}}
     types = {bool: "boolean", float: "number", int: "integer"}

@@ -31,7 +31,7 @@ from collections.abc import Sequence
 from math import atan, cbrt, exp, log, pi, sqrt
 from typing import NamedTuple
 
-from ertel.physics.geometry import HertzEllipse, hertz_ellipse
+from ertel.physics.dry_contact import HertzEllipse, hertz_ellipse
 from ertel.physics.scales import FlowDirection, HamrockDowson, Parameters
 from ertel.physics.units import require_not_negative, require_positive
 

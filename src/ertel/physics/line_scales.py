@@ -12,7 +12,7 @@ Units are those of the whole contact: N, W and J belong to its length.
 from dataclasses import dataclass
 from math import inf, pi, sqrt
 
-from ertel.physics.geometry import HertzLine
+from ertel.physics.dry_contact import HertzLine
 from ertel.physics.scales import Parameters, Scales
 from ertel.physics.units import require_not_negative, require_positive
 
@@ -115,10 +115,11 @@ class LineParameters(Parameters):
     def _isoviscous(self) -> float:
         return 0.44 * sqrt(self.lambda_bar / self.ellipse.approach)
 
-    def at(self, load: float, speed: float) -> "LineParameters":
-        """The parameters under a load w in F* and at a speed U in b/t0, both above zero."""
-        M, L = self.M * load * speed**-0.5, self.L * speed**0.25
-        return LineParameters.from_moes(M, L, length_ratio=self.length_ratio / sqrt(load))
+    def at(self, load: float, speed: float, curvature: float = 1.0) -> "LineParameters":
+        """The parameters under a load w in F*, at a speed U in b/t0, of a radius R/c; all three above zero."""
+        U = speed * curvature  # over R
+        M, L = self.M * load * curvature * U**-0.5, self.L * U**0.25
+        return LineParameters.from_moes(M, L, length_ratio=self.length_ratio / sqrt(load / curvature))
 
     def nabla2(self, wavelength: float) -> float:
         """Operating parameter of amplitude reduction of a line contact, (wavelength/b) M^(3/4)/L^(1/2).

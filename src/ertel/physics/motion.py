@@ -1,4 +1,4 @@
-"""The motion of a contact: applied load w(T), entrainment speed U(T), slide-to-roll ratio, and inertia of the ball.
+"""The motion of a contact: load w(T), entrainment U(T), sliding speed, curvature c(T) of the gap, inertia of the ball.
 
 Impact and rolling differ only in the motion and in the scales:
 
@@ -8,37 +8,62 @@ Impact and rolling differ only in the motion and in the scales:
 Mixed cases are possible: impact on a moving track, a loaded ball that bounces, start-up, stop, reversal.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from math import copysign, cos, inf, pi, sin
-from typing import Annotated, ClassVar, Literal, Protocol
+from math import copysign, cos, inf, pi
+from typing import Annotated, Any, ClassVar, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ertel.physics import units
-from ertel.physics.geometry import FREE_BALL_INERTIA
+from ertel.physics.dry_contact import FREE_BALL_INERTIA
 from ertel.physics.units import Amount, Mark, Meaning, Quantity, plain
 
 Surface = Literal[1, 2]
+Floats = NDArray[np.float64]
+
+# Gauss points from 0 to 1: exact for the product of two cubics, and to 1e-12 for a sixteenth of a sine's period
+_points, _weights = np.polynomial.legendre.leggauss(4)
+PLACES, WEIGHTS, PARTS = (_points + 1) / 2, _weights / 2, 16
 
 
 class Signal(Protocol):
     """A quantity that may vary with time T (in t0): its value, its integral from 0 to T, its bounds from 0 to `until`.
 
-    knots: the times at which the slope jumps, rising.  shortest_period: infinite if the signal does not repeat.
+    at: the values at many times.  knots: the times at which the slope jumps, rising; a time step ends on each.
+    breaks: the times between which the signal is a smooth function.  shortest_period: infinite if the signal does not
+    repeat.
     """
 
-    def __call__(self, T: float) -> float: ...
-    def integral(self, T: float) -> float: ...
+    def at(self, times: Floats) -> Floats: ...
     def range(self, until: float) -> tuple[float, float]: ...
+
+    def __call__(self, T: float) -> float:
+        return float(self.at(np.asarray(T)))
+
+    def integral(self, T: float) -> float:
+        low, high = min(0.0, T), max(0.0, T)
+        turns = np.arange(low, high, self.shortest_period() / PARTS) if self.shortest_period() < inf else ()
+        edges = np.unique([low, high, *turns, *(place for place in self.breaks() if low < place < high)])
+        lengths = np.diff(edges)
+        values = self.at(edges[:-1, None] + lengths[:, None] * PLACES)
+        return copysign(1.0, T) * float(lengths @ (values @ WEIGHTS))
 
     def knots(self) -> tuple[float, ...]:
         return ()
 
+    def breaks(self) -> tuple[float, ...]:
+        return self.knots()
+
     def shortest_period(self) -> float:
         return inf
+
+    @property
+    def is_constant(self) -> bool:
+        least, most = self.range(inf)
+        return least == most
 
 
 @dataclass(frozen=True)
@@ -61,25 +86,54 @@ class Polyline(Signal):
                 raise ValueError(f"points: {x} = {second} comes after {x} = {first}; {needed}")
 
     @cached_property
-    def _plain(self) -> tuple[tuple[float, float], ...]:
-        return tuple((plain(T), plain(value)) for T, value in self.points)
+    def _plain(self) -> tuple[Floats, Floats]:
+        places, values = np.array([[plain(part) for part in point] for point in self.points], dtype=float).T
+        return places, values
 
-    def __call__(self, T: float) -> float:
-        (_, first), *others = self._plain
-        times, values = zip(*self._plain, strict=True)
-        return float(np.interp(T, times, values)) if others else first
+    def at(self, times: Floats) -> Floats:
+        return np.asarray(np.interp(times, *self._plain))
 
     def integral(self, T: float) -> float:
-        # the trapezium rule is exact between 0, the points and T
-        knots = sorted({0.0, T, *(t for t, _ in self._plain if min(0.0, T) < t < max(0.0, T))}, reverse=bool(T < 0))
-        return sum((late - early) * (self(early) + self(late)) / 2 for early, late in pairwise(knots))
+        return super().integral(T) if len(self.points) > 1 else self(0.0) * T
 
     def range(self, until: float) -> tuple[float, float]:
-        values = [self(0.0), self(until), *(v for T, v in self._plain if 0.0 < T < until)]
-        return min(values), max(values)
+        places, values = self._plain
+        values = np.append(values[(places > 0.0) & (places < until)], [self(0.0), self(until)])
+        return float(values.min()), float(values.max())
 
     def knots(self) -> tuple[float, ...]:
-        return tuple(T for T, _ in self._plain) if len(self.points) > 1 else ()
+        return self.breaks()
+
+    def breaks(self) -> tuple[float, ...]:
+        return tuple(self._plain[0].tolist()) if len(self.points) > 1 else ()
+
+
+@dataclass(frozen=True)
+class Smooth(Polyline):
+    """A smooth curve through many points (T, value), T increasing; constant before the first and after the last.
+
+    For signals that are sampled: measured, computed from a gear or a cam, or values of a function.  The curve has a
+    continuous slope, is monotone wherever the points are, and passes no higher and no lower than they do, so that a
+    load above zero stays above zero.  A run takes the steps that the film needs, whatever the number of points; of a
+    `Polyline`, whose slope jumps, every point ends a step.  At the first and the last point the slope jumps.
+
+    Source: Fritsch FN, Butland J. SIAM J Sci Stat Comput 1984;5:300 (PCHIP).
+    """
+
+    @cached_property
+    def _curve(self) -> Any:
+        # SciPy is imported here, because its import is slow
+        from scipy.interpolate import PchipInterpolator
+
+        return PchipInterpolator(*self._plain)
+
+    def at(self, times: Floats) -> Floats:
+        places, _ = self._plain
+        return np.asarray(self._curve(np.clip(times, places[0], places[-1]))) if len(places) > 1 else super().at(times)
+
+    def knots(self) -> tuple[float, ...]:
+        places = self.breaks()
+        return (places[0], places[-1]) if places else ()
 
 
 @dataclass(frozen=True)
@@ -91,19 +145,18 @@ class Track(Polyline):
 
     def across(self, Y: NDArray[np.float64]) -> NDArray[np.float64]:
         """The thickness at all Y at once."""
-        places, layers = np.transpose(self._plain)
-        return np.asarray(np.interp(Y, places, layers))
+        return self.at(Y)
 
     @property
     def extremes(self) -> tuple[float, float]:
         """The least and the largest thickness."""
-        layers = [layer for _, layer in self._plain]
-        return min(layers), max(layers)
+        _, layers = self._plain
+        return float(layers.min()), float(layers.max())
 
     @property
     def is_even(self) -> bool:
         """Whether it is the same on both sides of Y = 0."""
-        places, layers = np.transpose(self._plain)
+        places, layers = self._plain
         return len(places) == 1 or bool(np.allclose(places, -places[::-1]) and np.allclose(layers, layers[::-1]))
 
 
@@ -120,8 +173,8 @@ class Oscillation(Signal):
         if not isinstance(self.period, Quantity) and not self.period > 0:
             raise ValueError(f"period = {self.period}: must be above zero")
 
-    def __call__(self, T: float) -> float:
-        return self.mean + self.amplitude * sin(2 * pi * T / plain(self.period) + self.phase)
+    def at(self, times: Floats) -> Floats:
+        return self.mean + self.amplitude * np.sin(2 * pi * times / plain(self.period) + self.phase)
 
     def integral(self, T: float) -> float:
         turns = 2 * pi / plain(self.period)
@@ -134,13 +187,31 @@ class Oscillation(Signal):
         return plain(self.period)
 
 
-def reversed_sign(signal: Signal) -> Signal:
-    """The signal times -1."""
-    if isinstance(signal, Oscillation):
-        return replace(signal, mean=-signal.mean, amplitude=-signal.amplitude)
-    if isinstance(signal, Polyline):
-        return Polyline(tuple((T, -plain(value)) for T, value in signal.points))
-    raise ValueError(f"{signal!r}: its sign cannot be changed")
+@dataclass(frozen=True)
+class Product(Signal):
+    """The product of two signals; its range is where it must lie, and may be wider than its values."""
+
+    first: Signal
+    second: Signal
+
+    def at(self, times: Floats) -> Floats:
+        return self.first.at(times) * self.second.at(times)
+
+    def integral(self, T: float) -> float:
+        return self.first(0.0) * self.second.integral(T) if self.first.is_constant else super().integral(T)
+
+    def range(self, until: float) -> tuple[float, float]:
+        ends = [one * other for one in self.first.range(until) for other in self.second.range(until)]
+        return min(ends), max(ends)
+
+    def knots(self) -> tuple[float, ...]:
+        return tuple(sorted({*self.first.knots(), *self.second.knots()}))
+
+    def breaks(self) -> tuple[float, ...]:
+        return (*self.first.breaks(), *self.second.breaks())
+
+    def shortest_period(self) -> float:
+        return min(self.first.shortest_period(), self.second.shortest_period())
 
 
 def constant(value: float) -> Signal:
@@ -148,9 +219,17 @@ def constant(value: float) -> Signal:
     return Polyline(((0.0, value),))
 
 
+NO_SLIDING, SAME_GAP = constant(0.0), constant(1.0)
+
+
+def reversed_sign(signal: Signal) -> Signal:
+    """The signal times -1."""
+    return Product(constant(-1.0), signal)
+
+
 @dataclass(frozen=True)
 class Motion:
-    """Load, entrainment, inertia and sliding of the two bodies.
+    """Load, entrainment, inertia and sliding of the two bodies, and the curvature of the gap between them.
 
     Parameters
     ----------
@@ -160,43 +239,72 @@ class Motion:
         Mean speed of the surfaces U(T), in units a/t0 (rolling: u_m).
     inertia : float
         m (a^2/R)/(F* t0^2) in w - F = inertia * Delta''; not negative.  With 0 the load is balanced at all times.
-    slide_to_roll : float
-        (u1 - u2)/u_m, constant in time.
+    sliding : Signal
+        The sliding speed u1 - u2, in units a/t0.
+    curvature : Signal
+        c(T) = R/R(T), by which the smooth gap is multiplied.
     """
 
     load: Signal
     entrainment: Signal
     inertia: float
-    slide_to_roll: float = 0.0
+    sliding: Signal = NO_SLIDING
+    curvature: Signal = SAME_GAP
+
+    @property
+    def slide_to_roll(self) -> float:
+        """(u1 - u2)/u_m at T = 0."""
+        if isinstance(self.sliding, Product):
+            return self.sliding.first(0.0)
+        return self.sliding(0.0) / self.entrainment(0.0) if self.sliding(0.0) else 0.0
 
     @cached_property
     def flows(self) -> bool:
         """Whether the entrainment speed is non-zero at any time."""
         return any(self.entrainment.range(inf))
 
+    @cached_property
+    def slides(self) -> bool:
+        """Whether the sliding speed is non-zero at any time."""
+        return any(self.sliding.range(inf))
+
+    @property
+    def keeps_ratio(self) -> bool:
+        """Whether the sliding speed is the same share of the entrainment speed at all times."""
+        return not self.slides or (isinstance(self.sliding, Product) and self.sliding.first.is_constant)
+
+    @cached_property
+    def bends(self) -> bool:
+        """Whether the smooth gap is ever another one than that of the case."""
+        return self.curvature.range(inf) != (1.0, 1.0)
+
+    @property
+    def signals(self) -> tuple[Signal, ...]:
+        """All that may vary in time."""
+        return self.load, self.entrainment, self.sliding, self.curvature
+
+    def moment(self, T: float) -> tuple[float, float, float]:
+        """Load, entrainment and curvature at time T, on which the film of that moment depends."""
+        return self.load(T), self.entrainment(T), self.curvature(T)
+
     def flow_at(self, T: float) -> float:
         """U at time T; where the surfaces rest a zero with the sign of U before, whose flow left the rupture."""
         U = self.entrainment(T)
-        earlier = (self.entrainment(time) for time in np.linspace(T, 0.0, 1001).tolist()) if U == 0.0 else ()
+        earlier = self.entrainment.at(np.linspace(T, 0.0, 1001)).tolist() if U == 0.0 else ()
         return copysign(U, next((before for before in earlier if before), U))
 
-    def sliding(self, T: float) -> float:
-        """The sliding speed u1 - u2 at time T, in units a/t0."""
-        return self.slide_to_roll * self.entrainment(T)
-
     def next_knot(self, T: float) -> float:
-        """The first time after T at which the slope of the load or of the entrainment jumps; infinite if none."""
-        return min((knot for knot in (*self.load.knots(), *self.entrainment.knots()) if knot > T), default=inf)
+        """The first time after T at which the slope of a signal jumps; infinite if none."""
+        return min((knot for signal in self.signals for knot in signal.knots() if knot > T), default=inf)
 
     @property
     def shortest_period(self) -> float:
-        """The shorter period of the load and the entrainment; infinite if neither oscillates."""
-        return min(self.load.shortest_period(), self.entrainment.shortest_period())
+        """The shortest period of a signal; infinite if none oscillates."""
+        return min(signal.shortest_period() for signal in self.signals)
 
     def travel(self, surface: Surface, T: float) -> float:
         """Distance that a surface has moved along X since T = 0, in units a."""
-        share = 1.0 + (0.5 if surface == 1 else -0.5) * self.slide_to_roll
-        return share * self.entrainment.integral(T)
+        return self.entrainment.integral(T) + (0.5 if surface == 1 else -0.5) * self.sliding.integral(T)
 
 
 FREE_BALL = Motion(load=constant(0.0), entrainment=constant(0.0), inertia=FREE_BALL_INERTIA)

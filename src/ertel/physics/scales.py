@@ -12,7 +12,7 @@ R                       reduced radius, 1/R = 1/R1 + 1/R2; of an ellipse R_x, th
 a, p_h, delta*, F*      Hertz contact radius, pressure, approach and load: at the maximum of the dry impact (impact),
                         under the static load (rolling); F = (2/3) E' sqrt(R) delta^{3/2}, a^2 = R delta,
                         p_h = E' a/(pi R); of an ellipse a is the half width b along x, see `geometry`
-D, kappa, beta          of an ellipse: R_x/R_y, and the constants that follow from it (`geometry.HertzEllipse`)
+D, kappa, beta          of an ellipse: R_x/R_y, and the constants that follow from it (`dry_contact.HertzEllipse`)
 U, G, W                 Hamrock and Dowson's speed, material and load parameters; U uses the mean speed u_m
 M, L                    Moes' load and lubricant parameters; 2U is the speed parameter of the sum of the speeds
 M_BH, L_BH              those of Biboulet and Houpert (2010), M beta^{1/4} kappa and L beta^{-3/4}: with them every
@@ -26,7 +26,7 @@ from dataclasses import dataclass
 from math import cbrt, cos, inf, pi, radians, sin, sqrt
 from typing import NamedTuple
 
-from ertel.physics.geometry import FREE_BALL_INERTIA, HertzEllipse, hertz_ellipse
+from ertel.physics.dry_contact import FREE_BALL_INERTIA, HertzEllipse, hertz_ellipse
 from ertel.physics.units import require_not_negative, require_positive
 
 ISOVISCOUS_FILM = 0.3135  # H_c / sqrt(lambda_bar) at the maximum of an isoviscous impact (computed)
@@ -134,9 +134,10 @@ class Parameters:
         isoviscous = ISOVISCOUS_FILM * sqrt(self.lambda_bar * 2 / (1 + self.radius_ratio))
         return max(0.6 * self.trapped_film, 0.95 * isoviscous), max(0.7 * self.trapped_film, isoviscous)
 
-    def at(self, load: float, speed: float) -> "Parameters":
-        """The parameters under a load w in F* and at a speed U in a/t0, both above zero."""
-        return Parameters.from_moes(self.M * load * speed**-0.75, self.L * speed**0.25, self.radius_ratio)
+    def at(self, load: float, speed: float, curvature: float = 1.0) -> "Parameters":
+        """The parameters under a load w in F*, at a speed U in a/t0, of a radius R/c; all three above zero."""
+        U = speed * curvature  # over R
+        return Parameters.from_moes(self.M * load * curvature**2 * U**-0.75, self.L * U**0.25, self.radius_ratio)
 
     def nabla2(self, wavelength: float) -> float:
         """Operating parameter of amplitude reduction, eq. (16): wavelength sqrt(M_BH/L_BH), wavelength in units a.

@@ -6,7 +6,8 @@
 pressure of a run in time.
 
 A run in time has overview, film, pressure, oil, maps, profiles, history, friction and spacetime, and an impact front;
-a steady contact overview, film, pressure, oil, maps, midlines, convergence and friction. `at` chooses the moment of a
+a steady contact overview, film, pressure, oil, maps, midlines, convergence and friction. A line contact has no maps:
+film, pressure, oil, maps, interferograms and movies are refused. `at` chooses the moment of a
 run in time: a time in t0, or with its unit, "95 us" (the map next to it is drawn, and the title says its time), or an
 event, "max-approach" or "end"; by default maximum approach, of a rolling contact the thinnest film where it is
 thinner than at both ends of the run, or else the last map.
@@ -45,7 +46,7 @@ from ertel.plots.measurements import Overlay, measured, measured_view
 from ertel.plots.movies import movie
 from ertel.plots.view import WIDEST, View, of_two
 from ertel.results.profiles import At
-from ertel.results.variables import figures_of, is_steady
+from ertel.results.variables import FIGURES_OF_MAPS, figures_of, is_line, is_steady
 
 __all__ = [
     "BLUE", "GREEN", "GREY", "NAMES", "ORANGE", "ORDERED_COLOURS", "NoFigure", "Sheet", "animation", "comparison",
@@ -58,7 +59,10 @@ Rows = Sequence[Sequence[Callable[[Axes, View], None]]]
 
 def _friction_rows(view: View) -> Rows:
     """Shear stress where the surfaces slide, and power loss; coefficients of a run in time where something moves."""
-    over_the_surface = [fields.draw_stress_map, fields.draw_loss_map] if view.slides else [fields.draw_loss_map]
+    stress, loss = fields.draw_stress_map, fields.draw_loss_map
+    if view.geometry.is_line:
+        stress, loss = (partial(fields.draw_along_x, name=name) for name in ("tau_x", "loss"))
+    over_the_surface = [stress, loss] if view.slides else [loss]
     if view.frame is None:
         return [over_the_surface]
     moves = view.slides or np.any(view.dataset["U"])
@@ -67,7 +71,14 @@ def _friction_rows(view: View) -> Rows:
 
 
 def _overview_rows(view: View) -> Rows:
-    """Maps of film and pressure, their profiles, and how the run went."""
+    """Maps of film and pressure, their profiles, and how the run went; of a line contact the film through time."""
+    if view.geometry.is_line and view.frame is None:
+        return [[fields.draw_along_the_flow, histories.draw_grids, histories.draw_convergence]]
+    if view.geometry.is_line:
+        return [
+            [fields.draw_film_profiles, histories.draw_film_through_time, histories.draw_film_history],
+            [fields.draw_pressure_profiles, histories.draw_pressure_history, histories.draw_motion],
+        ]
     if view.frame is None:
         return [
             [fields.draw_film_map, fields.draw_along_the_flow, histories.draw_grids],
@@ -86,7 +97,7 @@ PANELS: Mapping[str, Rows | Callable[[View], Rows]] = {  # of each figure
     "oil": [[fields.draw_oil_map]],
     "maps": [[fields.draw_film_map, fields.draw_pressure_map]],
     "profiles": [[fields.draw_film_profiles, fields.draw_pressure_profiles]],
-    "midlines": [[fields.draw_along_the_flow, fields.draw_across_the_flow]],
+    "midlines": lambda view: [[fields.draw_along_the_flow, fields.draw_across_the_flow][: 2 - view.geometry.is_line]],
     "history": [
         [histories.draw_motion, histories.draw_film_history],
         [histories.draw_place, histories.draw_pressure_history],
@@ -138,6 +149,7 @@ def draw(
 def _require(dataset: xr.Dataset, name: str) -> None:
     if name not in (found := figures_of(dataset)):
         run = "a steady contact" if is_steady(dataset) else "a run in time"
+        run = "a line contact" if is_line(dataset.attrs) and name in FIGURES_OF_MAPS else run
         raise NoFigure(f"{name}: {run} has no such figure; it has {', '.join(found)}")
 
 

@@ -190,6 +190,7 @@ def draw_film_profiles(axes: Axes, view: View) -> None:
     """Film along the mid-line through time, the chosen moment in black."""
     top = view.largest("H", lambda each: 2.0 * each.film_inside())
     rough = _draw_profiles(axes, view, "H", view.scale("H", top / 2), top)
+    _draw_oil_below(axes, view, view.scale("H", top / 2))
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, FOOT if rough else 0.0), edgecolor="none", fontsize="small")
 
 
@@ -197,6 +198,9 @@ def draw_pressure_profiles(axes: Axes, view: View) -> None:
     """Pressure along the mid-line through time, the chosen moment in black."""
     top = view.largest("P", lambda each: float(each.midlines("P").max()))
     _draw_profiles(axes, view, "P", view.scale("P", top), 1.35 * top)
+    if view.geometry.is_line:
+        dry = view.geometry.dry_pressure(view.value("F"), view.x, 0.0) * view.scale("P", top).factor
+        axes.plot(view.x * view.across.factor, dry, color=GREY, linewidth=1.5, linestyle=":", label="dry contact")
     axes.legend(loc="upper center", frameon=False, fontsize="small")
 
 
@@ -228,6 +232,24 @@ def _draw_profiles(axes: Axes, view: View, name: str, z: Scale, top: float) -> b
     return rough
 
 
+def draw_along_x(axes: Axes, view: View, name: str) -> None:
+    """Shear stress or power loss of a line contact, along x."""
+    z = view.scale(name, max(view.largest(name, lambda each: float(np.abs(each.values(name)).max())), 1e-9))
+    axes.plot(view.x * view.across.factor, view.values(name) * z.factor, color=BLUE)
+    axes.axhline(0.0, color="black", linewidth=0.5)
+    side = view.largest("X", lambda each: each.extent(each.x, np.abs(each.values(name)))) * view.across.factor
+    words = z.long_name.partition(" in ")[0]
+    axes.set(xlabel=view.axis_label("x"), ylabel=f"{words} {z.in_brackets}", title=words.capitalize())
+    axes.set_xlim(max(-side, view.x[0] * view.across.factor), min(side, view.x[-1] * view.across.factor))
+
+
+def _draw_oil_below(axes: Axes, view: View, z: Scale) -> None:
+    """Fill the part of the gap of a line contact that has oil, where it is not full; a map shows its edge."""
+    if view.geometry.is_line and np.any(view.values("void")):
+        x, oil = view.x * view.across.factor, view.values("oil") * z.factor
+        axes.fill_between(x, oil, color=BLUE, alpha=0.2, linewidth=0.0, label="oil in the gap")
+
+
 def _since_zero(view: View, number: int) -> float:
     """The time of one of the maps that carry load, in t0 from t = 0."""
     return float(view.dataset["frame"].values[_loaded(view)[number]]) - view.scale("time").zero
@@ -254,7 +276,8 @@ def draw_across_the_flow(axes: Axes, view: View) -> None:
 
 def _draw_section(axes: Axes, view: View, along: str, heading: str) -> None:
     """Draw film and pressure through the centre along "x" or "y", with the Hertz pressure."""
-    section = view.dataset[["H", "P"]].sel({"Y" if along == "x" else "X": 0.0}, method="nearest")
+    middle = {} if view.geometry.is_line else {"Y" if along == "x" else "X": 0.0}
+    section = view.dataset[["H", "P"]].sel(middle, method="nearest")
     x, H, P = (np.asarray(section[name].values) for name in (along.upper(), "H", "P"))
     central, across = float(view.dataset["H_c"].values[-1]), view.across.factor
     geometry, load = view.geometry, float(view.dataset["load"].values[-1])
@@ -265,13 +288,15 @@ def _draw_section(axes: Axes, view: View, along: str, heading: str) -> None:
     right.plot(x * across, dry * p.factor, color=GREY, linewidth=0.8, linestyle="--")
     right.plot(x * across, P * p.factor, color=ORANGE)
     axes.plot(x * across, H * h.factor, color=BLUE)
+    _draw_oil_below(axes, view, h)
     draw_measured(axes, view, "H", h, along)
     draw_measured(right, view, "P", p, along, ORANGE)
     if axes.get_legend_handles_labels()[0]:
         axes.legend(loc="upper left", fontsize="small", framealpha=0.85)
     if right.get_legend_handles_labels()[0]:
         right.legend(loc="upper right", fontsize="small", framealpha=0.85)
-    side = view.extent(view.x, view.values("P").max(axis=0)) * (1.0 if along == "x" else view.stretch) * across
+    widest = np.atleast_2d(view.values("P")).max(axis=0)
+    side = view.extent(view.x, widest) * (1.0 if along == "x" else view.stretch) * across
     axes.set(xlim=(-side, min(side, x[-1] * across)), xlabel=view.axis_label(along), title=heading)
     rough = _draw_roughness_below(axes, view, x, 4.0 * central * h.factor, along)
     _set_height(right, 1.1 * max(float(P.max()), float(dry.max())) * p.factor, rough)

@@ -74,13 +74,14 @@ def draw_place(axes: Axes, view: View) -> None:
     data, across = view.dataset, view.across
     if data.attrs["kind"] != "impact":
         looks = {"X_min": ("along the flow", BLUE, "-"), "Y_min": ("to the side", ORANGE, "--")}
+        looks = {name: look for name, look in looks.items() if name in data}
         _draw_series(axes, view, _stored(view, looks), across.factor)
         axes.axhline(0.0, color="black", linewidth=0.5)
         axes.set(ylabel=f"place of the minimum film ({across.unit})", ylim=(-1.3 * across.factor, 1.7 * across.factor))
         axes.legend(loc="upper left", edgecolor="none", ncols=2, fontsize="small")
         return
     loaded = data["P_max"].values > LOADED * float(data["P_max"].max())
-    X_min = np.hypot(data["X_min"].values, data["Y_min"].values)
+    X_min = fronts.distance_of_minimum(data)
     front = np.where(loaded & (X_min > 0), X_min, np.nan)
     lines = [
         (_dry_edge(view, data["time"].values), ("edge of the dry contact", GREY, "--")),
@@ -92,10 +93,16 @@ def draw_place(axes: Axes, view: View) -> None:
 
 
 def _dry_edge(view: View, T: Values) -> Values:
-    """The edge of the dry contact in a*, nan without contact."""
-    since_touch = T + view.case.schedule.start_approach
-    dry = hertz.contact_radius(since_touch / view.geometry.dry_approach(1.0))
-    return np.where(dry > 0, dry, np.nan)
+    """The edge of the dry contact in a*, nan without contact; that of a line by its speed, with A = 1 - s^2."""
+    since_touch, line = T + view.case.schedule.start_approach, view.geometry.hertz
+    if not view.geometry.is_line:
+        dry = hertz.contact_radius(since_touch / view.geometry.dry_approach(1.0))
+        return np.where(dry > 0, dry, np.nan)
+    s = np.linspace(0.0, 1.0, 801)
+    middle = (s[1:] + s[:-1]) / 2
+    steps = np.diff(s) * 2.0 * middle / [line.front_speed(1.0 - each**2) for each in middle]
+    before = np.abs(since_touch - line.contact_time / 2)  # the maximum, or after it: the rebound is the same
+    return np.interp(before, np.append(0.0, np.cumsum(steps)), 1.0 - s**2, right=np.nan)
 
 
 def draw_front_speed(axes: Axes, view: View) -> None:
@@ -240,7 +247,7 @@ def _without_teeth(view: View, power: Values) -> Values | None:
     data, T = view.dataset, view.dataset["time"].values
     turn = events_of(data).get("max-approach")
     late = T > (np.inf if turn is None else float(data["frame"][turn]))
-    front = float(np.hypot(data["X_min"].values, data["Y_min"].values)[late].max(initial=0.0))
+    front = float(fronts.distance_of_minimum(data)[late].max(initial=0.0))
     if data.attrs["kind"] != "impact" or late.sum() < 3 or not front:
         return None
     begin, x = float(T[late][0]), data["r" if view.is_radial else "X"].values
@@ -288,7 +295,9 @@ def draw_grids(axes: Axes, view: View) -> None:
 
 
 def _grid_names(view: View) -> list[str]:
-    """The nodes of every grid: 65², or 65 x 97."""
-    X, Y = view.dataset.sizes["X"], view.dataset.sizes["Y"]
+    """The nodes of every grid: 65², or 65 x 97; 65 of a line contact."""
     grids = [int(nodes) for nodes in view.dataset["grid"].values]
+    if view.geometry.is_line:
+        return [str(nodes) for nodes in grids]
+    X, Y = view.dataset.sizes["X"], view.dataset.sizes["Y"]
     return [f"{n}²" if X == Y else f"{n} x {round((n - 1) * (Y - 1) / (X - 1)) + 1}" for n in grids]

@@ -24,7 +24,7 @@ from ertel.plots.drawing import ORANGE, NoFigure, Panel, Scale, Sheet, SheetOpti
 from ertel.plots.fields import draw_edge_of_oil, draw_legend, flow_in
 from ertel.plots.measurements import Overlay, draw_light, draw_measured, measured_view
 from ertel.plots.movies import PER_SECOND, animated, in_motion
-from ertel.plots.view import View, field
+from ertel.plots.view import View, field, require_maps
 from ertel.results.alignment import INTENSITY
 from ertel.results.profiles import At
 
@@ -183,6 +183,7 @@ def interferogram_of(
     view: View, sheet: Sheet, interferometer: Interferometer | None = None, film_scale: float | None = None
 ) -> Figure:
     """The interferogram of a view, see `interferogram`."""
+    require_maps(view.dataset, "interferogram")
     scaled = _film_scale(view.dataset, film_scale)
     interferometer = interferometer or Interferometer(Rig(), _light(None))
     pixels = pixels_around([view])

@@ -16,7 +16,7 @@ from matplotlib.axes import Axes
 
 from ertel.plots.drawing import NoFigure, compose
 from ertel.plots.fields import draw_film_map, draw_pressure_map
-from ertel.plots.view import Limits, View
+from ertel.plots.view import Limits, View, require_maps
 from ertel.results.profiles import between
 from ertel.results.variables import MADE_BY, is_steady
 
@@ -69,9 +69,10 @@ def movie(dataset: xr.Dataset, what: str = "film", rate: float = PER_SECOND) -> 
 
 
 def in_motion(dataset: xr.Dataset) -> xr.Dataset:
-    """The run, loaded.  Raises NoFigure where it does not move: a steady contact, or fewer than two maps."""
+    """The run, loaded.  Raises NoFigure for a steady contact, a line contact, and fewer than two maps."""
     if is_steady(dataset):
         raise NoFigure("animation: a steady contact does not move; draw its picture")
+    require_maps(dataset, "animation")
     if (count := dataset.sizes["frame"]) < 2:
         raise NoFigure(f"animation: the run has {count} maps, and needs 2 to move; let it run on")
     return dataset.load()

@@ -16,13 +16,21 @@ from ertel.case.height_map import HeightMap
 from ertel.numerics.grid import Extrapolation, on_grids
 from ertel.physics import surfaces
 from ertel.physics.geometry import Geometry
-from ertel.physics.geometry import geometry as geometry_of
 from ertel.plots.drawing import NoFigure, Scale, Values
 from ertel.results.alignment import NOT_FULL, Comparison
 from ertel.results.dataset import maps_of
 from ertel.results.numbers import plus_minus
+from ertel.results.parameters import geometry_of
 from ertel.results.profiles import At, is_without_moments, mirrored, moment_of
-from ertel.results.variables import COEFFICIENT, FILMS, names_where, with_clock, with_prefix
+from ertel.results.variables import (
+    COEFFICIENT,
+    FILMS,
+    figures_of,
+    is_line,
+    names_where,
+    with_clock,
+    with_prefix,
+)
 
 MARGIN, WIDEST = 1.3, 2.0  # of what is shown round the contact, at most so many half widths from its centre
 LOADED = 0.02  # of the maximum pressure or load: with less the film carries nothing
@@ -128,8 +136,7 @@ class View:
     @property
     def geometry(self) -> Geometry:
         """The dry contact and its directions."""
-        about = self.dataset.attrs
-        return geometry_of(about.get("radius_ratio", 1.0), about.get("entrainment_angle", 0.0))
+        return geometry_of(self.dataset.attrs)
 
     @property
     def stretch(self) -> float:
@@ -145,7 +152,7 @@ class View:
     @property
     def slides(self) -> bool:
         """True if the surfaces slide."""
-        return self.case.motion.slide_to_roll != 0.0
+        return self.case.motion.slides
 
     # -- scales and words ---------------------------------------------------------------------------------------------
 
@@ -194,11 +201,14 @@ class View:
         """The name of the run, then its conditions."""
         about = self.dataset.attrs
         conditions = [f"$M$ = {about['M']:.4g}", f"$L$ = {about['L']:.3g}"]
-        if "radius_ratio" in about:
+        if self.geometry.is_line:
+            length = f", {with_prefix(2 * about['a_y_m'], 'm')} long" if "a_y_m" in about else ""
+            conditions.append(f"line contact{length}")
+        elif "radius_ratio" in about:
             conditions.append(f"$R_x/R_y$ = {about['radius_ratio']:.3g}")
         if about.get("entrainment_angle"):
             conditions.append(f"angle {about['entrainment_angle']:.3g}°")
-        if about["kind"] == "rolling" and self.slides:
+        if about["kind"] == "rolling" and self.slides and self.case.motion.keeps_ratio:
             conditions.append(f"slide-to-roll {self.case.motion.slide_to_roll:.3g}")
         return [name_of(about), *conditions_in_si(about), *conditions]
 
@@ -209,7 +219,7 @@ class View:
             return [self._film_with_error(name) for name in FILMS]
         parts = [f"{self.moment} at {self.clock}"]
         if "F" in self.dataset:
-            parts.append(f"load {self.with_unit('F', self._value('F'))}")
+            parts.append(f"load {self.with_unit('F', self.value('F'))}")
         if "U" in self.dataset and np.any(self.dataset["U"].values):
             parts.append(f"speed {self.with_unit('U', self.flow)}")
         return parts
@@ -224,7 +234,8 @@ class View:
     def friction(self) -> list[str]:
         """The coefficients of friction of a steady contact that are not zero, and its power loss."""
         coefficients = names_where(lambda variable: variable.scale == COEFFICIENT and variable.over == "step")
-        last = {name: float(self.dataset[name][-1]) for name in (*coefficients, "power_loss")}
+        there = [name for name in (*coefficients, "power_loss") if name in self.dataset]
+        last = {name: float(self.dataset[name][-1]) for name in there}
         shown = {name: each for name, each in last.items() if name == "power_loss" or abs(each) > NO_FRICTION}
         return [f"{self.dataset[name].attrs['long_name']} {self.with_unit(name, each)}" for name, each in shown.items()]
 
@@ -246,16 +257,18 @@ class View:
         """T of the map; 0 of a steady contact."""
         return 0.0 if self.frame is None else float(self.dataset["frame"].values[self.frame])
 
-    def _value(self, name: str) -> float:
+    def value(self, name: str) -> float:
+        """A number at the moment of a run in time."""
         return float(np.interp(self.time, self.dataset["time"].values, self.dataset[name].values))
 
     @property
     def flow(self) -> float:
         """The entrainment; of a steady contact +1 where the oil goes to the right."""
         if self.frame is not None:
-            return self._value("U") if "U" in self.dataset else 0.0
+            return self.value("U") if "U" in self.dataset else 0.0
+        loaded = (self.dataset["P"] > 0).any([axis for axis in self.dataset["P"].dims if axis != "X"])
         X = self.dataset["X"].values  # pressure reaches far upstream, and ends soon behind the contact
-        return -float(np.sign(np.mean(X[(self.dataset["P"].values > 0).any(axis=0)])))
+        return -float(np.sign(np.mean(X[loaded.values])))
 
     def values(self, name: str) -> Values:
         """A variable over the grid; "void" is the part of the gap without oil, zero where that is less than 1 %."""
@@ -295,8 +308,7 @@ class View:
         """A variable over the surface, (Y, X); a radial profile is turned round the centre."""
         values, data = self.values(name), self.dataset
         if not self.is_radial:
-            if "Y" not in data.coords:
-                raise NoFigure(f"{name}: a run along one axis has profiles, and no maps")
+            require_maps(data, name)
             return field(data["X"].values, data["Y"].values, values)
         r = np.asarray(data["r"].values)
         x = np.linspace(-r[-1], r[-1], 601)
@@ -322,6 +334,12 @@ class View:
         heights = surfaces.height(case.features, case.motion, self.time, np.asarray(X), np.asarray(Y), shortest)
         heights = np.asarray(heights, dtype=np.float64)
         return heights if np.abs(heights).max(initial=0.0) > SMOOTH else np.zeros_like(heights)
+
+
+def require_maps(dataset: xr.Dataset, name: str) -> None:
+    """Raise NoFigure for a line contact.  name: of what needs a map."""
+    if is_line(dataset.attrs):
+        raise NoFigure(f"{name}: a line contact has no maps; it has {', '.join(figures_of(dataset))}")
 
 
 def _thinnest(dataset: xr.Dataset) -> int | None:

@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
-from ertel.physics.geometry import LINE_LOAD, hertz_ellipse
+from ertel.physics.dry_contact import LINE_LOAD, hertz_ellipse
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -20,11 +20,9 @@ import xarray as xr
 
 from ertel.case.case import Case
 from ertel.case.height_map import HeightMap
-from ertel.physics.scales import Scales
 from ertel.results import variables
 from ertel.results.parameters import parameters_of, scale_values
 from ertel.results.variables import (
-    Variable,
     is_steady,
     named_with_unit,
     names_where,
@@ -46,26 +44,28 @@ class Frame(NamedTuple):
     event: str
 
 
-def columns(records: Sequence[Mapping[str, float]], scales: Scales | None) -> dict[str, np.ndarray]:
+def names_over(case: Case, *over: str) -> list[str]:
+    """The names of the variables that the Dataset of a case has over these; of a line contact none across it."""
+    line = case.geometry.is_line
+    return names_where(lambda variable: variable.over in over and not (line and variable.is_across))
+
+
+def columns(case: Case, records: Sequence[Mapping[str, float]]) -> dict[str, np.ndarray]:
     """Step records as arrays by variable name, T as `time`; coefficients as `with_coefficients` says.
 
     What a method does not have is nan.
     """
-    keys = {"time": "T", **{name: name for name in names_where(lambda variable: variable.over == "step")}}
+    keys = {"time": "T", **{name: name for name in names_over(case, "step")}}
     arrays = {name: np.array([each.get(key, np.nan) for each in records], dtype=float) for name, key in keys.items()}
-    return with_coefficients(arrays, scales)
+    return with_coefficients(arrays, case.scales)
 
 
-def _is_map(variable: Variable) -> bool:
-    return variable.over == "map"
-
-
-def maps(frames: Sequence[Frame]) -> dict[str, np.ndarray]:
-    """Frames as arrays by variable name, stacked along the first axis."""
+def maps(case: Case, frames: Sequence[Frame]) -> dict[str, np.ndarray]:
+    """Frames as arrays by variable name, stacked along the first axis; the one row of a line contact has no axis."""
     return {
         "frame": np.array([frame.T for frame in frames], dtype=float),
         "event": np.array([variables.EVENTS.index(frame.event) for frame in frames], dtype=np.int8),
-        **{name: np.array([frame.fields[name] for frame in frames], dtype=float) for name in names_where(_is_map)},
+        **{n: np.array([np.squeeze(frame.fields[n]) for frame in frames], float) for n in names_over(case, "map")},
     }
 
 
@@ -79,11 +79,10 @@ def assemble(
     """
     space = {name: np.asarray(axis) for name, axis in coordinates.items()}
     shape = len(frames), *(len(axis) for axis in space.values())  # which no maps at all have, too
-    arrays: Arrays = {name: (("time",), values) for name, values in columns(records, case.scales).items()}
-    for name, values in maps(frames).items():
-        arrays[name] = (
-            (("frame", *space), values.reshape(shape)) if _is_map(variables.VARIABLES[name]) else (("frame",), values)
-        )
+    arrays: Arrays = {name: (("time",), values) for name, values in columns(case, records).items()}
+    fields = names_over(case, "map")
+    for name, values in maps(case, frames).items():
+        arrays[name] = (("frame", *space), values.reshape(shape)) if name in fields else (("frame",), values)
     arrays |= {name: ((name,), axis) for name, axis in space.items()}
     return _dataset(case, arrays)
 
@@ -95,13 +94,13 @@ def assemble_steady(case: Case, grid: Any, solutions: Sequence[SteadyGrid]) -> x
     solutions: coarsest first; the coordinate `grid` has their numbers of nodes a side.  One that is not solved has its
     work only.
     """
-    fields = names_where(lambda variable: variable.over in ("map", "heated map" if case.thermal else "map"))
+    fields = names_over(case, "map", *(["heated map"] if case.thermal else []))
     space: Mapping[str, Any] = grid.coordinates
     nothing = np.full([len(axis) for axis in space.values()], np.nan)
     maps = solutions[-1].maps if solutions and solutions[-1].status.is_solved else dict.fromkeys(fields, nothing)
     work = ("residual", "newton_iterations", "krylov_iterations", "convolutions")
     rows = [(with_coefficients(s.record, case.scales), s.status.is_solved) for s in solutions]
-    there = [n for n in names_where(lambda v: v.over in ("step", "grid")) if all(n in row for row, _ in rows)]
+    there = [n for n in names_over(case, "step", "grid") if all(n in row for row, _ in rows)]
     histories = list(zip_longest(*(s.history for s in solutions), fillvalue=np.nan))
     arrays: Arrays = {
         **{name: (tuple(space), maps[name]) for name in fields},
@@ -116,7 +115,8 @@ def assemble_steady(case: Case, grid: Any, solutions: Sequence[SteadyGrid]) -> x
 
 def _dataset(case: Case, arrays: Arrays) -> xr.Dataset:
     """The Dataset of a run from its arrays, with the attributes of its variables and its own."""
-    described = {name: (*indexed(name, *each), variable_attributes(name, case.scales)) for name, each in arrays.items()}
+    about = {name: variable_attributes(name, case.scales, case.geometry.is_line) for name in arrays}
+    described = {name: (*indexed(name, *each), about[name]) for name, each in arrays.items()}
     axes = {name: described.pop(name) for name in names_where(lambda v: v.over == "axis") if name in described}
     return xr.Dataset({**described, **variables_of(case)}, axes, provenance(case))
 
@@ -244,7 +244,8 @@ def to_vtk(dataset: xr.Dataset, directory: Path) -> list[Path]:
     Y, X = ("Y", "X") if "Y" in dataset.dims else ("y", "x")
     names = [str(name) for name, values in dataset.data_vars.items() if values.dims[-2:] == (Y, X)]
     if not names:
-        raise ValueError(f"maps for ParaView: a {dataset.attrs['method']} run has profiles only; use netcdf or csv")
+        run = "line contact" if variables.is_line(dataset.attrs) else f"{dataset.attrs['method']} run"
+        raise ValueError(f"maps for ParaView: a {run} has profiles only; use netcdf or csv")
     x, y = (dataset[axis].values.tolist() for axis in (X, Y))  # of NumPy they would be written as np.float64(...)
     origin, spacing = (x[0], y[0], 0.0), (x[1] - x[0], y[1] - y[0], 1.0)
     moments = dataset.sizes.get("frame", 1)

@@ -13,6 +13,7 @@ from ertel.case.rules import computes
 from ertel.case.sections import MOST_NODES, WIDEST_HALF_WIDTH
 from ertel.case.spaces import FRONT_POSITION
 from ertel.numerics.grid import Extrapolation, allowed_nodes, on_grids
+from ertel.physics.line_scales import LineScales
 from ertel.physics.lubricant import Barus
 from ertel.physics.surfaces import CELLS_KEPT, has_waves
 from ertel.physics.thermal import AT_REST, INLET_FACTORS, SLOWEST, slow_excess
@@ -29,6 +30,7 @@ ISOVISCOUS_SWEEP = 2.0  # that length over (lambda_bar dA/dT)^{2/5} where the oi
 SWEEP_ALPHA_BAR = 10.0  # least alpha_bar in that length for rolling
 GAP_SHARE = 3.0  # initial gap in units of the trapped film, below which the shape depends on it
 OUTSIDE_SHARE = 0.25  # of the load of a rolling contact that the oil outside the domain may carry
+SHORT_LINE = 20.0  # half widths: below, the ends of a line contact count
 LARGE_ERROR = 0.1  # of a film: its estimated discretisation error from which it is said to be uncertain
 LARGE_IMBALANCE = 0.01  # of a balance, from which there is a warning
 LARGEST_TRACTION = 0.15  # coefficient: more than traction fluids reach
@@ -99,7 +101,7 @@ def friction_warnings(case: Case, coefficient: float) -> list[str]:
     if case.scales is None:
         return []
     heaviest = 1.0 if case.starts_apart else case.motion.load.range(inf)[1]
-    p, mu = case.scales.p_h * case.geometry.grown(heaviest), abs(coefficient)
+    p, mu = case.scales.p_h * case.geometry.grown(heaviest)[1], abs(coefficient)
     if isinstance(case.oil.viscosity_law, Barus) and p > BARUS_PRESSURE and (mu or not case.oil.is_newtonian):
         return [
             f'lubricant.viscosity = "barus": greatly overestimates the viscosity above {BARUS_PRESSURE / 1e9:g} GPa, '
@@ -354,6 +356,12 @@ def _maps(case: Case) -> Iterator[str]:
 
 def _size(case: Case) -> Iterator[str]:
     s = case.scales
+    if isinstance(s, LineScales) and s.length < SHORT_LINE * s.a:
+        ends = "its ends, where the film is thinner, are not computed"
+        yield f"the line contact is short (length = {s.length / s.a:.3g} b, b the half width): {ends}"
+    if isinstance(s, LineScales) and case.starts_apart and s.R < s.length:
+        why = "bodies with a radius below the length do not deform as half spaces"
+        yield f"the approach of the cylinder is uncertain by some 5 % ({why}: R = {s.R / s.length:.2g} length)"
     if s and s.a > LARGE_CONTACT * s.R:
         yield (
             f"the contact is not small (a = {s.a / s.R:.2g} R): Hertz theory, the half-space and the parabolic gap are "

@@ -8,15 +8,19 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from ertel.physics import film_formulas
+from ertel.physics.line_films import expected_line_film
+from ertel.physics.line_scales import LineParameters
 from ertel.physics.scales import Parameters
+from ertel.results.parameters import geometry_of
 from ertel.results.profiles import events_of
+from ertel.results.variables import is_line
 
 Values = NDArray[np.float64]
 FrontDefinition = Literal["film", "slope", "half-hertz"]
 
 SMALLEST_FRONT = 0.1  # a*: before, there is a bell of pressure and no contact yet
 LOADED_FRONT = 0.02  # of the maximum pressure: where there is less, the film is only a gap
-FRONT_WINDOW = 0.06  # t0 to both sides: window of the parabola that gives the speed of the front
+FRONT_WINDOW = 0.06  # delta*/v0 to both sides: window of the parabola that gives the speed of the front
 SPEED_EXPONENT = 0.67  # of the film in the speed: Hamrock and Dowson's, and the paper's
 
 
@@ -58,12 +62,13 @@ def front(data: xr.Dataset, by: FrontDefinition = "film") -> Front:
     Parameters
     ----------
     data : xarray.Dataset
-        An impact, radial or in the plane (there the front along Y = 0 is found).
+        An impact, radial, of a line contact, or in the plane (there the front along Y = 0 is found).
     by : {"film", "slope", "half-hertz"}
         Definition of the front.  "film": the place of the minimum film thickness, at every step.  "slope": where the
         pressure falls most steeply outwards, on every map.  "half-hertz": from the place where the pressure is half of
-        the Hertz maximum at the same approach, sqrt(Delta), as the Hertz pressure is at sqrt(3)/2 of its radius; on
-        every map.  The definitions on maps need an interval (`Output`) of 0.05 t0 or less.
+        the Hertz maximum at the same approach, sqrt(Delta), of a line contact under the same load, sqrt(F), as the
+        Hertz pressure is at sqrt(3)/2 of its radius; on every map.  The definitions on maps need an interval (`Output`)
+        of 0.05 t0 or less.
 
     Raises
     ------
@@ -78,35 +83,41 @@ def front(data: xr.Dataset, by: FrontDefinition = "film") -> Front:
     T, A = T[first:], A[first:]
     if len(T) < 4:
         raise ValueError(f'dataset: has too few times to see its front by "{by}"; keep maps more often')
-    squares, rates = np.transpose([_parabola(T, A**2, t) for t in T])
+    window = FRONT_WINDOW * geometry_of(data.attrs).dry_approach(1.0)
+    squares, rates = np.transpose([_parabola(T, A**2, t, window) for t in T])
     radius = np.sqrt(squares)
     return Front(T, radius, rates / (2 * radius))
 
 
 def _front_by_film(data: xr.Dataset) -> tuple[Values, Values]:
     loaded = data["P_max"].values > LOADED_FRONT * float(data["P_max"].max())
-    radius = np.hypot(data["X_min"].values, data["Y_min"].values)
-    return data["time"].values, np.where(loaded, radius, np.nan)
+    return data["time"].values, np.where(loaded, distance_of_minimum(data), np.nan)
+
+
+def distance_of_minimum(data: xr.Dataset) -> Values:
+    """The distance of the minimum film thickness from the centre (a*) at every step, (n,)."""
+    return np.hypot(data["X_min"].values, data["Y_min"].values if "Y_min" in data else 0.0)
 
 
 def _front_by_pressure(data: xr.Dataset, fall: Callable[[Values, Values, float], float]) -> tuple[Values, Values]:
     if "frame" not in data.dims:
         raise ValueError('dataset: has one map only; by = "film" needs none')
     T = data["frame"].values
-    approach = np.interp(T, data["time"].values, data["Delta"].values)
+    squares = np.interp(T, data["time"].values, data["F" if is_line(data.attrs) else "Delta"].values)
     r, P = _outwards(data["P"])
-    return T, np.array([fall(r, p, delta) for p, delta in zip(P, approach, strict=True)])
+    return T, np.array([fall(r, *each) for each in zip(P, np.sqrt(np.maximum(squares, 0.0)), strict=True)])
 
 
 def _outwards(field: xr.DataArray) -> tuple[Values, Values]:
-    """Radius (n,) and field (..., n) along a radius: the half line Y = 0, X >= 0 of a 2-D run."""
+    """Radius (n,) and field (..., n) along a radius: of a 2-D run and a line contact X >= 0, there on Y = 0."""
     if "r" in field.dims:
         return np.asarray(field["r"].values), np.asarray(field.values)
-    half = field.sel(Y=0.0, method="nearest").isel(X=field["X"].values >= 0)
+    middle = field.sel(Y=0.0, method="nearest") if "Y" in field.dims else field
+    half = middle.isel(X=field["X"].values >= 0)
     return np.asarray(half["X"].values), np.asarray(half.values)
 
 
-def _steepest_fall(r: Values, P: Values, approach: float) -> float:
+def _steepest_fall(r: Values, P: Values, highest: float) -> float:
     slope, middle = np.diff(P) / np.diff(r), (r[1:] + r[:-1]) / 2
     i = int(np.argmin(slope))
     if i in (0, len(slope) - 1):
@@ -116,8 +127,8 @@ def _steepest_fall(r: Values, P: Values, approach: float) -> float:
     return float(middle[i - 1] + a / 2 - rise / (2 * curvature)) if curvature else float(middle[i])
 
 
-def _half_hertz(r: Values, P: Values, approach: float) -> float:
-    half = np.sqrt(max(approach, 0.0)) / 2
+def _half_hertz(r: Values, P: Values, highest: float) -> float:
+    half = highest / 2
     above = np.flatnonzero(P > half)
     if half == 0.0 or above.size == 0 or above[-1] == len(r) - 1:
         return np.nan
@@ -129,9 +140,9 @@ def _half_hertz(r: Values, P: Values, approach: float) -> float:
 _FALLS: Mapping[str, Callable[[Values, Values, float], float]] = {"slope": _steepest_fall, "half-hertz": _half_hertz}
 
 
-def _parabola(T: Values, values: Values, t: float) -> tuple[float, float]:
+def _parabola(T: Values, values: Values, t: float, window: float) -> tuple[float, float]:
     """Value and rate at t of a parabola fitted to at least five neighbours of t in time."""
-    near = np.argsort(np.abs(T - t))[: max(5, int(np.count_nonzero(np.abs(T - t) <= FRONT_WINDOW)))]
+    near = np.argsort(np.abs(T - t))[: max(5, int(np.count_nonzero(np.abs(T - t) <= window)))]
     _, rate, value = np.polyfit(T[near] - t, values[near], min(2, len(near) - 1))
     return float(value), float(rate)
 
@@ -187,7 +198,7 @@ def film_from_speed(
     parameters: Parameters,
     speed: ArrayLike,
     A: ArrayLike = 1.0,
-    formula: Callable[[float, float], float] = film_formulas.nijenbanning_venner_moes,
+    formula: Callable[[float, float], float] | None = None,
 ) -> Values:
     """Film thickness (a*^2/R) of a steady formula for rolling where the front passed at `speed`; nothing is fitted.
 
@@ -202,12 +213,14 @@ def film_from_speed(
     speed, A : array_like
         Speed of the front (a*/t0) and radius of the contact (a*), of shapes that broadcast.
     formula : callable
-        Film thickness in a^2/R from M and L.
+        Film thickness in a^2/R from M and L; left out, that of Nijenbanning, Venner and Moes, of a line contact Moes'.
     """
 
     def at(v: float, radius: float) -> float:
-        local = Parameters(parameters.lambda_bar * v / radius**4, parameters.alpha_bar * radius)
-        return formula(local.M, local.L) * radius**2
+        local = type(parameters)(parameters.lambda_bar * v / radius**4, parameters.alpha_bar * radius)
+        if formula is None and isinstance(local, LineParameters):
+            return expected_line_film(local) * radius**2
+        return (formula or film_formulas.nijenbanning_venner_moes)(local.M, local.L) * radius**2
 
     return np.asarray(np.vectorize(at, otypes=[float])(speed, A))
 

@@ -17,6 +17,7 @@ from ertel.case.status import Status
 from ertel.physics.line_scales import LineScales
 from ertel.physics.scales import Scales
 from ertel.physics.temperature_laws import ZERO_CELSIUS
+from ertel.results.parameters import geometry_of
 from ertel.results.variables import (
     COEFFICIENT,
     FILMS,
@@ -25,7 +26,9 @@ from ertel.results.variables import (
     TOUCH,
     VARIABLES,
     Variable,
+    along_a_line,
     in_celsius,
+    is_line,
     names_where,
     stored_in,
     unit_of,
@@ -130,7 +133,8 @@ def numbers(summary: Outcome) -> dict[str, Number]:
     found = {}
     for name, value in values.items():
         error, best, on_grid = (*errors[name], value) if name in errors else (None, value, None)
-        found[name] = number(summary["kind"], scales, name, best, error, on_grid)
+        one = number(summary["kind"], scales, name, best, error, on_grid)
+        found[name] = one._replace(unit=along_a_line(one.unit)) if is_line(summary) else one
     return {**found, **({"T": found["T"]._replace(zero=summary.get(TOUCH) or 0.0)} if "T" in found else {})}
 
 
@@ -181,8 +185,12 @@ def moment(summary: Outcome) -> str:
         return "no result"
     if "T" in summary:
         return f"at T = {summary['T']:.4g}"
-    space = METHODS[summary["method"]].space
-    return f"on {space.in_words(summary['nodes'], summary.get('nodes_y', summary['nodes']))}"
+    return f"on {nodes_in_words(summary, summary['nodes'], summary.get('nodes_y', summary['nodes']))}"
+
+
+def nodes_in_words(about: Outcome, nodes: int, across: int) -> str:
+    """The grid in words: 257 x 257 nodes, 513 nodes along x.  about: method and radius_ratio of the contact."""
+    return METHODS[about["method"]].of(geometry_of(about)).space.in_words(nodes, across)
 
 
 def key_numbers(summary: Outcome) -> list[Number]:
@@ -309,12 +317,13 @@ def _extreme_lines(summary: Outcome) -> Iterator[str]:
     table, scales = numbers(summary), scales_in(summary)
     for name, one in summary.get("extremes", {}).items():
         extreme = table[f"{name}_extreme"]
-        T, X, Y = (number(summary["kind"], scales, key, one[key]) for key in ("T", "X", "Y"))
+        T, *place = (number(summary["kind"], scales, key, one[key]) for key in ("T", "X", "Y") if key in one)
         T = T._replace(zero=summary.get(TOUCH) or 0.0)
         if scales:
-            where = f"t = {T.text_in_si} (T = {T.value:.4g}), x = {X.text_in_si}, y = {Y.text_in_si}"
+            parts = [f"t = {T.text_in_si} (T = {T.value:.4g})", *(f"{n.about.si_name} = {n.text_in_si}" for n in place)]
         else:
-            where = f"T = {T.text}, X = {X.value:.3g}, Y = {Y.value:.3g} {Y.unit}"
+            parts = [f"T = {T.text}", *(f"{n.name} = {n.value:.3g}" for n in place)]
+        where = ", ".join(parts) if scales else f"{', '.join(parts)} {place[0].unit}"
         note = f"; {one['note']}" if one["note"] else ""
         yield f"{extreme.about.long_name} {name}: {extreme.full_text} at {where}{note}"
 

@@ -3,17 +3,19 @@
 This module imports neither JAX nor xarray, so that they are known at once.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from ertel.case.case import Case
 from ertel.case.records import law_data, show
 from ertel.physics import film_formulas, line_films
 from ertel.physics.film_formulas import FormulaFilm
+from ertel.physics.geometry import Geometry, geometry
 from ertel.physics.line_scales import LineParameters
 from ertel.physics.materials import RHEOLOGY
 from ertel.physics.registry import FLUIDITY_LAWS
 from ertel.physics.scales import FlowDirection, HamrockDowson, Parameters, Scales, hamrock_dowson
+from ertel.results.variables import VARIABLES, named_with_unit
 
 
 def parameters_of(case: Case) -> dict[str, float]:
@@ -84,6 +86,30 @@ def scale_values(case: Case) -> dict[str, float]:
     return named | {"F_N": s.load, "t0_s": s.t0} | speed
 
 
+def values_in_si(values: Mapping[str, Any], scales: Scales, zero: float = 0.0) -> dict[str, float | None]:
+    """Convert dimensionless values, by the name of their variable, to SI; what has no unit is left out.
+
+    zero: T at t = 0.
+
+    The names in SI end with the unit: H_c becomes h_c_m, P_max p_max_Pa.  H_c_error and H_c_extrapolated scale as H_c.
+    """
+    converted = {}
+    for name, value in values.items():
+        base = name.removesuffix("_error").removesuffix("_extrapolated")
+        variable = VARIABLES.get(base)
+        if variable is not None and variable.scale:
+            key = named_with_unit(variable.si_name + name.removeprefix(base), variable.si_units)
+            start = zero if name == "T" else 0.0
+            converted[key] = None if value is None else (value - start) * variable.factor(scales)
+    return converted
+
+
+def geometry_of(about: Mapping[str, Any]) -> Geometry:
+    """The dry contact and its directions, from a summary or the attributes of a Dataset."""
+    ratio, angle = about.get("radius_ratio", 1.0), about.get("entrainment_angle", 0.0)
+    return geometry(ratio, angle, about.get("length_ratio", 100.0))
+
+
 def domain(case: Case) -> str:
     """The number of nodes and the reach of the grid, in words."""
     s = case.solver
@@ -94,31 +120,32 @@ def domain(case: Case) -> str:
     return f"{s.nodes} nodes, {inlet:.4g} a upstream to {2 * s.half_width - inlet:.4g} a downstream{across}"
 
 
-def formula_films(case: Case, load: float = 1.0, entrainment: float = 1.0) -> list[FormulaFilm]:
+def formula_films(case: Case, load: float = 1.0, entrainment: float = 1.0, curvature: float = 1.0) -> list[FormulaFilm]:
     """Film thickness of a rolling contact by every formula of `physics.film_formulas`, in the case's own a^2/R.
 
-    Of the moment with the load w in F* and the speed U in u_m.  Empty for an impact, and without load or without speed,
-    where the formulas have no meaning.  With layers of oil the flooded films, then what the layers leave of those that
-    are made for such a contact.
+    Of the moment with the load w in F*, the speed U in u_m and the curvature c of the gap.  Empty for an impact, and
+    without load or without speed, where the formulas have no meaning.  With layers of oil the flooded films, then
+    what the layers leave of those that are made for such a contact.
     """
     speed = abs(entrainment)
     if case.starts_apart or load <= 0 or speed == 0:
         return []
-    at, grown = case.parameters.at(load, speed), case.geometry.grown(load)
+    at, (size, pressure) = case.parameters.at(load, speed, curvature), case.geometry.grown(load, curvature)
     ugw = _ugw(case, case.scales) if case.scales else None
-    ugw = ugw and HamrockDowson(ugw.U * speed, ugw.G, ugw.W * load)
     if isinstance(at, LineParameters):
+        ugw = ugw and HamrockDowson(ugw.U * speed * curvature, ugw.G, ugw.W * load * curvature)
         formulas = line_films.line_films(at, ugw)
     else:
+        ugw = ugw and HamrockDowson(ugw.U * speed * curvature, ugw.G, ugw.W * load * curvature**2)
         formulas = film_formulas.films(at, ugw, case.contact.angle)
-    unit = grown**2  # the formulas' a^2 is that of the load w
+    unit = curvature * size**2  # the formulas' a^2/R is that of the moment
     flooded = [
         film._replace(central=film.central and film.central * unit, minimum=film.minimum and film.minimum * unit)
         for film in formulas
     ]
     if case.layer is None:
         return flooded
-    oil = case.layer / float(case.lubricant.density(grown))
+    oil = case.layer / float(case.lubricant.density(pressure))
     starved: Callable[[FormulaFilm, float], FormulaFilm] = (
         line_films.starved if case.geometry.is_line else FormulaFilm.starved
     )
@@ -129,7 +156,8 @@ def regime(case: Case) -> str:
     """The regime of a rolling contact at T = 0 with its g_V and g_E, see `film_formulas.regime_of`; "" of an impact."""
     if case.starts_apart:
         return ""
-    at = case.parameters.at(case.motion.load(0.0), abs(case.motion.entrainment(0.0)))
+    w, U, c = case.motion.moment(0.0)
+    at = case.parameters.at(w, abs(U), c)
     if case.geometry.is_line:
         return line_films.regime_of_line(at.M, at.L)
     flow = FlowDirection.at(case.parameters.radius_ratio, case.contact.angle)

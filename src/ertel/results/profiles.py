@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ertel.case.status import Status
 from ertel.physics.units import TIME, Quantity, in_si, si_numbers
 from ertel.results.dataset import with_units
-from ertel.results.variables import EVENTS, VARIABLES, is_steady, shifted, to_si, with_clock, with_prefix
+from ertel.results.variables import EVENTS, VARIABLES, is_line, is_steady, shifted, to_si, with_clock, with_prefix
 
 Values = NDArray[np.float64]
 # a time in t0 or with its unit, an event, or None: maximum approach, or the last map
@@ -112,10 +112,11 @@ def _in_t0(frames: xr.DataArray, at: float | str) -> float:
 def profile(dataset: xr.Dataset, at: At = None, along: str = "x") -> xr.Dataset:
     """Film thickness, pressure and oil along a line through the centre, at a moment of a run in time.
 
-    Between two maps they are interpolated linearly in time.  An axisymmetric run has the same line along x and y.
+    Between two maps they are interpolated linearly in time.  An axisymmetric run has the same line along x and y; a
+    line contact has only that along x.
 
     dataset: a run, dimensionless as it is stored.  at: as of `moment_of`; of a steady contact it is left out.  along:
-    "x" or "y".  Raises ValueError where the direction is not one of these, or the run does not have this moment.
+    "x" or "y".  Raises ValueError where the direction is not one of these, or the run does not have it or this moment.
 
     The variables are h, p and h_oil over x or y in SI, with the scalar t of a run in time; of a dimensionless case H, P
     and oil over X or Y, with time.  The attribute `moment` says in words where it was taken.
@@ -123,6 +124,8 @@ def profile(dataset: xr.Dataset, at: At = None, along: str = "x") -> xr.Dataset:
     if along not in ALONG:
         raise ValueError(f'along = {along!r}: must be "x" or "y"')
     axis, other = ALONG[along]
+    if along == "y" and is_line(dataset.attrs):
+        raise ValueError('along = "y": nothing of a line contact changes along y; leave it out for the profile along x')
     dataset = with_clock(dataset)
     fields, moment = dataset[[name for name in ON_A_LINE if name in dataset]], "steady contact"
     if not is_without_moments(dataset, at):

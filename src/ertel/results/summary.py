@@ -17,17 +17,17 @@ import xarray as xr
 from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.results import balances, diagnostics
-from ertel.results.dataset import SteadyGrid
+from ertel.results.dataset import SteadyGrid, names_over
 from ertel.results.numbers import ERRORS
-from ertel.results.parameters import parameters_of, scale_values
+from ertel.results.parameters import parameters_of, scale_values, values_in_si
 from ertel.results.variables import (
     COEFFICIENT,
     FILMS,
+    START_APPROACH,
     TOUCH,
     VARIABLES,
     first_touch,
     names_where,
-    values_in_si,
     with_coefficients,
 )
 
@@ -119,7 +119,8 @@ def steady_summary(
         "convolutions": round(sum(s.record["convolutions"] * s.grid.size / grid.size for s in solutions), 1),
         **work,
     }
-    values: dict[str, Any] = {name: record[name] for name in _of_moment(record)}
+    there = names_over(case, "step", "grid")
+    values: dict[str, Any] = {name: record[name] for name in _of_moment(record) if name in there}
     parts: dict[str, Any] = {"budgets": {}}
     warnings = diagnostics.steady_warnings(case, solutions)
     if diagnostics.steady_failure(case, finest):
@@ -170,8 +171,9 @@ def _contact(data: xr.Dataset, status: Status) -> dict[str, float | None]:
     The coefficient of restitution is the speed after the impact over that before; all is None until the ball has left,
     and where the run failed.
     """
-    T, V, F = (data[name].values for name in ("time", "V", "F"))
-    if status.failed or not (len(T) and V[-1] < 0 and F[-1] < UNLOADED):
+    T, V, F, Delta = (data[name].values for name in ("time", "V", "F", "Delta"))
+    left = len(T) and V[-1] < 0 and (F[-1] < UNLOADED or Delta[-1] < data.attrs[START_APPROACH])
+    if status.failed or not left:
         return dict.fromkeys(names_where(lambda variable: variable.of_impact))
     above = np.flatnonzero(F > LIGHT * F.max())
     ends = [max(above[0] - 1, 0), above[0]], [above[-1] + 1, above[-1]]  # the lighter side first
@@ -243,12 +245,14 @@ def attributes(summary: Mapping[str, Any]) -> dict[str, str | int | float]:
 def extremes(data: xr.Dataset) -> dict[str, dict[str, Any]]:
     """The smallest H_min and the largest P_max over all steps; empty before the first step.
 
-    By name: `value` (dimensionless), `T` (t0), `X` and `Y` (a*), and `note`, empty or what is to be said of the value.
+    By name: `value` (dimensionless), `T` (t0), `X` and `Y` (a*; a line contact has X alone), and `note`, empty or what
+    is to be said of the value.
     """
     content = {}
     for name, (extreme, x, y) in EXTREMES.items() if data.sizes["time"] else ():
         step = data.isel(time=int(extreme(data[name].values)))
-        values = {key: float(step[variable]) for key, variable in (("value", name), ("T", "time"), ("X", x), ("Y", y))}
+        places = {"value": name, "T": "time", "X": x, "Y": y}
+        values = {key: float(step[variable]) for key, variable in places.items() if variable in data}
         fall, note = float(step["P_fall"]), ""
         if name == "P_max" and fall > NARROW:
             note = f"it depends on the grid: the peak is few nodes wide, {fall:.0%} lower at the next nodes"

@@ -8,6 +8,7 @@ does not depend on the gap with which an impact starts: t = (T - si_zero) * si_f
 time has no touch, and its t = 0 is its start.
 """
 
+import re
 from collections.abc import Callable, Container, Iterator, Mapping
 from dataclasses import dataclass, replace
 from math import floor, log10
@@ -43,6 +44,7 @@ class Variable:
     has_error: it has an error under --error and a limit in a convergence series; values of single nodes have none.
     panel, curve_panel: the panel that draws it in the picture of a study, and of a traction curve.
     is_heated: heat changes it; the number with heat has the name with _warm, and is shown in its place.
+    is_across: it is about the direction across the flow, in which nothing of a line contact changes: it has none.
     """
 
     long_name: str
@@ -60,6 +62,7 @@ class Variable:
     panel: str = ""
     curve_panel: str = ""
     is_heated: bool = False
+    is_across: bool = False
 
     def factor(self, scales: Scales) -> float:
         """The value of 1 in SI."""
@@ -116,13 +119,15 @@ STEPS = {  # and grids
     "P_c": Variable("central pressure", "P_c", *PRESSURE, **ESTIMATED),
     "P_max": Variable("maximum pressure", "P_max", *PRESSURE, **MOMENT, shown=True, panel="Maximum pressure"),
     "X_min": Variable("place of the minimum film thickness along x", "X_min", *LENGTH, comment=RING, **MOMENT),
-    "Y_min": Variable("place of the minimum film thickness along y", "Y_min", *LENGTH, comment=RING, **MOMENT),
+    "Y_min": Variable(
+        "place of the minimum film thickness along y", "Y_min", *LENGTH, comment=RING, **MOMENT, is_across=True
+    ),
     "Delta": Variable("mutual approach of the bodies", "Delta", *FILM, **ESTIMATED),
     "F": Variable("load carried by the film", "F", *FORCE, **ESTIMATED),
     "mu_sliding": Variable("traction coefficient", "mu_sliding", *NUMBER, comment=PUSHED, **TRACTION),
     "mu_sliding_y": Variable(
         "traction coefficient along y", "mu_sliding_y", *NUMBER, comment=PUSHED.replace("X", "Y"),
-        **FRICTION, is_heated=True,
+        **FRICTION, is_heated=True, is_across=True,
     ),
     "mu_rolling": Variable(
         "rolling resistance coefficient", "mu_rolling", *NUMBER, comment=RESISTANCE, **FRICTION, curve_panel="Traction"
@@ -132,7 +137,7 @@ STEPS = {  # and grids
     ),
     "V": Variable("approach speed", "dDelta/dT", "a*^2/(R t0)", "speed", "m/s"),
     "X_P_max": Variable("place of the maximum pressure along x", "X_P_max", *LENGTH, comment=RING),
-    "Y_P_max": Variable("place of the maximum pressure along y", "Y_P_max", *LENGTH, comment=RING),
+    "Y_P_max": Variable("place of the maximum pressure along y", "Y_P_max", *LENGTH, comment=RING, is_across=True),
     "P_fall": Variable("fall of the pressure from its maximum to the next nodes", "1 - P_next/P_max"),
     # the terms of the balances, see `equations.account`
     "mass": Variable("oil on the grid", "m", "rho0 a*^4/R", "oil", "m3", "oil_volume", AMBIENT),
@@ -187,7 +192,7 @@ MAPS = {
     "H": Variable("film thickness", "H", *FILM),
     "oil": Variable("oil in the gap, H where it is full", "H_oil", *FILM, "h_oil"),
     "tau_x": Variable("shear stress in the middle of the film along x", "tau_x", *SHEAR),
-    "tau_y": Variable("shear stress in the middle of the film along y", "tau_y", *SHEAR),
+    "tau_y": Variable("shear stress in the middle of the film along y", "tau_y", *SHEAR, is_across=True),
     "loss": Variable("power loss per area", "q", "p_h* a*^2/(R t0)", "power_per_area", "W/m2"),
 }
 HEATED_MAPS = {  # of a steady contact with [thermal], see `solvers.heat`
@@ -218,6 +223,7 @@ FIGURES_IN_TIME = (
     "overview", "film", "pressure", "oil", "maps", "profiles", "history", "friction", "front", "spacetime",
 )  # fmt: skip
 FIGURES_STEADY = ("overview", "film", "pressure", "oil", "maps", "midlines", "convergence", "friction")
+FIGURES_OF_MAPS = ("film", "pressure", "oil", "maps")  # which a line contact does not have
 
 
 def names_where(chosen: Callable[[Variable], Any]) -> list[str]:
@@ -232,6 +238,16 @@ def stored_in(there: Container[Any], chosen: Callable[[Variable], Any], cold: bo
     """
     found = {name: each for name in names_where(chosen) for each in (name, name_in_si(name)) if each in there}
     return {each: VARIABLES[name] for name, each in found.items() if cold or f"{name}_warm" not in found}
+
+
+def is_line(about: Mapping[str, Any]) -> bool:
+    """Whether a summary, or the attributes of a Dataset, are those of a line contact."""
+    return about.get("radius_ratio") == 0
+
+
+def along_a_line(unit: str) -> str:
+    """A unit of an integral over the surface as that of an integral along a line contact, for each length across."""
+    return re.sub(r"(a\*?)\^2 p_h", r"\1 p_h", re.sub(r"(a\*?)\^4", r"\1^3", unit))
 
 
 def unit_of(kind: str, unit: str) -> str:
@@ -256,7 +272,8 @@ def is_steady(dataset: "xr.Dataset") -> bool:
 
 def figures_of(dataset: "xr.Dataset") -> tuple[str, ...]:
     """The names of the figures that a run has, see `ertel.plots`."""
-    return FIGURES_STEADY if is_steady(dataset) else FIGURES_IN_TIME
+    names = FIGURES_STEADY if is_steady(dataset) else FIGURES_IN_TIME
+    return tuple(name for name in names if not (is_line(dataset.attrs) and name in FIGURES_OF_MAPS))
 
 
 def with_coefficients(values: Mapping[str, Any], scales: Scales | None) -> dict[str, Any]:
@@ -266,14 +283,14 @@ def with_coefficients(values: Mapping[str, Any], scales: Scales | None) -> dict[
     return {**values, **{name: value if value is None else value * unit for name, value in coefficients.items()}}
 
 
-def variable_attributes(name: str, scales: Scales | None) -> dict[str, Any]:
-    """CF attributes of a variable: units, long_name, symbol, what 1 stands for, and its SI factor if there is one."""
+def variable_attributes(name: str, scales: Scales | None, line: bool = False) -> dict[str, Any]:
+    """CF attributes of a variable, of a line contact or not: units, names, what 1 stands for, its SI factor if any."""
     variable = VARIABLES[name]
     attributes: dict[str, Any] = {"long_name": variable.long_name, "symbol": variable.symbol, "units": "1"}
     if variable.unit == KELVIN:
         attributes["units"] = KELVIN
     elif variable.unit != "1" and not (scales and variable.scale == COEFFICIENT):
-        attributes["in_units_of"] = variable.unit
+        attributes["in_units_of"] = along_a_line(variable.unit) if line else variable.unit
     if variable.comment:
         attributes["comment"] = variable.comment
     if name == "event":
@@ -375,24 +392,6 @@ def with_prefix(value: float, unit: str) -> str:
     """A value in SI for reading: 1.4e9, "Pa" is "1.4 GPa"."""
     one, name = prefixed(unit, value)
     return f"{value / one:.4g} {name}".rstrip()
-
-
-def values_in_si(values: Mapping[str, Any], scales: Scales, zero: float = 0.0) -> dict[str, float | None]:
-    """Convert dimensionless values, by the name of their variable, to SI; what has no unit is left out.
-
-    zero: T at t = 0.
-
-    The names in SI end with the unit: H_c becomes h_c_m, P_max p_max_Pa.  H_c_error and H_c_extrapolated scale as H_c.
-    """
-    converted = {}
-    for name, value in values.items():
-        base = name.removesuffix("_error").removesuffix("_extrapolated")
-        variable = VARIABLES.get(base)
-        if variable is not None and variable.scale:
-            key = named_with_unit(variable.si_name + name.removeprefix(base), variable.si_units)
-            start = zero if name == "T" else 0.0
-            converted[key] = None if value is None else (value - start) * variable.factor(scales)
-    return converted
 
 
 def named_with_unit(name: str, unit: str) -> str:

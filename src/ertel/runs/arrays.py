@@ -267,8 +267,8 @@ class AppendedData:
 
     def flush(self, path: Path, records: Sequence[Record], frames: Sequence[Frame], result: Any) -> dict[str, Any]:
         root = read_root(path, self.advice)
-        columns = dataset.columns(records, self._run.case.scales) if records else {}
-        append(path, {**columns, **(dataset.maps(frames) if frames else {})})
+        columns = dataset.columns(self._run.case, records) if records else {}
+        append(path, {**columns, **(dataset.maps(self._run.case, frames) if frames else {})})
         new = {"time": len(records), "frame": len(frames)}
         rows = {dimension: count + new[dimension] for dimension, count in rows_of(root).items()}
         write_root(path, with_rows(root, rows))

@@ -75,7 +75,7 @@ def outlook(case: Case) -> dict[str, Any]:
         "digest": case.digest,
         "rheology": rheology_of(case),
         "parameters": parameter_summary(case),
-        "films": [film._asdict() for film in formula_films(case, case.motion.load(0.0), case.motion.entrainment(0.0))],
+        "films": [film._asdict() for film in formula_films(case, *case.motion.moment(0.0))],
         "regime": regime(case),
         "start": dict(zip(("film", "load"), case.first_film, strict=True)) if case.starts_apart else {},
         "grid": _grid(case),

@@ -18,12 +18,12 @@ from ertel.results.alignment import Comparison
 from ertel.results.measurements import Measurement
 from ertel.results.numbers import Number, html_image, html_table, lines, numbers, plus_minus, values_of
 from ertel.results.profiles import At, moment_of, profile
-from ertel.results.variables import FIGURES_IN_TIME, FIGURES_STEADY, figures_of, prefixed, to_si
+from ertel.results.variables import FIGURES_IN_TIME, FIGURES_STEADY, figures_of, is_line, prefixed, to_si
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from matplotlib.figure import Figure
 
-PHYSICAL = ("interferogram", "measured")  # of a case in SI
+PHYSICAL = ("interferogram", "measured")  # of a case in SI; a line contact has no interferogram
 Sigma = float | str | None  # rms roughness in m, or with a unit
 
 
@@ -45,8 +45,8 @@ class Plot:
         return MethodType(getattr(plots, name), self.dataset)
 
     def _names(self) -> tuple[str, ...]:
-        names = figures_of(self.dataset)
-        return (*names, *PHYSICAL) if "si_factor" in self.dataset["H"].attrs else names
+        names, more = figures_of(self.dataset), PHYSICAL[is_line(self.dataset.attrs) :]
+        return (*names, *more) if "si_factor" in self.dataset["H"].attrs else names
 
     def __dir__(self) -> Iterable[str]:
         return [*self._names(), "dataset"]
@@ -125,11 +125,12 @@ class Result:
         return to_si(self.dataset)
 
     @property
-    def track(self) -> list[list[float | str]]:
+    def track(self) -> list[list[float | str]] | float | str:
         """The oil that a rolling contact leaves behind, at its end: points [y, thickness], in SI texts with a unit.
 
         It is the `layer` of the contact that follows on this track: `ertel.rolling(..., layer=result.track)`.  The oil
-        of both surfaces is taken together.  Raises ValueError for an impact and a run that failed.
+        of both surfaces is taken together.  A line contact leaves one thickness behind.  Raises ValueError for an
+        impact and a run that failed.
         """
         if not self.status.ok:
             raise ValueError(f"track: the run ended with status {self.status.value!r} and leaves none")
@@ -138,8 +139,10 @@ class Result:
         oil = self.dataset["oil"] if self.case.is_steady else self.dataset["oil"].isel(frame=-1)
         end = 0.0 if self.case.is_steady else float(self.dataset["time"][-1])
         outlet = oil.isel(X=-1 if self.case.motion.entrainment(end) >= 0 else 0)
-        points = np.transpose([outlet["Y"].values, outlet.values]).tolist()
         scales = self.case.scales
+        if self.case.geometry.is_line:
+            return f"{float(outlet) * scales.film!r} m" if scales else float(outlet)
+        points = np.transpose([outlet["Y"].values, outlet.values]).tolist()
         return [[f"{y * scales.a!r} m", f"{oil * scales.film!r} m"] for y, oil in points] if scales else points
 
     def profile(self, at: At = None, along: str = "x") -> xr.Dataset:

@@ -206,7 +206,9 @@ class TransientRun:
             case "max-approach":
                 return reached is not None
             case "rebound":
-                return reached is not None and level.record["F"] < UNLOADED
+                # oil that a moving track drags along never lets go of the ball: back where it started it has left
+                back = level.approach < self.case.schedule.start_approach
+                return reached is not None and (back or level.record["F"] < UNLOADED)
             case until:
                 return level.T >= until * (1 - 1e-12)
 

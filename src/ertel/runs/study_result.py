@@ -20,7 +20,7 @@ from ertel.results.convergence import ORDER, SEEN, Limit, limits_of
 from ertel.results.dataset import with_units
 from ertel.results.numbers import Number, aligned, html_columns, html_image, number
 from ertel.results.study_table import DONE, MOST_ROWS, TO_DO, flat, table_columns
-from ertel.results.variables import THICKNESS, VARIABLES, prefixed
+from ertel.results.variables import THICKNESS, names_where, prefixed
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from matplotlib.figure import Figure
@@ -179,7 +179,8 @@ WARM = "numbers with _warm have the heat of the inlet and of the contact; all ot
 def point_numbers(case: Case, values: Mapping[str, float]) -> dict[str, Number]:
     """The numbers of a point from dimensionless values by name; in SI under SI names where the case is physical."""
     found = {}
-    for name in (name for name in VARIABLES if name in values):
+    there = names_where(lambda variable: not (case.geometry.is_line and variable.is_across))
+    for name in (name for name in there if name in values):
         one = number(case.kind, case.scales, name, values[name]).in_si
         about = replace(one.about, long_name=one.about.long_name + ", on the grid" * (one.about.panel == THICKNESS))
         found[one.name] = one._replace(about=about)

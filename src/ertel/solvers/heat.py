@@ -137,9 +137,9 @@ def heated(case: Case, P: Any, H: Any, heat: Floats | None = None, grid: Grid | 
     if thermal is None or s is None or eta0 is None:
         raise ValueError("thermal: the case has no such section, and so no data for temperatures")
     S, mean, grid = case.motion.slide_to_roll, case.motion.entrainment(0.0) * s.front_speed, grid or grid_of(case)
-    grown = case.geometry.grown(case.motion.load(0.0))  # the contact, by a load that [motion] changes
-    half_width = s.a * case.geometry.extent[0] * grown
-    inlet = _of_layer(case, thermal.inlet(eta0, s.p_h * grown / s.E_prime, mean, S))
+    size, pressure = case.geometry.grown(case.motion.load(0.0))  # the contact, by a load that [motion] changes
+    half_width = s.a * case.geometry.extent[0] * size
+    inlet = _of_layer(case, thermal.inlet(eta0, s.p_h * pressure / s.E_prime, mean, S))
     film = opened(inlet.factor * jnp.asarray(H))
     sheared = _sheared(case, grid, thermal.viscosity_of(eta0), P, film, S * mean)
     moving = list(zip(thermal.bodies, (mean * (1.0 + 0.5 * S), mean * (1.0 - 0.5 * S)), strict=True))

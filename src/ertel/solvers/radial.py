@@ -329,7 +329,7 @@ class RadialImpact(Stepper):
 
 
 def ring_oil(eq: Equations, P: Array, H: Array) -> Array:
-    """The oil that is there after a step, as mass; see `transient.oil_there`."""
+    """The oil that is there after a step, as mass; see `contact.oil_there`."""
     full, r = eq.mesh.oil.density(P) * H, ring_residual(eq, P, H)
     at_rim = jnp.where(P[-1] > 0.0, 0.0, jnp.maximum(eq.rate * full[-1] + eq.past[-1], 0.0))
     return full - r.at[-1].set(at_rim) / eq.rate

@@ -276,17 +276,18 @@ def dry_guess(geometry: Geometry, grid: Grid, load: float) -> tuple[Floats, floa
 
 def _rough_guess(case: Case, grid: Grid) -> tuple[Floats, float]:
     """Pressure and approach: those of the dry contact, or of rigid bodies where the film is far thicker than that."""
-    outside, dry = discretise.outside_of(case, grid), case.geometry.dry_approach(case.motion.load(0.0))
+    outside, c, load = discretise.outside_of(case, grid), case.motion.curvature(0.0), case.motion.load(0.0)
     film = case.film_scale * starvation(case)[1]
-    if film > THICK * dry:
+    if film > THICK * c * case.geometry.dry_approach(load / c):
         return outside.at_first(motion_of(case, -film)), -film
-    P, approach = dry_guess(case.geometry, grid, case.motion.load(0.0))
-    return P + outside.guess(motion_of(case, approach)), approach
+    P, approach = dry_guess(case.geometry, grid, load / c)
+    return c * P + outside.guess(motion_of(case, c * approach)), c * approach
 
 
 def motion_of(case: Case, approach: float) -> ContactMotion:
     """The motion of the steady contact, for the oil outside."""
-    return ContactMotion(approach, 0.0, case.motion.load(0.0), case.motion.entrainment(0.0))
+    m = case.motion
+    return ContactMotion(approach, 0.0, m.load(0.0), m.entrainment(0.0), curvature=m.curvature(0.0))
 
 
 def first_guess(c: Contact, coarse: GridSolution, approach: float) -> tuple[Array, float]:

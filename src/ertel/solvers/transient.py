@@ -51,14 +51,16 @@ SMALL = 512  # nodes a side of a grid on which one program more takes longer tha
 class Setting:
     """The constants of a run.
 
-    elastic: the deformation operators of the preconditioner's grids.  space: the grid, for integrals and
-    extremes.  gap_slope: dG/dX of the smooth gap, shape (n, n).  tolerance: of the film that is left over in a step,
-    relative.  film_scale: of the case.  hertz_load: F* in a^2 p_h.  coarsenings: see `film_error`.
+    elastic: the deformation operators of the preconditioner's grids.  space: the grid, for integrals and extremes.
+    gap: the smooth gap of the case, shape (n, n), None where its curvature stays.  gap_slope: dG/dX of it.  tolerance:
+    of the film that is left over in a step, relative.  film_scale: of the case.  hertz_load: F* in a^2 p_h.
+    coarsenings: see `film_error`.
     """
 
     elastic: tuple[multigrid.DeformationOperator, ...]
     space: Plane
     gap_slope: Array
+    gap: Array | None
     tolerance: float
     film_scale: float
     hertz_load: float
@@ -69,8 +71,9 @@ class Known(NamedTuple):
     """The numbers of a new level that are known before it is solved.
 
     predict, rates: weights of the prediction and of the time derivative (for the new level, and the last two), both of
-    shape (3,).  approaches, loads: of the last three levels.  sliding: u1 - u2 in a/t0.  load_around, uplift: of the
-    oil outside, at the predicted Delta and per change of Delta.
+    shape (3,).  approaches, loads: of the last three levels.  curvatures: of the gap at the new level, at the last two
+    and at T = 0.  sliding: u1 - u2 in a/t0.  load_around, uplift: of the oil outside, at the predicted Delta and per
+    change of Delta.
     """
 
     predict: bdf.Weights
@@ -78,6 +81,7 @@ class Known(NamedTuple):
     line: ClosureLine
     approaches: Any
     loads: Any
+    curvatures: Any
     sliding: float
     load_around: Any
     uplift: Any
@@ -86,11 +90,12 @@ class Known(NamedTuple):
 
     def packed(self) -> bdf.Weights:
         """One array: each one that goes to the device costs the same time, however small."""
-        return np.array([*self.predict, *self.rates, *self.line, *self.approaches, *self.loads, *self[5:]])
+        return np.hstack(self)
 
     @classmethod
     def of(cls, packed: Array | bdf.Weights) -> "Known":
-        return cls(packed[:3], packed[3:6], ClosureLine(*packed[6:9]), packed[9:12], packed[12:15], *packed[15:])  # type: ignore[arg-type]
+        levels = packed[9:12], packed[12:15], packed[15:19]
+        return cls(packed[:3], packed[3:6], ClosureLine(*packed[6:9]), *levels, *packed[19:])  # type: ignore[arg-type]
 
 
 @register_dataclass
@@ -149,6 +154,7 @@ class Transient2D(Stepper):
             elastic,
             Plane.of(self.grid),
             discretise.gap_slope(case, self.grid),
+            self.contact.gap if case.motion.bends else None,
             tolerance,
             case.film_scale,
             self.geometry.hertz_load,
@@ -217,16 +223,19 @@ class Transient2D(Stepper):
         predict = bdf.interpolation_weights(T, times)
         motion = outside.predicted(levels, T, self.geometry.hertz_load, self.case.motion.entrainment(T))
         change, sliding = UNCHANGED, self.case.motion.sliding(T)
+        curvatures = self.case.motion.curvature.at(np.array([T, *[*times, times[-1]][:2], 0.0]))
         if not self.case.starts_apart:
             # with little or no inertia V follows from the film of the same step, and extrapolating it is unstable
             V = rate_of_change(rates, bdf.three(predict) @ approaches, approaches)
             loads_given = [self.case.motion.load(time) for time in (T, *times)]
             load_rate = rate_of_change(rates, loads_given[0], loads_given[1:])
             motion = motion._replace(velocity=V, load_rate=load_rate, entrainment=self.case.motion.flow_at(T))
+            bending = rate_of_change(rates, curvatures[0], curvatures[1:])
+            motion = motion._replace(curvature=curvatures[0], bending=bending)
             change = Surroundings(*(rates[0] * part for part in self.outside.change(motion)))
         around = self.outside.at(motion)
         weights = bdf.three(predict), bdf.three(rates)
-        known = Known(*weights, line, approaches, loads, sliding, around.load, around.uplift, *change[1:])
+        known = Known(*weights, line, approaches, loads, curvatures, sliding, around.load, around.uplift, *change[1:])
         # the Delta of a light ball that rolls is a small difference of large numbers, so it is not eliminated
         falls = self.case.starts_apart and line.approach_weight
         return StepProblem(
@@ -309,18 +318,6 @@ def _squeezed(
     return {"P": P, "H": H, "mass": oil}, contact.pressure_load(c, P)
 
 
-def oil_there(c: Contact, P: Array, H: Array, residual: Array, rate: Rate) -> Array:
-    """The oil that is there after a step, as mass: rho H less what the residual leaves over, shape (n, n).
-
-    This oil obeys Reynolds' equation exactly at every node.  Where P > 0 the rest is what Newton's iteration left; the
-    next step corrects it.  Where P = 0 it is the void of the cavity, which the next step hands on.  On a dry edge the
-    oil moves with the flow alone.
-    """
-    full = contact.mass(c, P, H)
-    dry = jnp.where(P > 0.0, 0.0, jnp.maximum(rate.of(full, c.spacing), 0.0))
-    return full - (residual + dry - stencils.inside(dry, c.even)) / rate.new
-
-
 def film_error(film: Array, predicted: Array, P: Array, thin: Array | float, even: Symmetry, coarsenings: int) -> Array:
     """Relative difference of two films, root mean square over the load that P carries; `thin`: see `THIN`.
 
@@ -336,8 +333,9 @@ def film_error(film: Array, predicted: Array, P: Array, thin: Array | float, eve
 @jax.jit
 def solve_step(p: StepProblem) -> StepSolution:
     """The fields and the numbers after one step."""
-    s, known, masses = p.setting, Known.of(p.known), [level["mass"] for level in p.past]
-    rate = rate_in_time(known.rates, masses[:2], p.flow, p.contact.spacing, [level["P"] for level in p.past[:2]])
+    s, known, masses = p.setting, Known.of(p.known), [level["mass"] for level in p.past[:2]]
+    pressures, bent = [level["P"] for level in p.past[:2]], (s.gap, known.curvatures[1:3] - known.curvatures[3])
+    rate = rate_in_time(known.rates, masses, p.flow, p.contact.spacing, pressures, bent)
     P, P_old, H_old = _weighted(known.predict, [level["P"] for level in p.past]), p.past[0]["P"], p.past[0]["H"]
     # The viscosity is exponential, so Newton needs few iterations to lower a pressure and many to raise it from zero.
     # So the prediction limits the fall.
@@ -361,7 +359,7 @@ def solve_step(p: StepProblem) -> StepSolution:
         load_around=known.load_around + more * known.load_change, uplift=known.uplift + more * known.uplift_change
     )
     P, H = solution.P, solution.H
-    fields = {"P": P, "H": H, "mass": oil_there(p.contact, P, H, solution.left, rate)}
+    fields = {"P": P, "H": H, "mass": contact.oil_there(p.contact, P, H, solution.left, rate)}
     return StepSolution(fields, state.packed(_numbers(p, known, rate, solution, fields, approach)))
 
 
@@ -378,6 +376,9 @@ def _numbers(
     load = values.pop("load")
     F = (load + known.load_around) / setting.hertz_load
     gap_change = U * setting.gap_slope - p.roughness_change
+    if setting.gap is not None:
+        new, *earlier = known.curvatures[:3]
+        gap_change += U * (new - 1.0) * setting.gap_slope + rate_of_change(known.rates, new, earlier) * setting.gap
     passing = mass if p.flow is None else p.flow.passing(mass)
     moment = Moment(approach, U, known.sliding, gap_change, F, setting.hertz_load)
     terms, _ = account.account(setting.space, c, s.P, s.H, moment, mass, passing, rate.of(mass, c.spacing))

@@ -21,18 +21,20 @@ from ertel.inputs import materials, oils
 from ertel.inputs.case_files import apply_overrides, parse_case
 from ertel.inputs.layout import NEEDED, TOP, Key, keys_of, section, shape_keys, shape_place
 from ertel.inputs.templates import OIL
+from ertel.physics.geometry import geometry
 from ertel.physics.registry import FLUIDITY_LAWS, SHAPES
 from ertel.physics.units import Meaning, Unit
 from ertel.runs.outlook import outlook
 
 OWN, NAMED = "own", "named"  # oils: by values, "own" also in place of its name; from the library
-ROUND, ELLIPTIC = "round", "elliptic"
+ROUND, ELLIPTIC, CYLINDERS = "round", "elliptic", "cylinders"
 SHAPE, LAW = "roughness.shape", "lubricant.rheology.law"  # which open the keys of their tables
 MATERIALS = {name: name for name in ("steel", *materials.names())}
 OPTIONS: Mapping[str, Mapping[str, str]] = {  # with their labels, the first one first
     "contact.kind": {"impact": "Impact", "rolling": "Rolling"},
     "given": {"si": "Quantities", "moes": "M and L"},
-    "bodies": {"ball": "ball on a plane", "balls": "two balls", "ellipse": "ellipse", "four-radii": "four radii"},
+    "bodies": {"ball": "ball on a plane", "balls": "two balls", "ellipse": "ellipse", "four-radii": "four radii"}
+    | {CYLINDERS: "cylinders, on a line"},
     "impact_by": {"by-speed": "its speed", "by-height": "the height of its fall"},
     "contact.material_1": MATERIALS,
     "contact.material_2": MATERIALS,
@@ -48,15 +50,15 @@ FOLDED = ("Layer of oil, for a starved contact", "Temperatures", "Roughness")  #
 LAYER, HEAT, ROUGHNESS = FOLDED
 ROWS = (  # group, the choices that show its fields, and these by their paths in case files, or as choices of the form
     ("", "", "contact.kind given"),
-    ("Contact", "moes", "contact.M contact.L contact.radius_ratio"),
+    ("Contact", "moes", "contact.M contact.L contact.radius_ratio contact.length_ratio"),
     ("Contact", "si", "bodies"),
     *(
         ("Contact", f"si {bodies}", " ".join(f"contact.{key}" for key in keys))
-        for bodies, keys in zip(OPTIONS["bodies"], RADII, strict=True)
+        for bodies, keys in zip(OPTIONS["bodies"], (*RADII, ("radius", "length")), strict=True)
     ),
     ("Contact", "rolling elliptic", "contact.entrainment_angle"),
     ("Contact", "si impact round", "contact.ball_density"),
-    ("Contact", "si impact elliptic", "contact.mass"),
+    *(("Contact", f"si impact {bodies}", "contact.mass") for bodies in (ELLIPTIC, CYLINDERS)),
     ("Contact", "si impact", "impact_by"),
     ("Contact", "si impact by-speed", "contact.speed"),
     ("Contact", "si impact by-height", "contact.drop_height"),
@@ -75,7 +77,8 @@ ROWS = (  # group, the choices that show its fields, and these by their paths in
 )
 LABELS = {"eta0": "Viscosity", "alpha": "Pressure-viscosity coefficient", "law": "Shear thinning"}
 NAME_FILES = ("file", "oils", "case")  # keys of surfaces and measurements, of oils of one's own, of a fit
-EMPTY = ("radius_ratio", "entrainment_angle", "slide_to_roll", "layer", "layer_1", "layer_2")  # at first, of the rows
+# at first, of the rows
+EMPTY = ("radius_ratio", "length_ratio", "entrainment_angle", "slide_to_roll", "layer", "layer_1", "layer_2")
 ONE_OF = ("wavelength_x", "depth")  # keys of shapes that are filled at first besides those that are needed
 KEYS = {f"{name}.{key.name}": key for name in SECTIONS for key in section(name).keys} | {
     LAW: next(key for key in section("lubricant").keys if key.name == "rheology"),
@@ -146,17 +149,20 @@ class Form:
         self.choose("contact.kind", self.values["contact.kind"])
 
     @property
-    def is_round(self) -> bool:
-        """Whether the contact of the bodies is a circle."""
-        return self.values["bodies"] in ("ball", "balls")
+    def shape(self) -> str:
+        """The shape of the contact of the bodies: `ROUND`, `ELLIPTIC` or that of `CYLINDERS`."""
+        return {"ball": ROUND, "balls": ROUND, CYLINDERS: CYLINDERS}.get(self.values["bodies"], ELLIPTIC)
 
     @property
     def method(self) -> Method:
         """The method that is chosen."""
-        return METHODS[self.values["solver.method"]]
+        return self._suited(METHODS[self.values["solver.method"]])
+
+    def _suited(self, method: Method) -> Method:
+        return method.of(geometry(0.0 if self.shape == CYLINDERS else 1.0))
 
     def _is_able(self, supports: Supports) -> bool:
-        return (supports.roughness or not self.values[SHAPE]) and (supports.ellipse or self.is_round)
+        return (supports.roughness or not self.values[SHAPE]) and (supports.ellipse or self.shape == ROUND)
 
     def choose(self, name: str, value: str) -> None:
         """Change a field.  With what is chosen the methods change that suit it, with these and the bodies the grid."""
@@ -165,14 +171,15 @@ class Form:
         if self.values.get("solver.method") not in methods:
             self.choose("solver.method", methods[0])
         elif name in ("solver.method", "bodies"):
-            self.choose("solver.nodes", str(self.method.new_nodes) if self.is_round else "")
+            self.choose("solver.nodes", str(self.method.new_nodes) if self.shape != ELLIPTIC else "")
 
     def options(self, name: str) -> Mapping[str, str]:
         """The values from which a field is chosen, with their labels; empty for a text."""
         if name == "solver.method":
             kind: Any = self.values["contact.kind"]
             able = of_kind(kind, lambda method: self._is_able(method.supports))
-            return {method.name: method.title for method in sorted(able, key=lambda method: method is not NEW[kind])}
+            able.sort(key=lambda method: method is not NEW[kind])
+            return {method.name: self._suited(method).title for method in able}
         return self.shown()[name].options or {}
 
     def hint(self, name: str) -> str:
@@ -187,7 +194,7 @@ class Form:
         """The fields that the choices so far leave to be filled in, by name.  Those that are new get their values."""
         choices = {self.values[name] for name in CHOICES}
         choices |= {"heated"} if self.method.supports.thermal else set()
-        choices |= {OWN if self.values["lubricant.oil"] == OWN else NAMED, ROUND if self.is_round else ELLIPTIC}
+        choices |= {OWN if self.values["lubricant.oil"] == OWN else NAMED, self.shape}
         found: dict[str, Field] = {}
         for group, when, names in ROWS:
             for name in names.split() if choices.issuperset(when.split()) else ():

@@ -23,12 +23,12 @@ UPLOAD = f"({{target}}) => {{ const [f] = target.files; (f.size > {LARGEST_UPLOA
 UPLOAD += ".then(text => emit(f.name, text ?? null)) }"
 PAUSE = 0.5  # seconds after the last change before ertel is asked
 SHOWN_SCALES = {  # of `parameter_summary`: key, label, unit
-    "a_m": ("Hertz radius a", "m"),
+    "a_m": ("half width a of the Hertz contact", "m"),
     "p_h_Pa": ("Hertz pressure", "Pa"),
     "delta_m": ("Hertz approach", "m"),
     "F_N": ("load", "N"),
     "contact_time_s": ("dry contact time", "s"),
-    "trapped_film_m": ("film at which a rigid ball stops", "m"),
+    "trapped_film_m": ("film at which a rigid body stops", "m"),
     "h_c_least_m": ("central film, at least about", "m"),
     "h_c_most_m": ("central film, at most about", "m"),
 }
@@ -40,7 +40,7 @@ SHOWN_SCALES = {  # of `parameter_summary`: key, label, unit
 def home_page(site: Site) -> None:
     """The first page: a choice of what can be done here; runs and studies are in the list beside it."""
     with ui.element("div").classes("welcome"):
-        ui.label("Impact and rolling of lubricated point contacts").classes("title")
+        ui.label("Impact and rolling of lubricated point and line contacts").classes("title")
         text = "Describe a contact, run it, and watch film and pressure form. Runs go on when the app is closed."
         ui.label(text).classes("lead")
         with ui.element("div").classes("offers"):

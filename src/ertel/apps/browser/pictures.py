@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from ertel.inputs.fits import interferometer
 from ertel.results.numbers import Number, number, scales_in
-from ertel.results.variables import figures_of, is_steady, names_where, unit_of, with_clock, with_prefix
+from ertel.results.variables import figures_of, is_line, is_steady, names_where, unit_of, with_clock, with_prefix
 from ertel.runs.directory import DATA
 
 if TYPE_CHECKING:  # imported in the process that draws
@@ -44,6 +44,7 @@ FIGURES = {  # in the order of their tabs: label, icon
     "midlines": ("Mid-lines", "show_chart"),
     "history": ("Motion", "timeline"),
     "front": ("Front", "open_in_full"),
+    "spacetime": ("Through time", "waves"),
     "friction": ("Friction", "local_fire_department"),
     INTERFEROGRAM: ("Interferogram", "lens_blur"),
     "convergence": ("Grids", "grid_on"),
@@ -167,7 +168,7 @@ def run_info(run: Path, stamp: int) -> RunInfo:
     data = _opened(run, stamp)
     about, steady = data.attrs, is_steady(data)
     scales = scales_in({**about, "si": about}) if "R_m" in about else None
-    drawn = {*figures_of(data), *([INTERFEROGRAM] if scales else [])}
+    drawn = {*figures_of(data), *([INTERFEROGRAM] if scales and not is_line(about) else [])}
     figures = tuple(name for name in FIGURES if name in drawn and (name != "front" or about["kind"] == "impact"))
     there = [name for name in names_where(lambda variable: variable.shown) if name in data and data[name].size]
     last = {name: float(data[name].values[-1]) for name in there}

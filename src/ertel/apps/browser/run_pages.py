@@ -247,5 +247,7 @@ class _Side:
         if self._run is None or self.info is None:
             return None
         at = None if T is None else min(self.info.T, key=lambda t: abs(t - T), default=None)
+        if figure in NARROW and "maps" not in self.info.figures:  # of a line contact
+            figure = "profiles"
         name = "midlines" if figure == "profiles" and not self.info.T else figure
         return PlotRequest(self._run, name, at, stamp=stamp_of(self._run))
