@@ -86,6 +86,7 @@ LENGTH = 15.0
         (["   Profile 1", "   x     y", "  [mm]  [um]", *rows(STYLUS)], (1e-3, 1e-6)),  # as Gwyddion writes a graph
         (["x_mm, y_mm, z_um", *rows(np.insert(STYLUS, 1, 3.0, axis=1), ",")], (1e-3, 1e-6)),
         (["z (um)", *rows(STYLUS[:, 1:])], (0.0, 1e-6)),
+        (["# X Position, Height", *rows(STYLUS)], (1.0, 1.0)),
         (rows(STYLUS[:, 1:]), (0.0, 1.0)),
     ],
 )

@@ -156,7 +156,7 @@ def _units(header: Sequence[str], columns: int) -> tuple[str, ...]:
             continue
         names, units = zip(*HEADING.findall(line) or [("", "")], strict=True)
         order, given = "".join(name[0].lower() for name in names if name), sum(map(bool, units))
-        is_whole = given == columns or (not given and len(words) == columns)
+        is_whole = given == columns or (not given and not any(map(_is_length, words)))
         if len(names) == columns and order.replace("h", "z") in ORDERS and is_whole:
             return units if given else below
         if re.search(r"[\[(]", line) or OF_MATRIX.match(line) or (order and columns in (len(words), len(names))):
