@@ -281,7 +281,7 @@ REFUSED: list[Refusal] = [
     (ON_TRACK, {"drive": Drive(slide_to_roll=1.0)}, "motion.slide_to_roll = 1.0: belongs to dimensionless cases; with"),
     (FAST, {"drive": Drive(entrainment=constant(1.0))}, ENTRAINED),
     # roughness
-    (RESTING, {"drive": None}, "roughness[1].surface = 1: moves, so that its film is not steady"),
+    (RESTING, {"drive": None}, "roughness[1].surface = 1: moves, so its film is not steady"),
     (impact(), {"roughness": (*ROUGH, NANOMETRES)}, 'roughness[2].height = "1e-08 m": must be a plain number'),
 ]
 

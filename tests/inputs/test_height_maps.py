@@ -83,6 +83,11 @@ def test_heights_lengths_and_units_are_those_of_the_file(tmp_path, name, unit) -
     assert is_the_wave(read(tmp_path, file=name))
 
 
+def test_points_may_have_a_spacing_in_place_of_a_length(tmp_path) -> None:
+    np.save(tmp_path / "disc.npy", WAVE)
+    assert is_the_wave(read(tmp_path, file="disc.npy", unit="m", spacing="20 um"))
+
+
 def test_files_without_units_are_told_them(tmp_path) -> None:
     """XYZ, three columns; a matrix as text, whose points are square; an array of NumPy, with rows along y."""
     x, y = np.arange(30) * 20.0, np.arange(20) * 20.0
@@ -156,7 +161,22 @@ def test_gaps_of_an_array_are_its_nan(tmp_path) -> None:
         ({"file": "broken.al3d"}, 'roughness[1].file = "broken.al3d": SurfaceTopography cannot'),
         ({"file": "broken.npy"}, 'roughness[1].file = "broken.npy": is not an array of numbers'),
         ({"file": "complex.npy"}, 'roughness[1].file = "complex.npy": is not an array of numbers'),
-        ({"file": "line.npy", "unit": "m", "length_x": 1}, 'roughness[1].file = "line.npy": heights: is 30; must be'),
+        (
+            {"file": "line.npy", "unit": "m", "length_x": "1 mm"},
+            "roughness[1]: is a profile, for line contacts; a point",
+        ),
+        (
+            {"file": "line.npy", "unit": "m", "length_x": "1 mm", "y": 0.1},
+            "roughness[1].y = 0.1: a profile is the same",
+        ),
+        (
+            {"file": "disc.nc", "spacing": "1 um"},
+            'roughness[1].spacing = "1e-06 m": the file has lengths; leave it out',
+        ),
+        (
+            {"file": "disc.npy", "spacing": 1, "length_x": 1},
+            "roughness[1].spacing = 1.0: is given together with length_x",
+        ),
         ({"file": "disc.nc", "channel": "Phase"}, 'roughness[1].channel = "Phase": the file has "Default"'),
         ({"file": "disc.nc", "unit": "nm"}, 'roughness[1].unit = "nm": the file says µm'),
         ({"file": "disc.nc", "detrend": "sphere"}, 'roughness[1].detrend = "sphere": allowed: '),
@@ -249,6 +269,8 @@ def test_how_many_points_were_filled_is_said_and_stays_with_the_case(tmp_path) -
 
 # -- files that declare too much --------------------------------------------------------------------------------------
 
+ALLOWED = "a map of 4 to 4096 points a side, or a profile of 4 to 1048576"
+
 
 @contextmanager
 def memory_below(most: float) -> Iterator[None]:
@@ -286,7 +308,9 @@ def refused(folder: Path, name: str, message: str, most: float = 5e6, **table: A
 @pytest.mark.parametrize(
     ("shape", "message"),
     [
-        ((100_000, 100_000), "heights: is 100000 x 100000; must be a map of 4 to 4096 points a side"),
+        ((100_000, 100_000), f"heights: is 100000 x 100000; must be {ALLOWED}"),
+        ((10**9,), f"heights: is 1000000000; must be {ALLOWED}"),
+        ((1, 10**6), "is not an array of numbers, 1 x 1000000 of float64 in 8 bytes"),
         ((4000, 4000), "is not an array of numbers, 4000 x 4000 of float64 in 8 bytes"),
     ],
 )
@@ -341,7 +365,7 @@ def test_a_map_is_refused_by_the_shape_that_its_file_declares(tmp_path) -> None:
     h5py = pytest.importorskip("h5py")
     with h5py.File(tmp_path / "wide.h5", "w") as file:
         file.create_dataset("heights", shape=(5, 100_000_000), chunks=(5, 1000), dtype="f8")
-    said = "heights: is 100000000 x 5; must be a map of 4 to 4096 points a side"
+    said = f"heights: is 100000000 x 5; must be {ALLOWED}"
     refused(tmp_path, "wide.h5", said, **PLACED)
 
 

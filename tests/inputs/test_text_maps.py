@@ -22,7 +22,8 @@ def read(lines: list[str]) -> tuple[np.ndarray, float]:
     """The heights and the length along x; 0 of a matrix."""
     text = read_rows("\n".join(lines).encode())
     if is_list(text):
-        heights, (length, _), _ = map_of_points(text)
+        heights, lengths, _ = map_of_points(text)
+        length = lengths[0] if lengths else 0.0
     else:
         check_matrix(text)
         heights, length = text.numbers, 0.0
@@ -49,6 +50,7 @@ def changed(row: int, column: int, word: str) -> list[str]:
         (rows(POINTS[::-1]), 3.0),
         (rows(np.random.default_rng(0).permutation(POINTS)), 3.0),
         (["X [mm]\tY [mm]\tZ [mm]", *rows(POINTS, "\t")], 3e-3),
+        (["X;Y;Z", "mm;mm;mm", *rows(POINTS, ";")], 3e-3),
     ],
 )
 def test_what_is_read_is_right(lines, length):
@@ -63,6 +65,63 @@ def test_units_of_a_header_may_differ():
     assert length == pytest.approx(3e-6)
     np.testing.assert_allclose(heights, 1e-6 * HEIGHTS, rtol=1e-9, atol=1e-18)
 
+
+# -- profiles ---------------------------------------------------------------------------------------------------------
+
+PLACES, PROFILE = 0.5 * np.arange(30), 0.1 * HEIGHTS.ravel()
+STYLUS = np.column_stack([PLACES, PROFILE])
+LENGTH = 15.0
+
+
+@pytest.mark.parametrize(
+    ("lines", "unit"),
+    [
+        (rows(STYLUS), (1.0, 1.0)),
+        (rows(STYLUS[::-1]), (1.0, 1.0)),
+        (rows(STYLUS, ", "), (1.0, 1.0)),
+        (rows(STYLUS, ";", comma=True), (1.0, 1.0)),
+        (rows(STYLUS, "  ", comma=True), (1.0, 1.0)),
+        (["Operator: X", "x (mm)\tz (um)", *rows(STYLUS, "\t")], (1e-3, 1e-6)),
+        (["x;h", "mm;um", *rows(STYLUS, ";", comma=True)], (1e-3, 1e-6)),
+        (["   Profile 1", "   x     y", "  [mm]  [um]", *rows(STYLUS)], (1e-3, 1e-6)),  # as Gwyddion writes a graph
+        (["x_mm, y_mm, z_um", *rows(np.insert(STYLUS, 1, 3.0, axis=1), ",")], (1e-3, 1e-6)),
+        (["z (um)", *rows(STYLUS[:, 1:])], (0.0, 1e-6)),
+        (["# X Position, Height", *rows(STYLUS)], (1.0, 1.0)),
+        (rows(STYLUS[:, 1:]), (0.0, 1.0)),
+    ],
+)
+def test_a_profile_is_a_list_of_places_and_heights_or_of_heights(lines, unit):
+    heights, length = read(lines)
+    np.testing.assert_allclose(heights, np.round(PROFILE, 5) * unit[1], rtol=1e-9, atol=1e-15)
+    assert length == pytest.approx(LENGTH * unit[0])
+
+
+@pytest.mark.parametrize(
+    ("lines", "complaint"),
+    [
+        (rows(STYLUS[:, ::-1]), "no regular profile"),
+        (rows(STYLUS**2), "no regular profile; resample them first"),
+        (rows(np.delete(STYLUS, 7, axis=0)), "no regular profile"),
+        (rows(np.vstack([STYLUS, STYLUS[::-1]])), "line 1: this point is given 2 times"),  # forth and back
+        (rows(STYLUS[:, 1:], comma=True), "line 1: '.*' may be one number or two; write points"),
+        ([f"{place},{height}" for place, height in enumerate(range(900, 930))], "'0,900' may be one number or two"),
+        (["z x", *rows(STYLUS)], "'z x' is not understood; must have .* of a profile x and z, or z"),
+        (["index z", *rows(STYLUS)], "is not understood"),
+        (["x: mm, z: um", *rows(STYLUS)], "is not understood"),
+        (["distance (mm) height (um)", *rows(STYLUS)], "is not understood"),
+        (["x (mm) z", *rows(STYLUS)], "with all units or none"),
+        (["# Width: 600 um", "# Height: 1 um", *rows(STYLUS[:, 1:])], "is not understood"),  # a map of one column
+        ([*rows(STYLUS), "15.0 -9999"], "height -9999 marks a gap"),
+        ([*rows(STYLUS), "15.0 ***"], "line 31: '.*' is not a number; a gap is written nan"),
+        ([*rows(STYLUS), "15.0"], "line 31 has 1 numbers, and line 1 has 2"),
+    ],
+)
+def test_what_is_no_profile_is_refused(lines, complaint):
+    with pytest.raises(ValueError, match=complaint):
+        read(lines)
+
+
+# -- what may be read in two ways -------------------------------------------------------------------------------------
 
 AXES = np.column_stack([np.r_[0.0, Y[:, 0]], np.vstack([X[0], HEIGHTS])])
 
@@ -83,6 +142,7 @@ AXES = np.column_stack([np.r_[0.0, Y[:, 0]], np.vstack([X[0], HEIGHTS])])
         (rows(np.vstack([POINTS, POINTS[4]])), "this point is given 2 times"),
         (["Y [mm] X [mm] Z [um]", *rows(POINTS)], "must have x, y and z in this order"),
         (["X Y Z [um]", *rows(POINTS)], "with all units or none"),
+        (["X Y Intensity", *rows(POINTS)], "is not understood"),
         (["distance (mm)", *rows(POINTS)], "is not understood"),
         ([line.replace(" ", ";").replace(".", ",", 1) for line in rows(HEIGHTS)], "commas and points"),
         (["0,0000,42,0735,7,0560", "1,0000,42,0735,7,0560"], "may be the decimals of another number"),

@@ -88,7 +88,10 @@ def test_a_map_is_smooth_and_ends_smoothly() -> None:
 @pytest.mark.parametrize(
     ("heights", "message"),
     [
-        (np.ones(5), "^heights: is 5; must be a map"),
+        (np.ones(3), "^heights: is 3; must be a map of 4 to 4096 points a side, or a profile of 4 to 1048576$"),
+        (np.ones((5, 1)), "^heights: is 5 x 1; must be a map"),
+        (np.ones((1, 5, 5)), "^heights: is 1 x 5 x 5; must be a map"),
+        (1.0, "^heights: is a number; must be a map"),
         (np.ones((3, 9)), "^heights: is 3 x 9; must be a map of 4 to 4096 points a side"),
         (np.where(NOISE > 1, np.nan, NOISE), "^heights: has gaps"),
         (np.zeros((5, 5)), "^heights: are all zero"),
@@ -123,6 +126,46 @@ def test_arrays_in_metres_have_their_lengths() -> None:
     assert (m.length_x, m.length_y, m.rms, m.x) == (*lengths, 0.5)
     with pytest.raises(ValueError, match=r"^spacing = 0.0: must be above zero"):
         Measured.of(NOISE, 0.0)
+
+
+# -- a profile --------------------------------------------------------------------------------------------------------
+
+WAVE = Waviness(0.01, 0.75)
+OF_WAVE = WAVE.heights(points(512, 12.0), 0.0)  # sixteen waves, the mirror image of each end fits
+
+
+def profile(heights=OF_WAVE, length=12.0, **placed) -> Measured:
+    return Measured(HeightMap(heights), length, rms=HeightMap(heights).rms, **placed)
+
+
+def test_a_profile_of_a_wave_is_the_wave_at_all_y() -> None:
+    found = profile(taper=1.0)
+    assert found.file.heights.shape == (1, 512) and found.file == HeightMap([OF_WAVE])
+    np.testing.assert_allclose(found.heights(X, 0.0), WAVE.heights(X, 0.0), atol=1e-7)
+    np.testing.assert_array_equal(found.heights(X, 5.0), found.heights(X, 0 * X))
+    np.testing.assert_allclose(found.heights_above(0.75, X, 0.0), WAVE.heights(X, 0.0), atol=1e-7)
+    np.testing.assert_allclose(found.heights_above(1.5, X, 0.0), 0.0, atol=1e-12)
+    assert found.even == (True, False) and found.is_uniform_along_y
+    assert found.size == pytest.approx(2 * 12 / 512) and found.covered == pytest.approx((10.0, np.inf))
+
+
+def test_a_profile_is_tapered_at_its_two_ends() -> None:
+    """Over a tenth of its length, if nothing else is said; its middle is at x."""
+    level = profile(np.full(100, 2.0), 4.0, x=1.0)
+    places = np.array([-1.0, -0.8, -0.6, 1.0, 2.6, 2.8, 3.0])
+    np.testing.assert_allclose(level.heights(places, 0.0), [0, 1, 2, 2, 2, 1, 0], atol=1e-12)
+
+
+def test_heights_in_a_row_are_a_profile() -> None:
+    m = Measured.of(OF_WAVE, "2 um", cutoff=0.5)
+    rms = Quantity(HeightMap(OF_WAVE).rms, "m")
+    assert (m.length_x, m.length_y, m.rms, m.cutoff) == (Quantity(512 * 2e-6, "m"), None, rms, 0.5)
+    assert Measured.of(OF_WAVE[None], 2e-6, cutoff=0.5) == m
+    with pytest.raises(ValueError, match=r"^spacing = \(2e-06, 1e-06\): must be .* one number, or two for a map$"):
+        Measured.of(OF_WAVE, (2e-6, 1e-6))
+    for name in ("length_y", "y", "angle"):
+        with pytest.raises(ValueError, match=f"^{name} = 1.0: a profile is the same at all y; leave it out$"):
+            profile(**{name: 1.0})
 
 
 # -- self-affine ------------------------------------------------------------------------------------------------------

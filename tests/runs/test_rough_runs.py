@@ -16,7 +16,7 @@ from ertel.case.case import Case
 from ertel.case.estimates import grid_of
 from ertel.case.height_map import HeightMap, Measured
 from ertel.equations import discretise
-from ertel.inputs.case_files import load_case
+from ertel.inputs.case_files import load_case, parse_case
 from ertel.physics.surfaces import Feature, SelfAffine
 from ertel.plots.view import View
 from ertel.results import diagnostics
@@ -169,6 +169,25 @@ def test_the_resolved_case_runs_from_its_directory_and_nowhere_else(tmp_path, ca
     (tmp_path / "case.toml").write_bytes((tmp_path / "run" / "case.toml").read_bytes())
     with pytest.raises(ertel.ConfigError, match=r'^roughness\[1\].file = "heights-.*: cannot be read'):
         load_case(tmp_path / "case.toml")
+
+
+def test_a_run_with_a_profile_is_computed_and_shown_from_its_directory_alone(tmp_path) -> None:
+    """Of a roller that rolls over a surface at rest."""
+    x = np.linspace(0.0, 8.0, 400)
+    profile = Measured(HeightMap(np.cos(9 * x) + np.cos(4 * x)), 8.0, rms=0.01, cutoff=0.5)
+    about = {"contact": {"kind": "rolling", "radius_ratio": 0, "M": 10, "L": 10}, "motion": {"slide_to_roll": -2.0}}
+    case = replace(parse_case({**about, "solver": {"nodes": 65}}), roughness=(Feature(profile),))
+    RunStore.create(tmp_path / "run", case)
+    moved = (tmp_path / "run").rename(tmp_path / "moved")
+    assert load_case(moved / "case.toml") == case
+    ertel_("resume", str(moved))
+    ertel_("show", str(moved))
+    data = xr.open_zarr(moved / "run.zarr")
+    xr.testing.assert_identical(physics(ertel.open(moved).dataset), physics(simulate(case).dataset))
+    places = np.linspace(-1, 1, 9)
+    shown = View(data).roughness(places, 0.0)
+    np.testing.assert_allclose(shown, profile.heights(places, 0.0), atol=1e-12)
+    assert np.ptp(shown) > 0.01
 
 
 @pytest.mark.parametrize("damage", ["changed", "cut", "gone"])

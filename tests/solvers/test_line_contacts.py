@@ -1,5 +1,6 @@
 """Line contacts solved: films of an independent program, layers, symmetry, work, balances, waves, impacts."""
 
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -9,6 +10,7 @@ import pytest
 from cases import BARUS, ISOVISCOUS, march, parse_case
 
 from ertel.case.case import Case
+from ertel.case.height_map import HeightMap, Measured
 from ertel.numerics import stencils
 from ertel.numerics.grid import Grid, Symmetry, extrapolate
 from ertel.physics.line_scales import LineParameters
@@ -182,6 +184,18 @@ def test_waves_that_pass():
         for nodes in (513, 1025)
     )
     assert fine + (fine - coarse) / 3 == pytest.approx(np.array(list(lengths.values())), abs=3e-3)
+
+
+def test_a_measured_profile_of_a_wave_is_the_wave():
+    """The film to 1e-6, with the surface at rest; sixteen waves, so that the mirror image of each end fits."""
+    wave, length = Waviness(0.01, wavelength_x=0.75), 12.0
+    heights = HeightMap(wave.heights((np.arange(1024) + 0.5) * length / 1024 - length / 2, 0.0))
+    measured = Measured(heights, length, rms=heights.rms, taper=0.5)
+    at_rest = rolling(motion={"slide_to_roll": -2.0})
+    rough = (replace(at_rest, roughness=(Feature(shape),)) for shape in (wave, measured))
+    expected, found = (np.asarray(steady.SteadyFilm(case).solve([]).H) for case in rough)
+    np.testing.assert_allclose(found, expected, rtol=1e-6)
+    assert np.abs(found - np.asarray(film().H)).max() > 0.005
 
 
 def test_waves_in_time_are_those_of_the_response():

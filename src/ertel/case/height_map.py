@@ -1,11 +1,11 @@
-"""Heights that were measured at the points of a map, a smooth surface through them, and the shape "measured"."""
+"""Heights measured at the points of a map or a profile, a smooth surface through them, and the shape "measured"."""
 
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from io import BytesIO
-from math import cos, radians, sin
+from math import cos, inf, prod, radians, sin
 from tokenize import TokenError
 from typing import Annotated, Any
 
@@ -22,14 +22,18 @@ Array = Any  # NumPy arrays that broadcast
 
 FEWEST, MOST = 4, 4096  # points along a side: a cubic spline needs the first, the second is 134 MB
 SPLINES = 8  # kept in memory: some maps on the grids of a hierarchy
+LONGEST = 2**20  # points of a profile: 8 MB
 TAPER = 0.1  # of the shorter side, where no taper is given
 
 
 def check_shape(shape: Sequence[int]) -> None:
-    """Raise ValueError for a shape that no map may have."""
-    if len(shape) != 2 or min(shape) < FEWEST or max(shape) > MOST:
+    """Raise ValueError for a shape that no map and no profile, of one row, may have."""
+    is_profile = len(shape) == 1 or (len(shape) == 2 and shape[0] == 1)
+    sides, most = (shape[-1:], LONGEST) if is_profile else (shape, MOST)
+    if len(shape) not in (1, 2) or min(sides) < FEWEST or max(sides) > most:
         written = " x ".join(map(str, shape)) or "a number"
-        raise ValueError(f"heights: is {written}; must be a map of {FEWEST} to {MOST} points a side")
+        allowed = f"a map of {FEWEST} to {MOST} points a side, or a profile of {FEWEST} to {LONGEST}"
+        raise ValueError(f"heights: is {written}; must be {allowed}")
 
 
 def check_size(heights: NDArray[np.float64]) -> None:
@@ -55,18 +59,18 @@ def array_in(content: bytes) -> NDArray[Any]:
         raise ValueError(f"is not an array of numbers, {str(error)[:100]}") from error
     check_shape(shape)
     bytes_left = len(content) - stream.tell()
-    if kind.kind not in "biuf" or kind.itemsize * shape[0] * shape[1] > bytes_left:
-        raise ValueError(f"is not an array of numbers, {shape[0]} x {shape[1]} of {kind} in {bytes_left} bytes")
+    if kind.kind not in "biuf" or kind.itemsize * prod(shape) > bytes_left:
+        raise ValueError(f"is not an array of numbers, {' x '.join(map(str, shape))} of {kind} in {bytes_left} bytes")
     return np.load(BytesIO(content), allow_pickle=False)
 
 
 class HeightMap:
-    """Heights on a regular map, equal to another one if all its heights are the same.
+    """Heights on a regular map or profile, equal to another one if all its heights are the same.
 
     Parameters
     ----------
-    heights : array (ny, nx)
-        Heights, in any unit; rows along y, columns along x.  All finite.
+    heights : array (ny, nx) or (nx,)
+        Heights, in any unit; rows along y, columns along x.  All finite.  One row is a profile, the same at all y.
 
     Raises ValueError for another number of dimensions, too few or too many points, a gap, a map without heights, or
     heights of which the largest is below 1e-30 or above 1e30.
@@ -75,6 +79,7 @@ class HeightMap:
     def __init__(self, heights: ArrayLike):
         found = np.array(heights, dtype="<f8", order="C")
         check_shape(found.shape)
+        found = np.atleast_2d(found)
         if not np.isfinite(found).all():
             raise ValueError("heights: has gaps, or numbers that are not finite; fill them first")
         check_size(found)
@@ -152,10 +157,11 @@ def _spline(heights: HeightMap, cutoff_x: float, cutoff_y: float) -> NDArray[np.
 @explained
 @dataclass(frozen=True)
 class Measured:
-    """A measured map of heights: a cubic spline through them, tapered to zero at the edges of the map.
+    """A measured map of heights, or a profile: a cubic spline through them, tapered to zero at its edges.
 
     Its middle is at (x, y) on its surface at T = 0, turned by an angle from x to y.  Outside the map the surface is
-    smooth.  From arrays in metres it is made by `Measured.of`.
+    smooth.  A profile, of one row, is the roughness of a line contact; it has ends along x alone.  From arrays in
+    metres it is made by `Measured.of`.
     """
 
     file: Annotated[HeightMap, Meaning("file with the heights, relative to the case file", "disc.al3d")]
@@ -163,7 +169,7 @@ class Measured:
         Amount | None, units.WIDTH, Meaning("length of the map along its x; left out: as the file says", "500 um")
     ] = None
     length_y: Annotated[
-        Amount | None, units.WIDTH, Meaning("length of the map along its y; left out: as the file says", "500 um")
+        Amount | None, units.WIDTH, Meaning("length of a map along its y; left out: as the file says", "500 um")
     ] = None
     rms: Annotated[
         Amount | None, units.RMS, Meaning("root mean square of its heights; left out: as measured", "50 nm")
@@ -188,7 +194,10 @@ class Measured:
     def __post_init__(self) -> None:
         if not isinstance(self.file, HeightMap):
             raise ValueError(f"file = {self.file!r}: must be a HeightMap; Measured.of(heights, spacing) makes one")
-        for name in ("length_x", "length_y", "rms"):
+        for name in ("length_y", "y", "angle") if self.is_uniform_along_y else ():
+            if getattr(self, name):
+                raise ValueError(f"{name} = {getattr(self, name)}: a profile is the same at all y; leave it out")
+        for name in ("length_x", "rms") if self.is_uniform_along_y else ("length_x", "length_y", "rms"):
             if getattr(self, name) is None:
                 raise ValueError(f"{name}: missing; the heights themselves have no unit")
         sides = (self.length_x, self.length_y, self.taper)
@@ -197,24 +206,33 @@ class Measured:
 
     @classmethod
     def of(cls, heights: ArrayLike, spacing: float | tuple[float, float], **placed: Any) -> "Measured":
-        """The shape of heights (ny, nx) in metres, rows along y, at points `spacing` metres apart.
+        """The shape of heights (ny, nx), or (nx,) of a profile, in metres, rows along y, `spacing` metres apart.
 
-        spacing may be a pair, along x and along y.  Both may be quantities of pint, or have a text's unit.  placed:
-        the other fields, such as x, y, cutoff.  Tilt and gaps are left as they are.  Raises ValueError as `HeightMap`,
-        and for a spacing that is not above zero.
+        spacing of a map may be a pair, along x and along y.  Both may be quantities of pint, or have a text's unit.
+        placed: the other fields, such as x, y, cutoff.  Tilt and gaps are left as they are.  Raises ValueError as
+        `HeightMap`, and for a spacing that is not above zero.
         """
         found = HeightMap(units.si_numbers(heights, units.LENGTH))
-        steps = np.broadcast_to(np.asarray(units.si_numbers(spacing, units.LENGTH), dtype=float), (2,)).tolist()
-        if not all(np.isfinite(step) and step > 0 for step in steps):
-            raise ValueError(f"spacing = {spacing}: must be above zero, in metres")
-        rows, columns = found.heights.shape
-        sizes = {"length_x": columns * steps[0], "length_y": rows * steps[1], "rms": found.rms}
+        step = np.asarray(units.si_numbers(spacing, units.LENGTH), dtype=float)
+        sides = [points for points in found.heights.shape[::-1] if points > 1]
+        if step.shape not in ((), (len(sides),)) or not (np.isfinite(step) & (step > 0)).all():
+            raise ValueError(f"spacing = {spacing}: must be above zero, in metres; one number, or two for a map")
+        sizes = dict(zip(("length_x", "length_y"), (step * sides).tolist(), strict=False)) | {"rms": found.rms}
         return cls(found, **{name: Quantity(value, "m") for name, value in sizes.items()} | placed)
 
     @property
     def size(self) -> float:
         """The shortest wave that is kept (a): the cutoff, or two points."""
         return max(plain(self.cutoff or 0.0), 2 * min(self._steps))
+
+    @property
+    def even(self) -> tuple[bool, bool]:
+        return self.is_uniform_along_y, False
+
+    @property
+    def is_uniform_along_y(self) -> bool:
+        """Whether it is a profile, the same at all Y."""
+        return len(self.file.heights) == 1
 
     @property
     def covered(self) -> tuple[float, float]:
@@ -241,7 +259,7 @@ class Measured:
 
     @property
     def _lengths(self) -> tuple[float, float]:
-        return plain(self.length_x or 0.0), plain(self.length_y or 0.0)
+        return plain(self.length_x or 0.0), inf if self.is_uniform_along_y else plain(self.length_y or 0.0)
 
     @property
     def _steps(self) -> tuple[float, float]:

@@ -8,6 +8,7 @@ import numpy as np
 
 from ertel.case.case import Case
 from ertel.case.conditions import MOES_L, MOES_M, REDUCED
+from ertel.case.height_map import Measured
 from ertel.case.methods import Method, as_written, of_kind
 from ertel.case.records import ConfigError, checked, show
 from ertel.case.sections import SECTIONS, WIDEST_HALF_WIDTH
@@ -350,13 +351,13 @@ def _roughness(case: Case) -> Complaints:
     """A steady film needs roughness that does not change in time, a line contact one that does not change along y."""
     for number, feature in enumerate(case.features, 1):
         if case.geometry.is_line and not getattr(feature.shape, "is_uniform_along_y", False):
-            allowed = "allowed along a line: a waviness without wavelength_y, or a measured profile"
-            yield f"roughness[{number}]", f"varies along y; {allowed}"
+            yield f"roughness[{number}]", "varies along y; a line takes a waviness without wavelength_y, or a profile"
+        if not case.geometry.is_line and isinstance(feature.shape, Measured) and feature.shape.is_uniform_along_y:
+            yield f"roughness[{number}]", "is a profile, for line contacts; a point contact needs a map of heights"
         moves = case.motion.travel(feature.surface, 1.0) != 0
         if case.is_steady and moves and not getattr(feature.shape, "is_ridges_along_x", False):
             instead = f"use {_in_time(case)}, or a slide_to_roll at which it is at rest (surface 1: -2, surface 2: 2)"
-            place = f"roughness[{number}].surface = {feature.surface}"
-            yield place, f"moves, so that its film is not steady; {instead}"
+            yield f"roughness[{number}].surface = {feature.surface}", f"moves, so its film is not steady; {instead}"
 
 
 def _thermal(case: Case) -> Complaints:

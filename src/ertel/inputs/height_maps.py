@@ -22,6 +22,7 @@ from zipfile import ZipFile, ZipInfo, is_zipfile
 
 import numpy as np
 from numpy.lib.format import MAGIC_PREFIX
+from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from ertel.case.height_map import MOST, HeightMap, Measured, array_in, check_shape, check_size
@@ -33,7 +34,7 @@ from ertel.inputs.quantities import parse_quantity
 from ertel.physics.units import LENGTH, Quantity
 
 OWN_NAME = re.compile(r"heights-[0-9a-f]{16}\.npy")
-DETRENDS = {"plane": "height", "curvature": "curvature", "mean": "center"}  # as SurfaceTopography calls them
+DETRENDS = {"mean": "center", "plane": "height", "curvature": "curvature"}  # by degree; as SurfaceTopography calls them
 MOST_GAPS = 0.5  # of the points
 LARGEST_FILE = 600_000_000  # bytes, also unpacked: four maps of the most points, or one as text
 LARGEST_XML = 10_000_000  # bytes: what stands beside the heights
@@ -53,12 +54,12 @@ SIZES = ("length_x", "length_y", "rms")
 class _Raw(NamedTuple):
     """The heights in a file.
 
-    heights: (ny, nx), masked where there are gaps.  sizes: lengths along x and y, None if the file has none.  metre:
-    one unit of both in metres, None if not known.
+    heights: (ny, nx), masked where there are gaps.  sizes: lengths along x and y, of a profile along x; empty if the
+    file has none.  metre: one unit of both in metres, None if not known.
     """
 
     heights: NDArray[np.float64]
-    sizes: tuple[float, float] | None
+    sizes: tuple[float, ...]
     metre: float | None
 
 
@@ -123,7 +124,7 @@ def _array(table: Mapping[str, Any], content: bytes) -> _Raw:
         raise ConfigError(f"channel = {show(table['channel'])}: a NumPy array has none; leave it out")
     heights = array_in(content).astype(np.float64)
     text_maps.check_marks(heights)
-    return _Raw(_with_gaps(heights), None, _metre(table))
+    return _Raw(_with_gaps(heights), (), _metre(table))
 
 
 def _of_instrument(table: Mapping[str, Any], content: bytes) -> _Raw:
@@ -152,16 +153,16 @@ def _of_instrument(table: Mapping[str, Any], content: bytes) -> _Raw:
         raise ConfigError(f"unit = {show(table['unit'])}: the file says {channel.unit}; leave it out")
     if channel.nb_grid_pts is not None:
         check_shape(tuple(map(int, channel.nb_grid_pts))[::-1])
-    sizes = {} if channel.physical_sizes else {"physical_sizes": tuple(map(float, channel.nb_grid_pts))}
+    is_known = channel.physical_sizes or channel.is_uniform is False
+    sizes = {} if is_known else {"physical_sizes": tuple(map(float, channel.nb_grid_pts))}
     with _reading():
         found = channel.topography(**sizes)
     if not found.is_uniform:
-        raise ValueError("its points are no regular map; resample them first")
+        raise ValueError("its points are no regular profile; resample them first")
     with _reading():
         found = found if channel.unit is None else found.to_unit("m")
         heights = np.ma.array(found.heights(), dtype=np.float64, copy=True).T
-    along_x, along_y = map(float, found.physical_sizes)
-    lengths = None if sizes else (along_x, along_y)
+    lengths = () if sizes else tuple(map(float, found.physical_sizes))
     return _Raw(_with_gaps(heights), lengths, _metre(table) if channel.unit is None else 1.0)
 
 
@@ -181,29 +182,30 @@ def _of_points(table: Mapping[str, Any], text: text_maps.Text) -> _Raw:
 
 
 def _with_gaps(heights: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The heights with a mask where they are nan."""
+    """The heights, (ny, nx), with a mask where they are nan."""
     infinite = int(np.ma.filled(np.isinf(heights), False).sum())
     if infinite:
         raise ValueError(f"{infinite} of its heights are infinite; a gap must be nan")
-    return np.ma.masked_invalid(heights)
+    return np.ma.masked_invalid(np.ma.atleast_2d(heights))
 
 
 @contextmanager
 def _reading() -> Iterator[None]:
     """Any failure of SurfaceTopography, whose readers have their own, as a ValueError."""
     try:
-        yield
+        with np.errstate(all="ignore"):
+            yield
     except Exception as error:
         reason = shortened(" ".join(str(error).split()) or type(error).__name__)
         raise ValueError(f"SurfaceTopography cannot read it, {reason}") from error
 
 
 def _channel(table: Mapping[str, Any], channels: Any) -> Any:
-    maps = {channel.channel_id: channel for channel in channels if channel.is_height_channel and channel.dim == 2}
+    maps = {channel.channel_id: channel for channel in channels if channel.is_height_channel and channel.dim in (1, 2)}
     if not maps:
-        raise ValueError("has no map of heights")
+        raise ValueError("has no heights")
     if "channel" not in table:
-        return next(iter(maps.values()))
+        return max(maps.values(), key=lambda channel: channel.dim)  # the first map, or the first profile
     if table["channel"] not in maps:
         raise ConfigError(f"channel = {show(table['channel'])}: the file has {', '.join(map(show, maps))}")
     return maps[table["channel"]]
@@ -239,32 +241,48 @@ def _smoothed(table: Mapping[str, Any], raw: _Raw) -> NDArray[np.float64]:
     if gaps > MOST_GAPS:
         raise ValueError(f"{gaps:.0%} of its points are gaps; at most {MOST_GAPS:.0%}")
     check_size(heights)
-    if heights.ndim == 2 and (gaps or detrend != "none"):
+    if gaps or detrend != "none":
         entry = f'detrend = "{detrend}"' if detrend != "none" else f"file = {show(table['file'])}"
-        sizes = raw.sizes or tuple(map(float, heights.shape[::-1]))
-        topography = _surface_topography(entry).Topography(heights.T, sizes)
-        topography = topography if detrend == "none" else topography.detrend(DETRENDS[detrend])
-        if gaps:
-            topography = topography.interpolate_undefined_data_with_harmonic_function()
-        heights = np.asarray(topography.heights()).T
+        if len(heights) == 1:
+            heights = _smooth_line(heights[0], detrend)
+        else:
+            sizes = raw.sizes or tuple(map(float, heights.shape[::-1]))
+            topography = _surface_topography(entry).Topography(heights.T, sizes)
+            topography = topography if detrend == "none" else topography.detrend(DETRENDS[detrend])
+            if gaps:
+                topography = topography.interpolate_undefined_data_with_harmonic_function()
+            heights = np.asarray(topography.heights()).T
         if detrend != "none" and np.abs(heights).max() < ROUND_OFF * np.abs(raw.heights).max():
             leaves = f"leaves nothing but round-off of file = {show(table['file'])}"
             raise ConfigError(f"{entry}: {leaves}; leave the map out")
     return np.asarray(heights, dtype=np.float64)
 
 
+def _smooth_line(heights: Any, detrend: str) -> NDArray[np.float64]:
+    """A profile without the polynomial that fits it best, and with straight lines in its gaps."""
+    places, known = np.linspace(-1.0, 1.0, heights.size), ~np.ma.getmaskarray(heights)
+    kept = heights.data[known]
+    if detrend != "none":
+        kept = kept - Polynomial.fit(places[known], kept, [*DETRENDS].index(detrend))(places[known])
+    return np.interp(places, places[known], kept)
+
+
 def _sizes(table: Mapping[str, Any], raw: _Raw, heights: HeightMap) -> dict[str, Any]:
     """Lengths and rms as the table gives them, or else as the file does."""
     rows, columns = heights.heights.shape
-    along_x, along_y = raw.sizes or (float(columns), float(rows))
+    along_x, along_y = (*raw.sizes, 1.0)[:2] if raw.sizes else (float(columns), float(rows))
+    if "spacing" in table and (raw.sizes or "length_x" in table):
+        known = "the file has lengths" if raw.sizes else "is given together with length_x"
+        raise ConfigError(f"spacing = {show(table['spacing'])}: {known}; leave it out")
+    needed = SIZES if rows > 1 else ("length_x", "rms")
     found = {key: table[key] for key in SIZES if key in table}
+    found |= {"length_x": table["spacing"] * columns} if "spacing" in table else {}
     for key, other, share in (("length_x", "length_y", along_x / along_y), ("length_y", "length_x", along_y / along_x)):
-        if key not in found and other in table:  # of the same share of the map
-            given = table[other]
-            found[key] = Quantity(given.value * share, given.unit) if isinstance(given, Quantity) else given * share
-    missing = [key for key in SIZES if key not in found]
-    if "length_x" in missing and raw.sizes is None:
-        raise ValueError('length_x: missing; the file does not say how long its map is, give for example "500 um"')
+        if key in needed and key not in found and other in found:  # of the same share of the map
+            found[key] = found[other] * share
+    missing = [key for key in needed if key not in found]
+    if "length_x" in missing and not raw.sizes:
+        raise ValueError('length_x: missing; the file does not say how long it is; give "500 um", say, or spacing')
     if missing and raw.metre is None:
         raise ValueError('unit: missing; the file does not say in which unit it is, give for example "um"')
     values = {"length_x": along_x, "length_y": along_y, "rms": heights.rms}

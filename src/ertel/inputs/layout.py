@@ -22,7 +22,7 @@ from ertel.physics.gears import Gear
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import Oscillation, Signal, Track
 from ertel.physics.registry import OIL_LAWS, SHAPES, Registry
-from ertel.physics.units import MUST_BE_GIVEN, Field, Meaning, Unit, fields_of
+from ertel.physics.units import MUST_BE_GIVEN, Amount, Field, Meaning, Unit, fields_of
 
 # -- keys that name an oil, a material or a file; `names` and `height_maps` replace them by numbers -------------------
 
@@ -73,12 +73,17 @@ class Machines:
 
 @dataclass(frozen=True)
 class MeasuredFile:
-    """Keys for reading the file of a measured map, in [[roughness]]."""
+    """Keys for reading the file of a measured map or profile, in [[roughness]]."""
 
     channel: Annotated[
         str | None, Meaning("which of the channels of the file; left out: its first one with heights", "Height")
     ] = None
     unit: Annotated[str | None, Meaning("unit of lengths and heights of a file that does not say it", "um")] = None
+    spacing: Annotated[
+        Amount | None,
+        units.WIDTH,
+        Meaning("distance of the points of a file that has no lengths, in place of length_x", "0.5 um"),
+    ] = None
     detrend: Annotated[
         Literal["plane", "curvature", "mean", "none"] | None,
         Meaning("form removed from the heights; left out: plane", "curvature"),

@@ -1,4 +1,4 @@
-"""Heights in text: a matrix of numbers, or a list of points x, y, height.
+"""Heights in text: a matrix of numbers, a list of points x, y, height, or a profile: x, height, or heights alone.
 
 Nobody declares what such a file is.  Its shape and its numbers decide; what may be read in two ways is refused, with
 the line.  A gap is nan or bad.
@@ -6,6 +6,7 @@ the line.  A gap is nan or bad.
 
 import re
 from collections.abc import Sequence
+from math import prod
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +22,9 @@ SENTINELS = (-9999.0, -99999.0, -32768.0, 32767.0, -2147483648.0, 9999.0, 99999.
 FAR = 100.0  # ranges of all others, from which on any height is a mark; for those of programs one range is enough
 ROUNDED = 0.02  # of a step: coordinates are written with few digits
 MOST_COLUMNS = 8  # of a list of points with more than x, y and a height
+NUMBER_OR_TWO = re.compile(r"\s*[-+]?\d+,\d+(e[-+]?\d+)?", re.I)
+ORDERS = "z", "xz", "xy", "xyz"  # of the names in a header; programs call the height of a profile y, too
+OF_MATRIX = re.compile(r"#\s*(Width|Height|Value units)\s*:")
 UNITS = re.compile(r"#\s*Lateral units:\s*(\S+).*?#\s*Value units:\s*(\S+)", re.S)  # as Gwyddion writes them
 HEADING = re.compile(  # a name, and its unit in brackets or after / or _
     r"(?<![a-z])(x|y|z|h|height)(?![a-z])[^\[(/_\t;,xyz]*(?:[\[(/_]\s*([^\W\d][^\])\s;,]*))?", re.I
@@ -54,6 +58,9 @@ def read_rows(content: bytes) -> Text:
     if not start:
         raise ValueError("SurfaceTopography cannot read it, and it has no rows of numbers")
     rows = {n: line for n, line in rows.items() if n >= start}
+    if all(map(NUMBER_OR_TWO.fullmatch, rows.values())):
+        both = f"{shortened(rows[start])!r} may be one number or two"
+        raise ValueError(f"line {start}: {both}; write points, or part the numbers by semicolons")
     separator, comma = _written("\n".join(rows.values()))
     found: list[Numbers] = []
     for number, line in rows.items():
@@ -98,12 +105,12 @@ def _number(cell: str, comma: bool) -> float:
 
 
 def is_list(text: Text) -> bool:
-    """Whether the rows are points x, y, height.  Raises ValueError for points with further columns."""
+    """Whether the rows are points: x, y, height, or those of a profile.  Raises ValueError for further columns."""
     rows, columns = text.numbers.shape
     values = [np.unique(column) for column in text.numbers.T] if 3 < columns <= MOST_COLUMNS else []
     if sum(1 < len(each) <= rows / 2 and _even(each) for each in values) > 1:
         raise ValueError(f"is a list of points with {columns} columns; leave x, y and the height")
-    return columns == 3
+    return columns <= 3
 
 
 def _even(values: Numbers) -> bool:
@@ -111,46 +118,58 @@ def _even(values: Numbers) -> bool:
     return bool(len(steps) and steps.mean() and np.all(np.abs(steps / steps.mean() - 1) < ROUNDED))
 
 
-def map_of_points(text: Text) -> tuple[Numbers, tuple[float, float], bool]:
-    """Heights (ny, nx), the lengths along x and y, and whether the header gives their units: they are in metres then.
+def map_of_points(text: Text) -> tuple[Numbers, tuple[float, ...], bool]:
+    """Heights (ny, nx) or (nx,), their lengths along x and y, and whether the header gives units: they are in m then.
 
-    Raises ValueError, with the line, where points are missing, given twice or not on a regular map.
+    Heights alone have no lengths.  Raises ValueError, with the line, where points are missing, given twice or not at
+    regular places.
     """
-    units = _units(text.header)
-    x, y, z = (si_numbers(column, LENGTH, unit) for column, unit in zip(text.numbers.T, units, strict=True))
-    (along_x, column), (along_y, row) = (np.unique(each, return_inverse=True) for each in (x, y))
-    places, first, count = np.unique(row * len(along_x) + column, return_index=True, return_counts=True)
-    if not (_even(along_x) and _even(along_y)):
-        raise ValueError("its points are no regular map; resample them first")
+    units = _units(text.header, text.numbers.shape[1])
+    *places, z = (si_numbers(column, LENGTH, unit) for column, unit in zip(text.numbers.T, units, strict=True))
+    if len(places) == 2 and not np.ptp(places[1]):  # a profile along x
+        places.pop()
+    if not places:
+        return z, (), bool(units[0])
+    axes, numbers = zip(*(np.unique(each, return_inverse=True) for each in places), strict=True)
+    if not all(map(_even, axes)):
+        raise ValueError(f"its points are no regular {'map' if len(axes) == 2 else 'profile'}; resample them first")
+    shape, point = tuple(map(len, axes))[::-1], numbers[::-1]
+    found, first, count = np.unique(np.ravel_multi_index(point, shape), return_index=True, return_counts=True)
     if count.max() > 1:
         raise ValueError(f"line {text.lines[first[count.argmax()]]}: this point is given {count.max()} times")
-    if missing := len(along_x) * len(along_y) - len(places):
-        size = f"{len(along_x)} x {len(along_y)}"
-        raise ValueError(f"{missing} of its {size} points are missing; give each, nan where there is no height")
-    heights = np.empty((len(along_y), len(along_x)))
-    heights[row, column] = z
-    sizes = (np.ptp(each) * len(each) / (len(each) - 1) for each in (along_x, along_y))
-    return heights, tuple(map(float, sizes)), bool(units[0])  # type: ignore[return-value]
+    if missing := prod(shape) - len(found):
+        raise ValueError(f"{missing} of its {' x '.join(map(str, shape[::-1]))} points are missing; write nan for them")
+    heights = np.empty(shape)
+    heights[point] = z
+    return heights, tuple(float(np.ptp(each) * len(each) / (len(each) - 1)) for each in axes), bool(units[0])
 
 
-def _units(header: Sequence[str]) -> tuple[str, str, str]:
-    """The units of x, y and height; "" where the header has none."""
+def _units(header: Sequence[str], columns: int) -> tuple[str, ...]:
+    """The units of x, y and height, or of the last of them; "" where the header has none."""
     if found := UNITS.search("\n".join(header)):
-        return found[1], found[1], found[2]
-    for line in header:
+        return (*[found[1]] * (columns - 1), found[2])
+    below: tuple[str, ...] = ("",) * columns
+    for line in reversed(header):  # those of the columns stand next to them
+        words = re.findall(r"[^\s;,()[\]#]+", line)
+        if len(words) == columns and all(map(_is_length, words)):
+            below = tuple(words)
+            continue
         names, units = zip(*HEADING.findall(line) or [("", "")], strict=True)
-        order = "".join(name[0].lower() for name in names if name)
-        if len(names) == 3 and (order not in ("xyz", "xyh") or 0 < sum(map(bool, units)) < 3):
-            raise ValueError(
-                f"its header is {shortened(line)!r}; must have x, y and z in this order, with all units or none"
-            )
-        if len(names) == 3:
-            return units
-        if re.search(r"[\[(]", line):
-            raise ValueError(
-                f"its header {shortened(line)!r} is not understood; write for example x (um), y (um), z (nm)"
-            )
-    return "", "", ""
+        order, given = "".join(name[0].lower() for name in names if name), sum(map(bool, units))
+        is_whole = given == columns or (not given and not any(map(_is_length, words)))
+        if len(names) == columns and order.replace("h", "z") in ORDERS and is_whole:
+            return units if given else below
+        if re.search(r"[\[(]", line) or OF_MATRIX.match(line) or (order and columns in (len(words), len(names))):
+            needed = "must have x, y and z in this order, of a profile x and z, or z, with all units or none"
+            raise ValueError(f"its header {shortened(line)!r} is not understood; {needed}, such as x (um), z (nm)")
+    return below
+
+
+def _is_length(word: str) -> bool:
+    try:
+        return word.isalpha() and bool(si_numbers(1.0, LENGTH, word))
+    except ValueError:
+        return False
 
 
 def check_matrix(text: Text) -> None:

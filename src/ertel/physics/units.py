@@ -167,6 +167,9 @@ class Quantity:
     value: float
     unit: str
 
+    def __mul__(self, factor: float) -> "Quantity":
+        return Quantity(self.value * factor, self.unit)
+
     def __str__(self) -> str:
         return f"{float(self.value)!r} {self.unit}"
 

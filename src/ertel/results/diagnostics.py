@@ -334,21 +334,23 @@ def _roughness(case: Case) -> Iterator[str]:
 
 
 def _maps(case: Case) -> Iterator[str]:
-    """Warnings about a measured map that had gaps, or is smaller than the Hertzian contact."""
+    """Warnings about a measured map or profile that had gaps, or is smaller than the Hertzian contact."""
     along_x, along_y = case.geometry.extent
     for number, shape in enumerate((feature.shape for feature in case.features), 1):
         if not isinstance(shape, Measured):
             continue
+        what, sides = ("profile", 1) if shape.is_uniform_along_y else ("map", 2)
         if shape.filled:
             yield (
-                f"roughness[{number}]: {shape.filled} of the {shape.file.heights.size} points of the map were gaps: "
+                f"roughness[{number}]: {shape.filled} of the {shape.file.heights.size} points of the {what} were gaps: "
                 "their heights are interpolated from their rims"
             )
         if shape.covered[0] < 2 * along_x or shape.covered[1] < 2 * along_y:
+            both = shape.covered, (2 * along_x, 2 * along_y)
+            covered, contact = (" by ".join(f"{side:.3g} a" for side in each[:sides]) for each in both)
             yield (
-                f"roughness[{number}]: the map is smaller than the contact (without its taper {shape.covered[0]:.3g} a "
-                f"by {shape.covered[1]:.3g} a, the contact {2 * along_x:.3g} a by {2 * along_y:.3g} a): beyond it the "
-                "surface is smooth"
+                f"roughness[{number}]: the {what} is smaller than the contact (without its taper {covered}, "
+                f"the contact {contact}): beyond it the surface is smooth"
             )
 
 
