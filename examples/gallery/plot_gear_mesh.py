@@ -41,8 +41,8 @@ panels[3].set_xlabel("time along the path of contact (ms)")
 # A cam with a flat follower.  On both flanks of the nose the mean speed of the surfaces passes through zero, and the film
 # lives on what is left of it: the squeeze.
 angle = np.arange(-60, 61, 2)
-lift = [(each, 0.003 * (1 + np.cos(3 * np.radians(each)))) for each in angle.tolist()]
-nose = ertel.cams.flat_tappet(lift, base_radius="30 mm", speed="1000 rpm", width="14 mm", preload="200 N")
+lift = [(each, 0.002 * (1 + np.cos(3 * np.radians(each)))) for each in angle.tolist()]
+nose = ertel.cams.flat_tappet(lift, base_radius="30 mm", speed="1000 rpm", width="14 mm", preload="2 kN")
 cam = ertel.simulate(ertel.rolling(**nose.keywords, **STEEL, time_tolerance=2e-4))
 
 seen = cam.si

@@ -66,11 +66,7 @@ BASES: list[dict[str, Any]] = [  # every field is given in one of them, or has a
     {"contact": MOES, "lubricant": {"layer_1": 0.1, "layer_2": 0.05}, "solver": {"half_width_y": 4.0}},
     {"contact": {"lambda_bar": 0.01, "alpha_bar": 20.0}},
     {"contact": {"kind": "rolling", **MOES, "radius_ratio": 0.5, "entrainment_angle": "20.0 deg"}},
-    {
-        "contact": {"kind": "rolling", **MOES},
-        "solver": {"method": "transient"},
-        "motion": {"inertia": 0.5, "sliding": 0.2, "curvature": 1.1},
-    },
+    {"contact": {"kind": "rolling", **MOES}, "solver": {"method": "transient"}, "motion": {"inertia": 0.5}},
     in_si("impact", **TWO_BALLS, mean_speed="0.1 m/s", slide_to_roll=0.5),
     in_si("impact", **DROPPED),
     in_si("rolling", **TWO_SPEEDS, radius="0.01 m") | {"thermal": THERMAL},
@@ -78,6 +74,11 @@ BASES: list[dict[str, Any]] = [  # every field is given in one of them, or has a
     in_si("rolling", **TWO_SPEEDS, **PAIRS),
     in_si("rolling", **TWO_SPEEDS, radius="0.01 m", length="0.02 m"),
     {"contact": {"kind": "rolling", **MOES, "radius_ratio": 0.0, "length_ratio": 50.0}},
+    {
+        "contact": {"kind": "rolling", **MOES},
+        "solver": {"method": "transient"},
+        "motion": {"sliding": 0.2, "curvature": 1.1},
+    },
 ]
 
 

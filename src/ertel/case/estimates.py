@@ -33,8 +33,8 @@ def _symmetry(case: Case, centre_x: float) -> Symmetry:
 def coarsenings(case: Case, spacing: float, most: int) -> int:
     """The number of times, at most `most`, that a grid can be coarsened and still show contact and roughness.
 
-    Once more where a meniscus passes node after node: then half as many cells show the contact.  Once more, too, along a
-    rolling line, where the few nodes of the pressure spike are a large share of all.
+    Once more where a meniscus passes node after node: then half as many cells show the contact.  Once more, too, along
+    a rolling line, where the few nodes of the pressure spike are a large share of all.
     """
     shown = CELLS_SHOWN if case.layer is None else CELLS_SHOWN / 2
     shown = shown / 2 if case.geometry.is_line and not case.starts_apart else shown

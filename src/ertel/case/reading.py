@@ -32,7 +32,7 @@ UNBOUNDED = {int: Bounds(whole=True, most=inf), float: Bounds(most=inf)}  # numb
 THINNING = 'shear thinning is written lubricant.rheology = { law = "ree-eyring", tau0 = "5 MPa" }'
 LINE = "a line contact is that of a length: give contact.length, or radius_ratio = 0 without dimensions"
 NOT_THERE = {  # keys and names that a tribologist may try and that ertel does not support, with an explanation
-    **dict.fromkeys(("line", "line contact", "width"), LINE),
+    **dict.fromkeys(("line", "line contact"), LINE),
     **dict.fromkeys(("line_load", "load_per_length"), "give load, that on the whole length, and length"),
     "ellipticity": "give radius_ratio = R_x/R_y, or the radii radius_x and radius_y",
     "tau0": THINNING,
