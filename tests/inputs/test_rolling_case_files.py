@@ -74,7 +74,11 @@ def test_a_negative_mean_speed_reverses_the_flow():
     assert (forth.motion.entrainment(0.0), back.motion.entrainment(0.0)) == (1.0, -1.0)
     table = {"mean": 1.0, "amplitude": 0.5, "period": "2 ms"}
     back = in_time(TRACK | {"mean_speed": "-0.5 m/s"}, motion={"entrainment": table})
-    assert back.motion.entrainment == Oscillation(-1.0, -0.5, 0.002 / back.scales.t0)
+    backwards, period = Oscillation(-1.0, -0.5, 0.002 / back.scales.t0), 0.002 / back.scales.t0
+    for T in (0.0, 0.3 * period, 0.8 * period):
+        assert back.motion.entrainment(T) == pytest.approx(backwards(T))
+        assert back.motion.entrainment.integral(T) == pytest.approx(backwards.integral(T))
+    assert back.motion.entrainment.range(1e3) == pytest.approx(backwards.range(1e3))
 
 
 def test_the_ball_s_mass_is_its_inertia():
