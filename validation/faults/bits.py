@@ -151,7 +151,7 @@ def _judged(stored: Stored, copy: Path) -> list[Outcome]:
 def _answer(what: str, ended: Ended, same: Callable[[], bool]) -> Outcome:
     if ended.failure or ended.traceback:
         return Outcome(
-            "hung" if ended.failure == "hung" else "traceback", f"{what}: {ended.failure}{ended.said}"[-2000:]
+            "hung" if ended.failure.startswith("hung") else "traceback", f"{what}: {ended.failure}{ended.said}"[-2000:]
         )
     if ended.code:
         word = "refused damage" if ended.code in (1, 2) and ended.one_sentence else "no sentence"

@@ -15,6 +15,7 @@ import time
 import traceback
 import warnings
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -26,7 +27,8 @@ from ertel.runs.store import RunStore, open_run
 from ertel.runs.studies import RUNS
 
 KILLED = 137
-PATIENCE = 3600.0  # s: a child that takes longer, on a busy machine too, is taken for one that never ends
+IDLE, WORK = 120.0, 900.0  # s: a child that waits for anything but a processor so long, or works so long, hangs
+GLANCE = 1.0  # s between two looks at a child
 CHANGES = {"os.rename", "os.remove", "os.mkdir", "os.rmdir", "os.truncate", "os.link", "os.symlink"}
 WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC
 OWN = {
@@ -151,24 +153,58 @@ def _work_and_exit(work: Callable[[Callable[..., None]], None], write: int) -> N
 
 
 def _collect(read: int, pid: int, killed_after: float) -> list[Ended]:
-    """Read what a child tells until it ends; kill it when it is time."""
-    text, deadline, hung = b"", time.monotonic() + (killed_after or PATIENCE), False
+    """Read what a child tells until it ends; kill it when it is time, or where it hangs."""
+    text, end, hung, patience = b"", time.monotonic() + killed_after, False, Patience(pid)
     while True:
-        left = max(deadline - time.monotonic(), 0.0)
-        if not select.select([read], [], [], left)[0]:
-            os.kill(pid, signal.SIGKILL)
-            deadline, hung = deadline + PATIENCE, not killed_after
-        elif part := os.read(read, 1 << 20):
+        wait = max(end - time.monotonic(), 0.0) if killed_after else GLANCE
+        if select.select([read], [], [], wait)[0]:
+            if not (part := os.read(read, 1 << 20)):
+                break
             text += part
-        else:
-            break
+        elif killed_after or patience.is_over():
+            os.kill(pid, signal.SIGKILL)
+            hung, killed_after = not killed_after, 0.0
     os.close(read)
     code = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
     ended = _told(text.decode())
     if code:
         ended[-1].code = code
-    ended[-1].failure += "hung" if hung else ""
+    ended[-1].failure += f"hung: {patience.words}" if hung else ""
     return ended
+
+
+class Patience:
+    """Time that a process has used, so that one that hangs is told from one that a busy machine keeps waiting.
+
+    Linux counts what each thread has run and what it has waited for a processor (/proc/PID/task/*/schedstat).  The rest
+    of the time it was idle: it waited for a lock, a pipe, another process or the disk.
+    """
+
+    def __init__(self, pid: int):
+        self.pid, self.looked, self.wanted, self.ran, self.idle = pid, time.monotonic(), 0.0, 0.0, 0.0
+
+    def is_over(self) -> bool:
+        """Look at the process: whether it has been idle or at work for too long."""
+        now, (ran, waited) = time.monotonic(), _times(self.pid)
+        passed, wanted = now - self.looked, ran + waited - self.wanted
+        self.idle = 0.0 if wanted > passed / 10 else self.idle + passed
+        self.looked, self.wanted, self.ran = now, ran + waited, ran
+        return self.idle > IDLE or self.ran > WORK
+
+    @property
+    def words(self) -> str:
+        """Why it is over."""
+        return f"idle for {self.idle:.0f} s, {self.ran:.1f} s of a processor"
+
+
+def _times(pid: int) -> tuple[float, float]:
+    """Seconds that the threads of a process have run, and that they have waited for a processor."""
+    ran = waited = 0.0
+    for task in Path(f"/proc/{pid}/task").glob("*/schedstat"):
+        with suppress(OSError):  # a thread that has just ended
+            numbers = task.read_text().split()
+            ran, waited = ran + 1e-9 * int(numbers[0]), waited + 1e-9 * int(numbers[1])
+    return ran, waited
 
 
 def _told(text: str) -> list[Ended]:
