@@ -20,6 +20,8 @@ SLENDER = MOES | {"radius_ratio": 0.5}
 HEAVY = NAMED | {"oil": SHEET | {"density": 1000}}
 TRACK = {"kind": "rolling", "radius": "10 mm", "load": "20 N", "E_prime": "226.37 GPa"}
 ROLLED = {**TRACK, "mean_speed": "0.5 m/s"}
+ROLLER = {**ROLLED, "length": "10 mm"}
+CYLINDER = {"radius": "10 mm", "length": "10 mm", "speed": "1 m/s", "E_prime": "226 GPa"}
 TWO_SPEEDS = {"speed_1": "1 m/s", "speed_2": "1 m/s"}
 IN_TIME = {"method": "transient"}
 
@@ -56,6 +58,13 @@ ELASTIC = without("E_prime", BALL) | STEEL
 CONTACTS: Rows = [
     (MOES | {"raduis": "1 mm"}, ['contact.raduis = "1 mm": unknown key', "did you mean radius?"]),
     (MOES | {"kind": "bounce"}, ["contact.kind = \"bounce\": allowed: 'impact' or 'rolling'"]),
+    (MOES | {"radius_ratio": 0.001}, ["contact.radius_ratio = 0.001: ", "or 0 for a line contact"]),
+    (MOES | {"length_ratio": 50}, ["contact.length_ratio = 50", "radius_ratio = 0"]),
+    (ROLLER | {"radius_ratio": 0}, ["contact.radius_ratio = 0", "give length"]),
+    (ROLLER | {"radius_y_1": "20 mm"}, ['contact.radius_y_1 = "20 mm": ', "no radius along y"]),
+    (ROLLER | {"entrainment_angle": "20 deg"}, ["contact.entrainment_angle", "across the flow"]),
+    (ROLLER | {"ball_density": "7850 kg/m^3"}, ["contact.ball_density", "give contact.mass"]),
+    (CYLINDER, ["contact.mass: missing; allowed: mass"]),
     (MOES | {"kind": "line"}, ['contact.kind = "line": ', "give contact.length", "allowed: 'impact' or 'rolling'"]),
     (ROLLED | {"load": "200 N/mm"}, ['contact.load = "200 N/mm": is a load per length', "contact.length"]),
     (ROLLED | {"line_load": "200 N/mm"}, ['contact.line_load = "200 N/mm": unknown key; give load', "length"]),

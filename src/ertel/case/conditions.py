@@ -35,7 +35,6 @@ ROUND_OFF = 1e-12  # by which the radii of a circular contact may differ
 Keys = tuple[str, ...]
 ALONG_X, ALONG_Y = ("radius_x_1", "radius_x_2"), ("radius_y_1", "radius_y_2")
 PAIRS: Keys = (*ALONG_X, *ALONG_Y)  # a radius that is left out is that of a plane
-OF_CYLINDERS: tuple[Keys, ...] = (("radius",), ("radius_1", "radius_2"), ALONG_X)
 RADII: tuple[Keys, ...] = (("radius",), ("radius_1", "radius_2"), ("radius_x", "radius_y"), PAIRS)
 RATIO = Bounds(ge=0, le=LARGEST_RATIO)
 LENGTH_RATIO = Bounds(ge=5, le=1e6)
@@ -43,6 +42,10 @@ DEFAULT_LENGTH_RATIO = 100.0
 MOES: Keys = ("M", "L")
 BARS: Keys = ("lambda_bar", "alpha_bar")
 BALL = (("mass",), ("ball_density",))
+OF_CYLINDERS: Mapping[tuple[Keys, ...], tuple[Keys, ...]] = {  # in place of the alternatives of balls
+    RADII: (("radius",), ("radius_1", "radius_2"), ALONG_X),
+    BALL: (("mass",),),
+}
 DROP = (("speed",), ("drop_height",))
 TRACK = (("mean_speed",), ("speed_1", "speed_2"))
 ELASTICITY = (("E_prime",), ("E1", "nu1", "E2", "nu2"))
@@ -164,7 +167,7 @@ class Conditions:
         for place, complaint in self._not_of_lines():
             raise ConfigError(f"{place}: {complaint}")
         for alternatives in NEEDED[self.kind] if self.is_physical else ():
-            keys = self._only_one(OF_CYLINDERS if self.is_line and alternatives is RADII else alternatives)
+            keys = self._only_one(OF_CYLINDERS.get(alternatives, alternatives) if self.is_line else alternatives)
             if keys not in (PAIRS, ALONG_X):
                 self._complete(keys)
         for place, complaint in chain(self._wrong_radii(), self._wrong_speeds()) if self.is_physical else ():
@@ -199,7 +202,7 @@ class Conditions:
                 article = "an impact" if self.kind == "impact" else "a rolling contact"
                 raise ConfigError(f'{self.entry(key)}: not for {article} (contact.kind = "{self.kind}"): {instead}')
         if self.radius_ratio is not None and any(key in self.given for key in PHYSICAL[self.kind]):
-            instead = "give radius_x and radius_y"
+            instead = "give radius_x and radius_y" if self.radius_ratio else "give length"
             raise ConfigError(f"{self.entry('radius_ratio')}: belongs to dimensionless cases; {instead}")
         if "slide_to_roll" in self.given and any(key in self.given for key in (*MOES, *BARS)):
             raise ConfigError(f"{self.entry('slide_to_roll')}: in a dimensionless case write motion.slide_to_roll")

@@ -117,10 +117,9 @@ def _law(case: Case) -> str:
 
 def _supported(case: Case) -> Complaints:
     """The method must be able to compute what the case asks for."""
-    supports, asked = case.method.supports, list(_asked(case))
-    for name, place, only in asked:
-        if not getattr(supports, name):
-            others = of_kind(case.kind, lambda method: all(getattr(method.supports, each) for each, _, _ in asked))
+    for name, place, only in _asked(case):
+        if not getattr(case.method.supports, name):
+            others = of_kind(case.kind, lambda method: computes(method, case))
             instead = f"use {as_written(others)}" if others else f"no method of {case.kind} supports it"
             this = "" if place == "solver.method" else f"{case.entry('solver.method')} "
             joined = ", or" if others else ";"
@@ -130,7 +129,8 @@ def _supported(case: Case) -> Complaints:
 
 def computes(method: Method, case: Case) -> bool:
     """Whether a method computes all that a case asks for."""
-    return method.kind == case.kind and all(getattr(method.supports, name) for name, _, _ in _asked(case))
+    supports = method.of(case.geometry).supports
+    return method.kind == case.kind and all(getattr(supports, name) for name, _, _ in _asked(case))
 
 
 def _asked(case: Case) -> Iterator[tuple[str, str, str]]:
