@@ -15,8 +15,7 @@ advice: how to go on where the data are damaged.
 import asyncio
 import json
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Coroutine, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from math import ceil, nan
 from pathlib import Path
@@ -27,8 +26,10 @@ import xarray as xr
 import zarr
 from numpy.typing import NDArray
 from zarr.abc.buffer import Buffer, BufferPrototype
+from zarr.api import asynchronous
 from zarr.codecs import Crc32cCodec, ZstdCodec
 from zarr.core.buffer import default_buffer_prototype
+from zarr.core.sync import sync
 from zarr.storage import LocalStore
 
 from ertel.case.status import Status
@@ -45,7 +46,6 @@ GROWING = ("time", "frame")  # the dimensions along which rows are appended
 ROWS = 4096  # of numbers in a chunk; each map is a chunk of its own
 NO_NUMBER = -1  # what a missing chunk of integers holds
 LARGEST_CHUNK = 256 * 10**6  # bytes: a map of 4097 x 4097 nodes has half of it
-THREADS = 8  # waiting for the disk together takes a tenth of the time
 FORMAT: Final = 3  # of Zarr; earlier ones may hold pickles
 OLD_FORMAT = (".zarray", ".zgroup", ".zattrs", ".zmetadata")  # the metadata of earlier ones
 CODECS = ("bytes", "zstd", "crc32c", "vlen-utf8")  # of what ertel writes, the last one of texts
@@ -107,33 +107,56 @@ def open_data(path: Path, consolidated: bool) -> xr.Dataset:
 
 
 def write(store: LocalStore, data: xr.Dataset) -> None:
-    """Write a Dataset into an empty store."""
+    """Write a Dataset into an empty store, all of its arrays at once."""
+
+    async def create() -> None:
+        group = await asynchronous.create_group(store=store, zarr_format=FORMAT, attributes=dict(data.attrs))
+        await _all(_create_array(group, str(name), each) for name, each in data.variables.items())
+        await asynchronous.consolidate_metadata(store, zarr_format=FORMAT)
+
     with _writing():
-        group = zarr.create_group(store, zarr_format=FORMAT, attributes=data.attrs)
-        for name, variable in data.variables.items():
-            rows = ROWS if variable.ndim == 1 else 1
-            array = group.create_array(
-                str(name),
-                shape=variable.shape,
-                chunks=tuple(rows if dim in GROWING else max(n, 1) for dim, n in variable.sizes.items()),
-                dtype=variable.dtype,
-                fill_value=nan if variable.dtype.kind == "f" else NO_NUMBER,
-                compressors=[ZstdCodec(), Crc32cCodec()],
-                dimension_names=[str(dim) for dim in variable.dims],
-                attributes=variable.attrs,
-            )
-            if variable.size:
-                array[...] = variable.values
-        zarr.consolidate_metadata(store, zarr_format=FORMAT)
+        sync(create())
     write_root(store.root, json.loads((store.root / ROOT).read_bytes()))
 
 
+async def _create_array(group: zarr.AsyncGroup, name: str, variable: xr.Variable) -> None:
+    rows = ROWS if variable.ndim == 1 else 1
+    array = await group.create_array(
+        name,
+        shape=variable.shape,
+        chunks=tuple(rows if dim in GROWING else max(n, 1) for dim, n in variable.sizes.items()),
+        dtype=variable.dtype,
+        fill_value=nan if variable.dtype.kind == "f" else NO_NUMBER,
+        compressors=[ZstdCodec(), Crc32cCodec()],
+        dimension_names=[str(dim) for dim in variable.dims],
+        attributes=variable.attrs,
+    )
+    if variable.size:
+        await array.setitem(..., variable.values)
+
+
 def append(path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:
-    """Append rows to arrays.  Readers see them when the file ROOT counts them."""
-    with _writing(), ThreadPoolExecutor(THREADS) as pool:
-        group = zarr.open_group(SyncedStore(path), mode="r+", zarr_format=FORMAT, use_consolidated=True)
-        stored = dict(group.arrays())
-        list(pool.map(lambda name: stored[name].append(arrays[name]), arrays))
+    """Append rows to arrays, all at once.  Readers see them when the file ROOT counts them."""
+
+    async def append_all() -> None:
+        stored = await _stored_arrays(SyncedStore(path), "r+")
+        await _all(stored[name].append(rows) for name, rows in arrays.items())
+
+    with _writing():
+        sync(append_all())
+
+
+async def _all(work: Iterable[Coroutine[Any, Any, Any]]) -> None:
+    """Do all of this at once.  The first error is raised when all have ended: nothing is written after it."""
+    for outcome in await asyncio.gather(*work, return_exceptions=True):
+        if isinstance(outcome, BaseException):
+            raise outcome
+
+
+async def _stored_arrays(store: LocalStore, mode: Any) -> dict[str, zarr.AsyncArray[Any]]:
+    """The arrays of a run by their names, as its consolidated metadata tell them."""
+    group = await asynchronous.open_group(store=store, mode=mode, zarr_format=FORMAT, use_consolidated=True)
+    return {name: array async for name, array in group.arrays()}
 
 
 @contextmanager
@@ -237,17 +260,28 @@ def present(path: Path) -> Path:
 def _read(path: Path, advice: str) -> xr.Dataset:
     root = read_root(path, advice)
     variables = {}
-    store = RegularStore(path, read_only=True)
     with reading(path, advice):
-        arrays = dict(zarr.open_group(store, mode="r", zarr_format=FORMAT, use_consolidated=True).arrays())
+        found = sync(_values(RegularStore(path, read_only=True)))
     for name, metadata in _metadata(root).items():
         with reading(path / name, advice):
-            array = arrays[name]
-            if missing := array.nchunks - array.nchunks_initialized:
-                raise ValueError(f"{missing} of {array.nchunks} chunks are missing")
-            values = dataset.indexed(name, metadata["dimension_names"], np.asarray(array[...]))
+            if isinstance(found[name], BaseException):
+                raise found[name]
+            values = dataset.indexed(name, metadata["dimension_names"], np.asarray(found[name]))
             variables[name] = (*values, metadata["attributes"])
     return xr.Dataset(variables, attrs=root["attributes"])
+
+
+async def _values(store: LocalStore) -> dict[str, Any]:
+    """The values of all arrays, read at once; an exception in the place of those that cannot be read."""
+
+    async def whole(array: zarr.AsyncArray[Any]) -> Any:
+        if missing := array.nchunks - await array.nchunks_initialized():
+            raise ValueError(f"{missing} of {array.nchunks} chunks are missing")
+        return await array.getitem(...)
+
+    arrays = await _stored_arrays(store, "r")
+    found = await asyncio.gather(*map(whole, arrays.values()), return_exceptions=True)
+    return dict(zip(arrays, found, strict=True))
 
 
 # -- of a run ---------------------------------------------------------------------------------------------------------
