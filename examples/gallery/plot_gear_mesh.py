@@ -2,8 +2,8 @@
 A pair of teeth and a cam
 =========================
 
-Two teeth touch along a line whose radii, speeds and load change while it moves along the path of contact.  `ertel.gears`
-makes these signals from what the drawing says; the rest is one line contact in time.
+Two teeth touch along a line whose radii, speeds and load change while it moves along the path of contact.
+`ertel.gears` makes these signals from what the drawing says; the rest is one line contact in time.
 """
 
 import matplotlib.pyplot as plt
@@ -42,8 +42,8 @@ panels[3].set_xlabel("time along the path of contact (ms)")
 assert teeth.summary["budgets"]["energy"]["imbalance"] < 5e-3
 
 # %%
-# A cam with a flat follower.  Twice near its nose the mean speed of the surfaces passes through zero.  What is left of the
-# film there is carried by squeeze.
+# A cam with a flat follower.  Twice near its nose the mean speed of the surfaces passes through zero.  What is left of
+# the film there is carried by squeeze.
 angle = np.arange(-60, 61, 2)
 lift = [(each, 0.002 * (1 + np.cos(3 * np.radians(each)))) for each in angle.tolist()]
 nose = ertel.cams.flat_tappet(lift, base_radius="30 mm", speed="1000 rpm", width="14 mm", preload="2 kN")

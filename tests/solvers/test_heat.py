@@ -18,6 +18,7 @@ from ertel.equations import discretise
 from ertel.equations.account import friction
 from ertel.inputs.case_files import parse_case
 from ertel.numerics.integrals import Plane
+from ertel.physics.geometry import CIRCLE
 from ertel.physics.thermal import gupta_factor
 from ertel.solvers.heat import Heated, heated
 
@@ -155,7 +156,7 @@ def test_temperature_of_a_body_at_rest_under_hertzian_heat() -> None:
     assert s and thermal
     heat = 1e8 * film_of(case)[0]
     exact = pi * 1e8 * s.a / (4 * thermal.bodies[1].conductivity)
-    assert _rise(thermal.bodies[1], 0.0, 0.0, s.a, grid)(heat).max() == pytest.approx(exact, rel=0.01)
+    assert _rise(thermal.bodies[1], 0.0, 0.0, s.a, grid, CIRCLE)(heat).max() == pytest.approx(exact, rel=0.01)
 
 
 def test_the_start_does_not_matter() -> None:

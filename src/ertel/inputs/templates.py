@@ -74,7 +74,7 @@ def _section(place: Place, given: Mapping[str, Mapping[str, Any]], method: Metho
     if place.title.startswith("["):
         yield ""
         yield from _line(f"{mark}{place.title}", place.text)
-    foreign = FOREIGN[kind] if place.title == "[contact]" else ()
+    foreign = FOREIGN[kind] if place.title == "[contact]" else layout.field_names(layout.Machines)  # they are sections
     ours = [key for key in place.keys if key.name not in foreign and not _is_of_other(key.meaning.text, kind)]
     for key in sorted(ours, key=lambda key: values.get(key.name) is None):
         yield from _line(_written(key, values, _examples(place.title, method)), key.meaning.text)

@@ -172,10 +172,13 @@ def nodes_across(nodes: int, ratio: float) -> int:
 
 
 def check_coarsening(grid: Grid) -> None:
-    """Raise ValueError unless multigrid can coarsen the grid in both directions, and equally often."""
+    """Raise ValueError unless multigrid can coarsen the grid in both directions, and equally often.
+
+    One row, which is solved directly, may have as many nodes as the side of a square.
+    """
     check_nodes(grid.nodes_x)
     coarsest = grid.hierarchy()[-1]
-    if coarsest.size > LARGEST_RECTANGLE:
+    if grid.nodes_y > 1 and coarsest.size > LARGEST_RECTANGLE:
         raise ValueError(
             f"nodes = {grid.nodes_x} x {grid.nodes_y}: the coarsest grid that multigrid can make has "
             f"{coarsest.nodes_x} x {coarsest.nodes_y} nodes; must be {LARGEST_RECTANGLE} at most, so take 2^k + 1 "

@@ -25,7 +25,8 @@ SOURCES = {
 def moes_line(M: float, L: float) -> float:
     """Moes' fit of the central film, in his unit, for all M > 0 and L >= 0 and Barus' law.
 
-    Against ertel's films: Barus -9 to +1 %; of L = 0 it is the minimum film, -4 to +3 %.
+    Against ertel's films: Barus -9 to +1 %, Roelands -8 to +59 %, the more the higher M; of L = 0 it is the minimum
+    film, -4 to +3 %.
     """
     rigid, elastic = 2.45 / M, 2.05 * M**-0.2
     s = (7.0 + 8.0 * exp(-2.0 * elastic / rigid)) / 5.0
@@ -83,7 +84,7 @@ def line_films(parameters: LineParameters, ugw: HamrockDowson | None = None) -> 
         return found
     unit = 8.0 * ugw.W / pi  # b^2/R over R
     inside = ROELANDS_M[0] <= M <= ROELANDS_M[1] and ROELANDS_L[0] <= L <= ROELANDS_L[1]
-    valid = "Roelands' law, M = 10 to 400, L = 5 to 22: ertel's films differ by "
+    valid = "Roelands' law, M = 10 to 400, L = 5 to 22: over ertel's film, less one, "
 
     def film(name: str, central: float | None, minimum: float | None, differ: str) -> FormulaFilm:
         c, m = (value if value is None else value / unit for value in (central, minimum))
@@ -91,7 +92,7 @@ def line_films(parameters: LineParameters, ugw: HamrockDowson | None = None) -> 
 
     return [
         *found,
-        film("Dowson-Higginson", None, dowson_higginson_minimum(ugw), "3 % at most"),
-        film("Masjedi-Khonsari", masjedi_khonsari_central(ugw), None, "2 to 7 %; theirs are lower"),
-        film("Dowson-Toyoda", dowson_toyoda_central(ugw), None, "13 to 35 %; theirs are higher"),
+        film("Dowson-Higginson", None, dowson_higginson_minimum(ugw), "-8 to +5 %"),
+        film("Masjedi-Khonsari", masjedi_khonsari_central(ugw), None, "-11 to +1 %"),
+        film("Dowson-Toyoda", dowson_toyoda_central(ugw), None, "+7 to +38 %"),
     ]
