@@ -427,6 +427,23 @@ def test_the_film_under_a_load_that_swings_is_near_that_of_a_finer_grid() -> Non
     assert 0.0405 < late.min() and late.max() < 0.0430
 
 
+TURNS = {"stop and start": [[0, 1], [2, 0], [3, 0], [5, 1]], "there and back": [[0, 1], [4, -1]]}
+
+
+@pytest.mark.slow  # 1 min each
+@pytest.mark.parametrize("name", TURNS)
+def test_a_thin_layer_is_neither_made_nor_lost_where_the_flow_stops_or_turns(name: str) -> None:
+    """And the film comes back; where it turns the contact rolls on the track that it left."""
+    motion = {"entrainment": TURNS[name]}
+    given = {"nodes": 65, "method": "transient", "motion": motion, "until": 12.0, "time_tolerance": 1e-4}
+    run = simulate(ertel.rolling(M=100, L=10, layer=0.05, **given))
+    assert run.status.ok
+    assert run.summary["budgets"]["mass"]["imbalance"] < 1e-6
+    assert run.dataset["oil"].values.min() > 0.0
+    first, last = run.dataset["H_c"].values[[0, -1]]
+    assert last == pytest.approx(first, rel=0.05)
+
+
 def test_more_oil_reaches_the_contact_with_the_flow() -> None:
     """Starved rolling at a falling speed: the film thins, and no oil is lost."""
     data = case_of("rolling", 0.0712, method="transient", nodes=33).to_data()
