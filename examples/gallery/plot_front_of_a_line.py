@@ -38,6 +38,6 @@ assert (abs(ratio[2:] - 1) < 0.1).all() and (np.diff(ratio) < 0).all()
 
 figure, axes = plt.subplots(figsize=(5, 3.5), layout="constrained")
 axes.plot(left["X"], left, label=f"impact, M = {M}, L = {L}")
-axes.plot(X, expected, "o", mfc="none", label="steady rolling at the speed of the edge")
-axes.set(xlim=(0, 1.1), ylim=(0, 1.1 * float(left.max())), xlabel="$X$, in half widths", ylabel=r"$\bar\rho H$ left")
+axes.plot(X, expected, "o", label="steady rolling at the speed of the edge")
+axes.set(xlim=(0, 1.1), ylim=(0, 0.09), xlabel="$X$, in half widths", ylabel=r"$\bar\rho H$ left")
 axes.legend()
