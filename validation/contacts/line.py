@@ -5,8 +5,8 @@
 writes the sections of `line.md` that are named, or all, in ten minutes.  The numbers of `STEADY`, `IMPACTS` and
 `WAVES` were computed by an independent dense program: nodes that crowd at the ends of the contact, pressure linear
 between them, laws of the oil and a solver of its own; no code in common with ertel.  They are extrapolated, and belong
-to an infinite inlet.  The dense program in this file, with ertel's laws of the oil and none of its solver, stops the oil at
-the ends of the grid: Newton's method on pressures, load and cavitation at once, second order in X, with
+to an infinite inlet.  The dense program in this file, with ertel's laws of the oil and none of its solver, stops the
+oil at the ends of the grid: Newton's method on pressures, load and cavitation at once, second order in X, with
 
     H = X^2/2 + H_0 - (1/pi) integral P ln|X - X'| dX',    integral P dX = pi/2
     d/dX [rho H - rho H^3/(eta lambda) dP/dX] = 0 where P > 0,    lambda = 12 eta0 u_m R^2/(b^3 p_h)
