@@ -64,6 +64,7 @@ CONTACTS: Rows = [
     (ROLLER | {"radius_y_1": "20 mm"}, ['contact.radius_y_1 = "20 mm": ', "no radius along y"]),
     (ROLLER | {"entrainment_angle": "20 deg"}, ["contact.entrainment_angle", "across the flow"]),
     (ROLLER | {"ball_density": "7850 kg/m^3"}, ["contact.ball_density", "give contact.mass"]),
+    (CYLINDER | {"length": "0.1 mm", "mass": "300 g"}, ["contact: its values together give length_ratio", "to 5"]),
     (CYLINDER, ["contact.mass: missing; allowed: mass"]),
     (MOES | {"kind": "line"}, ['contact.kind = "line": ', "give contact.length", "allowed: 'impact' or 'rolling'"]),
     (ROLLED | {"load": "200 N/mm"}, ['contact.load = "200 N/mm": is a load per length', "contact.length"]),

@@ -13,7 +13,7 @@ from ertel.case.methods import METHODS, ROLLING_UNTIL
 from ertel.case.sections import Time
 from ertel.inputs.case_files import parse_case
 from ertel.physics.geometry import CIRCLE, Geometry
-from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, Oscillation, Polyline, Product, constant
+from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, Oscillation, Polyline, SlidingRatio, constant
 from ertel.results.parameters import formula_films, parameter_summary
 
 MOES = {"kind": "rolling", "M": 200, "L": 10}
@@ -74,6 +74,8 @@ def test_a_negative_mean_speed_reverses_the_flow():
     assert (forth.motion.entrainment(0.0), back.motion.entrainment(0.0)) == (1.0, -1.0)
     table = {"mean": 1.0, "amplitude": 0.5, "period": "2 ms"}
     back = in_time(TRACK | {"mean_speed": "-0.5 m/s"}, motion={"entrainment": table})
+    slid = in_time(TRACK | {"mean_speed": "-0.5 m/s"}, motion={"entrainment": table, "sliding": 0.02})
+    assert slid.motion.slide_to_roll == pytest.approx(0.02) and not slid.motion.keeps_ratio
     backwards, period = Oscillation(-1.0, -0.5, 0.002 / back.scales.t0), 0.002 / back.scales.t0
     for T in (0.0, 0.3 * period, 0.8 * period):
         assert back.motion.entrainment(T) == pytest.approx(backwards(T))
@@ -91,7 +93,7 @@ def test_the_ball_s_mass_is_its_inertia():
 
 
 def test_dimensionless_inertia_and_slide():
-    sliding = Product(constant(1), constant(1))
+    sliding = SlidingRatio(constant(1), constant(1))
     assert in_time(motion={"inertia": 0.3, "slide_to_roll": 1}).motion == Motion(constant(1), constant(1), 0.3, sliding)
 
 

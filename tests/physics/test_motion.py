@@ -15,8 +15,8 @@ from ertel.physics.motion import (
     Motion,
     Oscillation,
     Polyline,
-    Product,
     Signal,
+    SlidingRatio,
     Smooth,
     constant,
     reversed_sign,
@@ -31,7 +31,7 @@ simple = st.one_of(
     polylines.map(lambda points: Smooth(tuple(sorted(points)))),
     st.builds(Oscillation, numbers, numbers, st.floats(0.3, 5.0), numbers),
 )
-signals = st.one_of(simple, st.builds(Product, simple, simple))
+signals = st.one_of(simple, st.builds(SlidingRatio, simple, simple))
 
 
 @given(signals, st.floats(-1.0, 6.0))
@@ -90,7 +90,7 @@ def test_the_surfaces_travel_at_their_own_speeds(slide_to_roll: float, T: float)
 @given(simple, simple, st.floats(-1.0, 6.0))
 def test_the_surfaces_travel_with_the_integral_of_their_speeds(U: Signal, ratio: Signal, T: float) -> None:
     """A slide-to-roll ratio that changes in time, as a product or as the sliding speed itself."""
-    motion = Motion(constant(1.0), U, 0.0, Product(ratio, U))
+    motion = Motion(constant(1.0), U, 0.0, SlidingRatio(ratio, U))
     knots = sorted({t for t in motion.sliding.breaks() if min(0, T) < t < max(0, T)}) or None
     speed = quad(lambda t: U(t) * (1.0 + ratio(t) / 2.0), 0.0, T, points=knots, limit=200)[0]
     assert isclose(motion.travel(1, T), speed, rel_tol=1e-6, abs_tol=1e-6)

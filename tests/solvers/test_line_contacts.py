@@ -113,6 +113,18 @@ def test_the_film_is_the_layer_or_the_flooded_one(share: float):
         assert np.asarray(starved.P) == pytest.approx(np.asarray(film().P))
 
 
+def test_a_layer_must_be_more_or_less_than_what_passes_at_all_times():
+    flooded = film().account.terms["inflow"]
+    motion = {"entrainment": [[0, 1], [1, 3]]}
+    solver = {"nodes": 129, "method": "transient"}
+    layers = [
+        rolling(oil={"layer": r * flooded}, solver=solver, motion=motion, time={"until": 1}) for r in (0.5, 1.5, 9)
+    ]
+    assert steady.fed(layers[0]) is layers[0] and steady.fed(layers[2]).layer is None
+    with pytest.raises(ValueError, match=r"lubricant.layer = .* is more than passes at T = 0 .*, and less"):
+        steady.fed(layers[1])
+
+
 def test_newton_solves_a_row_directly():
     """The preconditioner is the factorised Jacobian: two Krylov iterations with a given load, at any load."""
     for s in (film(), film(100, 10)):

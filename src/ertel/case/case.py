@@ -25,7 +25,7 @@ from ertel.physics.geometry import CIRCLE, Geometry
 from ertel.physics.line_films import expected_line_film
 from ertel.physics.line_scales import LineParameters
 from ertel.physics.lubricant import ALPHA, Lubricant, Oil
-from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, Product, Track, constant, reversed_sign
+from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, SlidingRatio, Track, constant, reversed_sign
 from ertel.physics.scales import Parameters, Scales
 from ertel.physics.surfaces import Feature
 from ertel.physics.units import marks
@@ -192,7 +192,7 @@ class Case:
             elif mean < 0:
                 entrainment, sliding = reversed_sign(entrainment), sliding and reversed_sign(sliding)
         if ratio := slide or drive.slide_to_roll:
-            sliding = Product(constant(ratio) if isinstance(ratio, int | float) else ratio, entrainment)
+            sliding = SlidingRatio(constant(ratio) if isinstance(ratio, int | float) else ratio, entrainment)
         others = sliding or usual.sliding, drive.curvature or usual.curvature
         return Motion(load, entrainment, self._inertia(drive), *others)
 

@@ -104,7 +104,9 @@ class Conditions:
     length_ratio: Annotated[
         Given,
         LENGTH_RATIO,
-        Meaning("length of a line contact (radius_ratio = 0) over its half width; of influence on the approach", 100),
+        Meaning(
+            "length of a line contact (radius_ratio = 0) over its half width; it matters only to the approach", 100
+        ),
     ] = None
     radius: Annotated[Given, REDUCED, Meaning("radius of a ball on a plane, or reduced radius")] = None
     radius_1: Annotated[

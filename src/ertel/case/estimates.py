@@ -8,9 +8,13 @@ from ertel.case.case import Case
 from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
 from ertel.physics import hertz, surfaces
 from ertel.physics.film_formulas import IMPACT_EXPONENT, starved_share
+from ertel.physics.line_films import expected_line_film
+from ertel.physics.line_scales import LineParameters
+from ertel.physics.units import plain
 
 CELLS_SHOWN, CELLS_OF_DETAIL = 16.0, 8.0  # least number in the contact's half width, in the finest detail of a surface
 LARGEST_NEWTONIAN_STRESS = 6e6  # Pa: the stress at which squalane begins to thin (Liu et al. 2023, see the library)
+SAMPLES = 401  # of a motion in time
 _PLACES = np.polynomial.legendre.leggauss(64)
 
 
@@ -56,6 +60,20 @@ def starvation(case: Case) -> tuple[float, float]:
     flooded = sum(case.parameters.impact_films) / 2 if case.starts_apart else case.film_scale
     r = case.layer / (float(case.lubricant.density(1.0)) * flooded)
     return r, share_of(case, r)
+
+
+def largest_film(case: Case) -> float:
+    """The largest film of a rolling line contact in time, over that of T = 0, by the formula of the expected film."""
+    if case.is_steady:
+        return 1.0
+    times = np.linspace(0.0, plain(case.schedule.until), SAMPLES)  # type: ignore[arg-type]
+    moments = [(w, abs(U), c) for w, U, c in map(case.motion.moment, times.tolist()) if w > 0.0 and U]
+    films = []
+    for w, U, c in moments:
+        at = case.parameters.at(w, U, c)
+        assert isinstance(at, LineParameters)
+        films.append(expected_line_film(at) * c * case.geometry.grown(w, c)[0] ** 2)
+    return max(films) / films[0]
 
 
 def share_of(case: Case, r: float) -> float:

@@ -7,7 +7,7 @@ from math import inf
 import numpy as np
 
 from ertel.case.case import Case
-from ertel.case.conditions import MOES_L, MOES_M, REDUCED
+from ertel.case.conditions import LENGTH_RATIO, MOES_L, MOES_M, REDUCED
 from ertel.case.height_map import Measured
 from ertel.case.methods import Method, as_written, of_kind
 from ertel.case.records import ConfigError, checked, show
@@ -152,13 +152,8 @@ def _asked(case: Case) -> Iterator[tuple[str, str, str]]:
 def _scales(case: Case) -> Complaints:
     """The scales and parameters of the contact must be of a sane size, like its values."""
     p, scales = case.parameters, vars(case.scales) if case.scales else {}
-    bounds: dict[str, Mark] = {
-        "alpha_bar": NOT_NEGATIVE,
-        "radius_ratio": NOT_NEGATIVE,
-        "R": REDUCED,
-        "M": MOES_M,
-        "L": MOES_L,
-    }
+    bounds: dict[str, Mark] = {"R": REDUCED, "M": MOES_M, "L": MOES_L, "length_ratio": LENGTH_RATIO}
+    bounds |= dict.fromkeys(("alpha_bar", "radius_ratio"), NOT_NEGATIVE)
     for name, value in {**scales, **vars(p), "M": p.M, "L": p.L}.items():
         if complaint := bounds.get(name, ABOVE_ZERO).complaint(value):
             given = f"its values together give {name} = {show(value)}"

@@ -76,6 +76,11 @@ def _with_machine(data: Mapping[str, Any]) -> dict[str, Any]:
         for key in (*section, *FOLLOWING) if name in ("contact", "motion") else ():
             if key in table and key != "kind":
                 raise ConfigError(f"{name}.{key} = {show(table[key])}: follows from {place}; leave it out")
+        for key in {"kind", "method"} & section.keys():
+            if table.get(key, section[key]) != section[key]:
+                raise ConfigError(
+                    f"{name}.{key} = {show(table[key])}: {place} makes a rolling contact in time; leave it out"
+                )
         data[name] = {**section, **table}
     return dict(data)
 

@@ -42,15 +42,15 @@ class Cam:
     lift: Annotated[
         Lift,
         Meaning(
-            "lift over the angle of the cam, [[angle, lift], ...], six points or more; a spline of the fifth order "
-            "passes through them, and its second derivative is as good as their numbers",
+            "lift over the angle of the cam, [[angle, lift], ...], six points or more with enough digits, because the "
+            "curvature is their second derivative; a spline of the fifth order passes through them",
             [["-60 deg", "0 mm"], ["0 deg", "8 mm"], ["60 deg", "0 mm"]],
         ),
     ]
     base_radius: Annotated[float, units.LENGTH, Meaning("radius of the base circle", "18 mm")]
     speed: Annotated[float, units.ROTATION, Meaning("speed of the cam")]
     width: Annotated[float, units.LENGTH, Meaning("width of the cam, the length of the contact", "14 mm")]
-    preload: Annotated[float, units.LOAD, Meaning("force of the spring without lift; without stiffness the whole load")]
+    preload: Annotated[float, units.LOAD, Meaning("force of the spring at zero lift; the whole load without stiffness")]
     stiffness: Annotated[float | None, units.STIFFNESS, Meaning("stiffness of the spring; left out: 0")] = None
     mass: Annotated[float | None, units.MASS, Meaning("mass that moves with the follower; left out: 0")] = None
     crown_radius: Annotated[
@@ -61,7 +61,7 @@ class Cam:
     def passage(self) -> Passage:
         """The contact from the first angle of the table to the last; the reference is the moment of the highest lift.
 
-        Raises ValueError for a table that is too short, a cam that is hollow or pointed (R <= 0), and a follower that
+        Raises ValueError for a table that is too short, a cam that is concave or pointed (R <= 0), and a follower that
         leaves the cam.
         """
         from scipy.interpolate import make_interp_spline
@@ -100,7 +100,7 @@ def flat_tappet(lift: Any, **given: Any) -> Passage:
     Raises
     ------
     ValueError
-        A value is not allowed, the cam is hollow or pointed somewhere, or the follower leaves the cam.
+        A value is not allowed, the cam is concave or pointed somewhere, or the follower leaves the cam.
 
     Examples
     --------

@@ -22,7 +22,7 @@ NEAREST = 2.0  # distance from which the formulas hold, in units of the dry cont
 class ContactMotion(NamedTuple):
     """Delta, V = dDelta/dT, the load in units F*, and U: all of a contact that matters to the oil far away.
 
-    load_rate: the rate of the load in rolling, where V leaves the rupture in its place; None in an impact.  curvature,
+    load_rate: the rate of the load in rolling, where V does not move the rupture; None in an impact.  curvature,
     bending: c, by which the parabola is multiplied, and dc/dT.
     """
 

@@ -13,7 +13,7 @@ of the tips.  The force along the line of action is torque/r_b1.
 Source: Johnson KL. Contact Mechanics. Cambridge 1985; ISO 21771:2007 for the geometry.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from inspect import signature
 from math import inf
@@ -76,10 +76,7 @@ class Passage:
 
     @property
     def sections(self) -> dict[str, dict[str, Any]]:
-        """The sections of a case file that follow from it; [contact] without the elasticity.
-
-        All that makes it a line contact are the first lines.
-        """
+        """The sections of a case file that follow from it; [contact] without the elasticity."""
         at, mean = self.reference, float(np.abs(self.mean_speed).mean())
         sizes = {"radius_x_1": self.radius_1[at], "radius_x_2": self.radius_2[at], "length": self.length}
         if self.crown_radius is not None:
@@ -123,7 +120,17 @@ def given_in_si(record: Callable[..., Record], given: Mapping[str, Any]) -> Reco
 
 def points_of(kind: type[Line], points: Any) -> Line:
     """A polyline of a kind from its points in SI, or with texts with a unit."""
-    return kind(tuple(tuple(map(in_si, point, kind.MARKS)) for point in points))  # type: ignore[misc]
+    found = []
+    if not isinstance(points, Sequence | np.ndarray) or isinstance(points, str):
+        raise ValueError(f"{kind.__name__.lower()} = {points!r:.60}: must be points [{', '.join(kind.NAMES)}]")
+    for number, point in enumerate(points, 1):
+        try:
+            if isinstance(point, str) or len(point) != len(kind.MARKS):
+                raise ValueError(f"must be [{', '.join(kind.NAMES)}]")
+            found.append(tuple(map(in_si, point, kind.MARKS)))
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"{kind.__name__.lower()}[{number}] = {point!r:.60}: {error}") from error
+    return kind(tuple(found))  # type: ignore[arg-type]
 
 
 # -- gears -------------------------------------------------------------------------------------------------------------
@@ -148,7 +155,7 @@ class Gear:
     speed: Annotated[float, units.ROTATION, Meaning("speed of the driving gear")]
     torque: Annotated[float, units.TORQUE, Meaning("torque on the driving gear")]
     face_width: Annotated[float, units.LENGTH, Meaning("width of the teeth, the length of the contact", "20 mm")]
-    pressure_angle: Annotated[float, units.ANGLE, Meaning("pressure angle", "20 deg")] = 20.0
+    pressure_angle: Annotated[float, units.ANGLE.between(5.0, 45.0), Meaning("pressure angle", "20 deg")] = 20.0
     addendum: Annotated[float, units.ABOVE_ZERO, Meaning("height of the teeth above the pitch circle, in modules")] = (
         1.0
     )

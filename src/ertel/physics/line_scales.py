@@ -214,7 +214,7 @@ def line_impact_scales(R: float, mass: float, speed: float, E_prime: float, leng
     inertia = 1.0
     for _ in range(ROUNDS):
         b = (8 * R**2 * mass * speed**2 / (pi * E_prime * length * inertia)) ** 0.25
-        inertia = HertzLine(length / b).inertia
+        inertia = max(HertzLine(length / b).inertia, 0.125)  # a length of some b, which a case does not allow
     return LineScales(R, E_prime, b, E_prime * b / (4 * R), b**2 / (R * speed), length=length)
 
 

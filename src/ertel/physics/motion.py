@@ -214,6 +214,10 @@ class Product(Signal):
         return min(self.first.shortest_period(), self.second.shortest_period())
 
 
+class SlidingRatio(Product):
+    """The sliding speed that a slide-to-roll ratio, the first signal, makes of the entrainment speed."""
+
+
 def constant(value: float) -> Signal:
     """A value that does not change."""
     return Polyline(((0.0, value),))
@@ -253,10 +257,11 @@ class Motion:
 
     @property
     def slide_to_roll(self) -> float:
-        """(u1 - u2)/u_m at T = 0."""
-        if isinstance(self.sliding, Product):
+        """(u1 - u2)/u_m at T = 0, infinite where surfaces slide that do not entrain."""
+        if isinstance(self.sliding, SlidingRatio):
             return self.sliding.first(0.0)
-        return self.sliding(0.0) / self.entrainment(0.0) if self.sliding(0.0) else 0.0
+        sliding, entrainment = self.sliding(0.0), self.entrainment(0.0)
+        return sliding / entrainment if sliding and entrainment else copysign(inf, sliding) if sliding else 0.0
 
     @cached_property
     def flows(self) -> bool:
@@ -271,7 +276,7 @@ class Motion:
     @property
     def keeps_ratio(self) -> bool:
         """Whether the sliding speed is the same share of the entrainment speed at all times."""
-        return not self.slides or (isinstance(self.sliding, Product) and self.sliding.first.is_constant)
+        return not self.slides or (isinstance(self.sliding, SlidingRatio) and self.sliding.first.is_constant)
 
     @cached_property
     def bends(self) -> bool:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ertel.case import estimates
 from ertel.case.case import Case
 from ertel.case.height_map import Measured
 from ertel.case.methods import as_written, of_kind
@@ -100,8 +101,7 @@ def friction_warnings(case: Case, coefficient: float) -> list[str]:
     """
     if case.scales is None:
         return []
-    heaviest = 1.0 if case.starts_apart else case.motion.load.range(inf)[1]
-    p, mu = case.scales.p_h * case.geometry.grown(heaviest)[1], abs(coefficient)
+    p, mu = estimates.largest_pressure(case), abs(coefficient)
     if isinstance(case.oil.viscosity_law, Barus) and p > BARUS_PRESSURE and (mu or not case.oil.is_newtonian):
         return [
             f'lubricant.viscosity = "barus": greatly overestimates the viscosity above {BARUS_PRESSURE / 1e9:g} GPa, '

@@ -65,7 +65,7 @@ def outlook(case: Case) -> dict[str, Any]:
     """
     available, needed = memory_available(), memory_needed(case)
     shortage = memory_shortage(case) if 0 < available < needed else ""
-    some = 1e-9 if case.motion.slide_to_roll else 0.0  # of friction it is enough to know whether the surfaces slide
+    some = 1e-9 if case.motion.slides else 0.0  # of friction it is enough to know whether the surfaces slide
     resolution = diagnostics.resolution(case, case.motion.entrainment(0.0))
     sentences = [shortage, *resolution, *warnings_of(case), *diagnostics.friction_warnings(case, some)]
     return {
@@ -270,7 +270,7 @@ def _yielding(case: Case) -> Iterator[str]:
 def _pressure_of_the_oil(case: Case) -> str:
     """A sentence where the viscosity is extrapolated beyond the pressures for which the law of the oil has a source."""
     p, highest = estimates.largest_pressure(case), getattr(case.oil.viscosity_law, "highest", None)
-    if highest is None or p <= highest or not (case.motion.slide_to_roll or case.thermal):
+    if highest is None or p <= highest or not (case.motion.slides or case.thermal):
         return ""
     return (
         f"the viscosity law of the oil has a source up to {with_prefix(highest, 'Pa')}, and this contact has "

@@ -18,7 +18,7 @@ from jax import Array
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
-from ertel.case.estimates import grid_of, starvation
+from ertel.case.estimates import grid_of, largest_film, starvation
 from ertel.case.status import Status
 from ertel.equations import account, contact, discretise
 from ertel.equations.approach import balanced
@@ -197,14 +197,19 @@ def fed(case: Case) -> Case:
     """The case; with a full inlet where a rolling line contact has a layer of more oil than passes it.
 
     Nothing leaks to the sides of a line.  So its film is the layer, or the flooded one; the oil that does not pass
-    gathers in front of it.
+    gathers in front of it.  Raises ValueError where more than the layer passes at one time, and less at another one.
     """
     if case.layer is None or case.starts_apart or not case.geometry.is_line:
         return case
     full = replace(case, oil=replace(case.oil, layer=None, layer_1=None, layer_2=None))
     flooded = steady_film(full).finest
     passes = flooded.account.terms["inflow"] / abs(case.motion.entrainment(0.0))
-    return full if case.layer >= passes else case
+    most = passes * largest_film(case)
+    if passes <= case.layer < most:
+        layer = f"lubricant.layer = {case.layer:.3g} a^2/R"
+        now_and_later = f"is more than passes at T = 0 ({passes:.3g}), and less than what passes later ({most:.3g})"
+        raise ValueError(f"{layer}: {now_and_later}; give a layer that is always one or the other, or leave it out")
+    return full if case.layer >= most else case
 
 
 def nested(case: Case, done: Sequence[GridSolution] = ()) -> Iterator[GridSolution]:
