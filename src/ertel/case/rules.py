@@ -12,6 +12,7 @@ from ertel.case.height_map import Measured
 from ertel.case.methods import Method, as_written, of_kind
 from ertel.case.records import ConfigError, checked, show
 from ertel.case.sections import SECTIONS, WIDEST_HALF_WIDTH
+from ertel.case.touching import rough_surfaces
 from ertel.physics.dry_contact import HERTZ_LOAD
 from ertel.physics.far_field import ContactMotion, far_film
 from ertel.physics.film_formulas import rigid_film
@@ -123,7 +124,7 @@ def _supported(case: Case) -> Complaints:
             instead = f"use {as_written(others)}" if others else f"no method of {case.kind} supports it"
             this = "" if place == "solver.method" else f"{case.entry('solver.method')} "
             joined = ", or" if others else ";"
-            without = f"{joined} leave [{place}] out" if place in ("thermal", "roughness") else ""
+            without = f"{joined} leave [{place}] out" if place in ("thermal", "roughness", "surfaces") else ""
             yield place, f"{this}is for {only}; {instead}{without}"
 
 
@@ -145,6 +146,8 @@ def _asked(case: Case) -> Iterator[tuple[str, str, str]]:
         yield "track", "lubricant.layer", "a uniform layer"
     if case.roughness:
         yield "roughness", "roughness", "smooth surfaces"
+    if case.touches:
+        yield "touch", "surfaces", "surfaces that do not touch"
     if case.thermal is not None:
         yield "thermal", "thermal", "contacts without [thermal]"
 
@@ -390,6 +393,7 @@ COMPLETE = (  # rules for a case with its defaults, in the order in which they a
     _schedule,
     _motion,
     _roughness,
+    rough_surfaces,
     _thermal,
     _outside,  # the last: see `TooLight`
 )

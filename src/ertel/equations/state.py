@@ -33,7 +33,7 @@ class Work(NamedTuple):
 class State:
     """The contact at one time: T in t0, approach in delta*, velocity dDelta/dT, fields of shape (n, n) or (n,) by name.
 
-    The fields are P, H and others that a method needs to go on.  load, outside: the double integral of P on the grid
+    The fields are P, H and others that a method needs to go on; where asperities touch, P_asperity is their part of P.  load, outside: the double integral of P on the grid
     and outside it.  status, work, error, record: of the step that made this state: its outcome, its work, how far the
     film is from its prediction (relative), and its numbers by name (those of `Stepper.measure` and of
     `account`).
@@ -56,6 +56,11 @@ class State:
         return self.fields["P"]
 
     @property
+    def P_f(self) -> Field:
+        """The pressure of the oil."""
+        return own_pressure(self.fields)
+
+    @property
     def H(self) -> Field:
         """The film thickness."""
         return self.fields["H"]
@@ -74,6 +79,8 @@ def interpolated(levels: Sequence[State], T: float) -> State:
     }
     if "P" in fields:
         fields["P"] = fields["P"].clip(0.0)
+    if "P_asperity" in fields:
+        fields["P_asperity"] = fields["P_asperity"].clip(0.0, fields["P"])
     approach, velocity, outside, load = (
         float(combined(weights, [getattr(level, name) for level in levels]))
         for name in ("approach", "velocity", "outside", "load")
@@ -152,6 +159,16 @@ _numbers = Program(jax.jit(lambda plane, P, H: packed(key_values(plane, P, H))),
 
 
 # -- the interfaces of methods ----------------------------------------------------------------------------------------
+
+
+def fields_of(P: Array, P_f: Array | None, H: Array, mass: Array) -> dict[str, Array]:
+    """The fields of a level.  P_f: the pressure of the oil, where asperities carry the rest of P; otherwise None."""
+    return {"P": P, **({} if P_f is None else {"P_asperity": P - P_f}), "H": H, "mass": mass}
+
+
+def own_pressure(fields: Mapping[str, Field]) -> Field:
+    """The pressure of the oil: P less what asperities carry."""
+    return fields["P"] - fields["P_asperity"] if "P_asperity" in fields else fields["P"]
 
 
 class StepNumbers(NamedTuple):

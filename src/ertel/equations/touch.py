@@ -31,10 +31,11 @@ STEEP = 0.3  # of p_h: where P_c exceeds P by more, its tangent is taken at a la
 class Asperities:
     """A law over x = ln H: a cubic between equidistant points, straight lines beyond the last ones.
 
-    first, step: of x.  cubic: coefficients of ln P_c, highest power first, shape (4, n - 1).  energy: ln of the
+    friction: the coefficient where they touch, in a/R.  first, step: of x.  cubic: coefficients of ln P_c, highest power first, shape (4, n - 1).  energy: ln of the
     integral of P_c from H to infinity, at the points.  area: share of area in touch there, None where no law says it.
     """
 
+    friction: float
     first: float
     step: float
     cubic: Array
@@ -42,7 +43,7 @@ class Asperities:
     area: Array | None = None
 
     @classmethod
-    def of(cls, curve: Curve, pressure_unit: float, film_unit: float) -> "Asperities":
+    def of(cls, curve: Curve, pressure_unit: float, film_unit: float, friction: float = 0.0) -> "Asperities":
         """The law from its points in SI.  pressure_unit: of P (Pa); film_unit: of H (m)."""
         from scipy.interpolate import CubicSpline  # SciPy loads slowly
 
@@ -54,7 +55,7 @@ class Asperities:
         energy = tail + np.append(np.cumsum((0.5 * step * (work[1:] + work[:-1]))[::-1])[::-1], 0.0)
         area = None if curve.area is None else jax.device_put(np.interp(grid, x, curve.area))
         cubic, ln_energy = jax.device_put((CubicSpline(grid, ln_p).c, np.log(energy)))
-        return cls(float(grid[0]), float(step), cubic, ln_energy, area)
+        return cls(friction, float(grid[0]), float(step), cubic, ln_energy, area)
 
     def pressure(self, H: Array) -> Array:
         """P_c, shape of H."""

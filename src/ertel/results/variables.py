@@ -45,6 +45,7 @@ class Variable:
     panel, curve_panel: the panel that draws it in the picture of a study, and of a traction curve.
     is_heated: heat changes it; the number with heat has the name with _warm, and is shown in its place.
     is_across: it is about the direction across the flow, in which nothing of a line contact changes: it has none.
+    of_touch: only a contact whose asperities touch has it.
     """
 
     long_name: str
@@ -63,6 +64,7 @@ class Variable:
     curve_panel: str = ""
     is_heated: bool = False
     is_across: bool = False
+    of_touch: bool = False
 
     def factor(self, scales: Scales) -> float:
         """The value of 1 in SI."""
@@ -74,6 +76,7 @@ TIME = ("t0", "t0", "s")
 LENGTH = ("a*", "a", "m")
 FILM = ("a*^2/R", "film", "m")
 PRESSURE = ("p_h*", "p_h", "Pa")
+AREA = ("a*^2", "area", "m2")
 FORCE = ("F*", "load", "N")
 LOAD = ("a*^2 p_h*", "force", "N")
 ENERGY = ("F* a*^2/R", "energy", "J")
@@ -129,12 +132,21 @@ STEPS = {  # and grids
         "traction coefficient along y", "mu_sliding_y", *NUMBER, comment=PUSHED.replace("X", "Y"),
         **FRICTION, is_heated=True, is_across=True,
     ),
+    "mu_boundary": Variable(
+        "part of the traction coefficient that asperities have", "mu_boundary", *NUMBER,
+        **FRICTION, curve_panel="Traction", of_touch=True,
+    ),
     "mu_rolling": Variable(
         "rolling resistance coefficient", "mu_rolling", *NUMBER, comment=RESISTANCE, **FRICTION, curve_panel="Traction"
     ),
     "power_loss": Variable(
         "power loss", "power_loss", *POWER, comment=LOSS, **FRICTION, curve_panel="Power loss", is_heated=True
     ),
+    "asperity_share": Variable(
+        "share of the load that asperities carry", "share", **FRICTION, panel="Solid contact", of_touch=True
+    ),
+    "contact_area": Variable("area of solid contact", "A_c", *AREA, **ESTIMATED, of_touch=True),
+    "P_asperity_max": Variable("maximum pressure of asperities", "P_c,max", *PRESSURE, **MOMENT, of_touch=True),
     "V": Variable("approach speed", "dDelta/dT", "a*^2/(R t0)", "speed", "m/s"),
     "X_P_max": Variable("place of the maximum pressure along x", "X_P_max", *LENGTH, comment=RING),
     "Y_P_max": Variable("place of the maximum pressure along y", "Y_P_max", *LENGTH, comment=RING, is_across=True),
@@ -146,6 +158,7 @@ STEPS = {  # and grids
     "cavity_source": Variable("oil that cavities make, zero to round-off", "m_c", *OIL_FLOW, comment=AMBIENT),
     "elastic_energy": Variable("elastic energy of the solids", "E_solids", *ENERGY),
     "oil_energy": Variable("elastic energy of the compressed oil", "E_oil", *ENERGY),
+    "asperity_energy": Variable("elastic energy of asperities", "E_asperities", *ENERGY, of_touch=True),
     "dissipation": Variable("viscous dissipation of the pressure-driven flow", "D", *POWER),
     "power_from_surfaces": Variable("power of the moving surfaces where the gap closes", "S_in", *POWER),
     "power_to_surfaces": Variable("power given back where the gap opens", "S_out", *POWER),
@@ -189,6 +202,7 @@ RUNS = {  # of a run as a whole, or of a traction curve
 }  # fmt: skip
 MAPS = {
     "P": Variable("pressure", "P", *PRESSURE),
+    "P_asperity": Variable("pressure of asperities, a part of P", "P_c", *PRESSURE, of_touch=True),
     "H": Variable("film thickness", "H", *FILM),
     "oil": Variable("oil in the gap, H where it is full", "H_oil", *FILM, "h_oil"),
     "tau_x": Variable("shear stress in the middle of the film along x", "tau_x", *SHEAR),
@@ -247,7 +261,7 @@ def is_line(about: Mapping[str, Any]) -> bool:
 
 def along_a_line(unit: str) -> str:
     """A unit of an integral over the surface as that of an integral along a line contact, for each length across."""
-    return re.sub(r"(a\*?)\^2 p_h", r"\1 p_h", re.sub(r"(a\*?)\^4", r"\1^3", unit))
+    return re.sub(r"(a\*?)\^2(?= p_h|$)", r"\1", re.sub(r"(a\*?)\^4", r"\1^3", unit))
 
 
 def unit_of(kind: str, unit: str) -> str:

@@ -24,11 +24,12 @@ from ertel.equations import account, contact, discretise
 from ertel.equations.approach import balanced
 from ertel.equations.contact import Contact
 from ertel.equations.flow import OilContent, Rate, steady_rate, wedge
-from ertel.equations.state import SteadySolver, measure
+from ertel.equations.state import SteadySolver, fields_of, measure
 from ertel.numerics import multigrid, newton, stencils
 from ertel.numerics.grid import Grid, check_coarsening, expected_next
 from ertel.numerics.integrals import Plane
 from ertel.numerics.programs import ANY_SIZE, Program, double_precision
+from ertel.numerics.stencils import FloatLike, integral
 from ertel.physics.far_field import ContactMotion
 from ertel.physics.geometry import Geometry
 from ertel.solvers import nonlinear
@@ -38,6 +39,7 @@ Floats = NDArray[np.float64]
 
 FIRST_GRID = 33  # nodes a side from which nested iteration starts, or the next that the finest grid allows
 FIRST_ROW = 129  # nodes of a line contact from which it starts: each grid is a program
+LEAST_LIFT = 1e-9  # a^2/R
 LEAST_FILM = 0.5  # a first guess keeps this fraction of the coarse grid's minimum film thickness
 THICK = 3.0  # film in units of the dry approach, from which the first guess is that of rigid bodies
 TOLERANCE = 1e-8  # of the residual of the steady film from which a transient run starts
@@ -69,6 +71,7 @@ class GridSolution:
     The account of the film and its temperatures are computed once, when they are first asked for.
     history: maximum residual before the first and after each Newton iteration.  convolutions: work on this grid.
     outside: the load that the oil outside the grid carries (double integral of P).  kinked: where a starved film is.
+    P_asperity: what asperities carry of P, None where none touch.
     """
 
     case: Case
@@ -84,6 +87,7 @@ class GridSolution:
     history: tuple[float, ...] = ()
     outside: float = 0.0
     kinked: Any = None
+    P_asperity: Any = None
 
     def measure(self) -> dict[str, float]:
         """Films, pressures and load, see `state.measure`, and Delta."""
@@ -96,7 +100,12 @@ class GridSolution:
     @property
     def fields(self) -> dict[str, Array]:
         """P, H and the oil that is there, as mass, as in a `State`."""
-        return {"P": self.P, "H": self.H, "mass": self.content.oil}
+        return fields_of(self.P, None if self.P_asperity is None else self.P_f, self.H, self.content.oil)
+
+    @property
+    def P_f(self) -> Any:
+        """The pressure of the oil."""
+        return self.P if self.P_asperity is None else self.P - self.P_asperity
 
     @property
     def content(self) -> OilContent:
@@ -117,7 +126,8 @@ class GridSolution:
         moment = account.Moment(self.approach, U, m.sliding(0.0), gap_change, load, scale)
         c, rate = discretise.contact_of(self.case, self.grid), steady_rate(U, discretise.layer_of(self.case, self.grid))
         rate = rate._replace(held=self.kinked)
-        terms, friction, content = _account_program(Plane.of(self.grid), c, self.P, self.H, rate, moment)
+        fields = self.P_f, self.H, self.P_asperity
+        terms, friction, content = _account_program(Plane.of(self.grid), c, *fields, rate, moment)
         around = discretise.outside_of(self.case, self.grid).at(motion_of(self.case, self.approach))
         around = around._replace(load=self.outside)
         terms = account.with_outside(jax.tree.map(float, jax.device_get(terms)), 0.0, around, scale)
@@ -222,8 +232,8 @@ def nested(case: Case, done: Sequence[GridSolution] = ()) -> Iterator[GridSoluti
         if solutions:
             guess = first_guess(c, solutions[-1], expected_next([s.approach for s in solutions]))
         else:
-            first = solve_on_grid(case, grid, c, *_rough_guess(case, grid))
-            guess = first.P, first.approach  # with the oil outside of the lubricated contact
+            first = solve_on_grid(case, grid, c, *_rough_guess(case, grid, c))
+            guess = first.P, first.approach, first.P_f  # with the oil outside of the lubricated contact
         solution = _agreeing(c, solve_on_grid(case, grid, c, *guess), OUTSIDE)
         solutions.append(_judged(solution) if grid is grids[0] else solution)
         yield solutions[-1]
@@ -265,7 +275,7 @@ def _agreeing(c: Contact, s: GridSolution, allowed: float) -> GridSolution:
     for _ in range(SETTLING):
         if not s.status.ok or abs(outside.at(motion_of(s.case, s.approach)).load - s.outside) <= allowed * load:
             break
-        again = solve_on_grid(s.case, s.grid, c, s.P, s.approach)
+        again = solve_on_grid(s.case, s.grid, c, s.P, s.approach, s.P_f)
         work = s.newton + again.newton, s.krylov + again.krylov, s.convolutions + again.convolutions
         history = s.history + again.history[1:]
         s = replace(again, newton=work[0], krylov=work[1], convolutions=work[2], history=history)
@@ -279,14 +289,45 @@ def dry_guess(geometry: Geometry, grid: Grid, load: float) -> tuple[Floats, floa
     return P * (needed / stencils.unfolded(P, grid.even).sum()), geometry.dry_approach(load)
 
 
-def _rough_guess(case: Case, grid: Grid) -> tuple[Floats, float]:
-    """Pressure and approach: those of the dry contact, or of rigid bodies where the film is far thicker than that."""
+def _rough_guess(case: Case, grid: Grid, contact_: Contact) -> tuple[Floats, float, Any]:
+    """Pressure, approach and pressure of the oil of the first guess on the coarsest grid.
+
+    They are those of the dry contact, or of rigid bodies where the film is far thicker than that.  Asperities carry
+    what they would carry of the dry contact, without oil or with half the expected film.
+    """
     outside, c, load = discretise.outside_of(case, grid), case.motion.curvature(0.0), case.motion.load(0.0)
     film = case.film_scale * starvation(case)[1]
     if film > THICK * c * case.geometry.dry_approach(load / c):
-        return outside.at_first(motion_of(case, -film)), -film
+        P = outside.at_first(motion_of(case, -film))
+        return P, -film, P
     P, approach = dry_guess(case.geometry, grid, load / c)
-    return c * P + outside.guess(motion_of(case, c * approach)), c * approach
+    P, approach = c * P, c * approach
+    whole = P + outside.guess(motion_of(case, approach))
+    if contact_.asperities is None:
+        return whole, approach, whole
+    lift, H = _lifted(contact_, P, approach, load * case.geometry.hertz_load, 0.5 * film)
+    return whole, approach - float(lift), np.maximum(whole - np.asarray(contact_.asperities.pressure(H)), 0.0)
+
+
+def _lifted_by_asperities(
+    c: Contact, P: Array, approach: FloatLike, load: FloatLike, least: FloatLike
+) -> tuple[Array, Array]:
+    """By how much asperities alone would lift the bodies to carry a load, at least by so much; and H then."""
+    asperities, H = c.asperities, contact.film_thickness(c, P, approach)
+    assert asperities is not None
+
+    def halve(_: int, ends: tuple[Array, Array]) -> tuple[Array, Array]:
+        low, high = ends
+        middle = 0.5 * (low + high)
+        too_low = integral(asperities.pressure(jnp.maximum(H, 0.0) + jnp.exp(middle)), c.spacing, c.even) > load
+        return jnp.where(too_low, middle, low), jnp.where(too_low, high, middle)
+
+    low, _ = jax.lax.fori_loop(0, 50, halve, (jnp.log(LEAST_LIFT), jnp.log(10.0)))
+    lift = jnp.maximum(jnp.exp(low), least)
+    return lift, jnp.maximum(H, 0.0) + lift
+
+
+_lifted = Program(jax.jit(_lifted_by_asperities), ANY_SIZE)
 
 
 def motion_of(case: Case, approach: float) -> ContactMotion:
@@ -295,11 +336,14 @@ def motion_of(case: Case, approach: float) -> ContactMotion:
     return ContactMotion(approach, 0.0, m.load(0.0), m.entrainment(0.0), curvature=m.curvature(0.0))
 
 
-def first_guess(c: Contact, coarse: GridSolution, approach: float) -> tuple[Array, float]:
-    """Pressure from the coarser grid, and the approach, reduced if the surfaces would overlap."""
+def first_guess(c: Contact, coarse: GridSolution, approach: float) -> tuple[Array, float, Array]:
+    """Pressure, approach and pressure of the oil from the coarser grid; reduced if the surfaces would overlap."""
     H_min = coarse.measure()["H_min"]
     least, thinnest = LEAST_FILM * max(H_min, 0.0), H_min + coarse.approach - approach
-    return _refined(c, coarse.P, np.asarray(coarse.case.layer is not None)), approach - max(least - thinnest, 0.0)
+    P = P_f = _refined(c, coarse.P_f, np.asarray(coarse.case.layer is not None))
+    if coarse.P_asperity is not None:
+        P = P_f + _refined(c, coarse.P_asperity, np.asarray(False))
+    return P, approach - max(least - thinnest, 0.0), P_f
 
 
 def _from_coarse(c: Contact, coarse: Array, starved: Array) -> Array:
@@ -317,22 +361,29 @@ def _from_coarse(c: Contact, coarse: Array, starved: Array) -> Array:
 _refined = Program(jax.jit(_from_coarse), ANY_SIZE)
 
 
-def solve_on_grid(case: Case, grid: Grid, c: Contact, P: Array | Floats, approach: float) -> GridSolution:
-    """The steady solution on one grid from a first guess of P and the approach; the latter fixes the oil outside."""
+def solve_on_grid(
+    case: Case, grid: Grid, c: Contact, P: Array | Floats, approach: float, P_f: Array | Floats | None = None
+) -> GridSolution:
+    """The steady solution on one grid from a first guess of P and the approach; the latter fixes the oil outside.
+
+    P_f: the first guess of the pressure of the oil, where asperities touch.
+    """
     outside = discretise.outside_of(case, grid)
     around = outside.at(motion_of(case, approach))
     gap = jax.device_put(np.asarray(c.gap) + around.uplift)  # NumPy has nothing to compile
     problem, P = problem_of(case, grid, replace(c, gap=gap), around.load), np.where(outside.is_edge, around.edge, P)
-    s, Delta = _program(problem, P, float(approach))
+    P_f = None if c.asperities is None else np.where(outside.is_edge, around.edge, P if P_f is None else P_f)
+    s, Delta = _program(problem, P, float(approach), P_f)
     s = s._replace(residual=np.asarray(s.residual))  # NumPy has nothing to compile
     if not np.isfinite(s.residual):  # the first guess is left, for the next grid and for what is stored
-        s, Delta = s._replace(P=P, H=contact.film_thickness(problem.contact, jnp.asarray(P), approach)), approach
+        H = contact.film_thickness(problem.contact, jnp.asarray(P), approach)
+        s, Delta = s._replace(P=P, Q=P_f, H=H), approach
     status = Status.CONVERGED if s.converged else Status.NEWTON_STALLED
     n, k = int(s.newton), int(s.krylov)
     work = nonlinear.convolutions(grid, n, k)
     history = tuple((np.asarray(s.history)[: n + 1] * problem.tolerance).tolist())
     numbers = float(Delta), history[-1], status, n, k, work, history, around.load
-    return GridSolution(case, grid, s.P, s.H, *numbers, s.shared)
+    return GridSolution(case, grid, s.P, s.H, *numbers, s.shared, None if s.Q is None else s.P - s.Q)
 
 
 def problem_of(case: Case, grid: Grid, c: Contact, outside: float) -> nonlinear.Problem:
@@ -350,11 +401,11 @@ def problem_of(case: Case, grid: Grid, c: Contact, outside: float) -> nonlinear.
 
 
 def _account(
-    space: Plane, c: Contact, P: Array, H: Array, rate: Rate, m: account.Moment
+    space: Plane, c: Contact, P: Array, H: Array, P_asperity: Array | None, rate: Rate, m: account.Moment
 ) -> tuple[dict[str, Array], account.Friction, OilContent]:
     content = contact.steady_oil(c, P, H, rate)
     change = wedge(content, m.U, c.spacing)
-    return *account.account(space, c, P, H, m, content.oil, content.passing, change), content
+    return *account.account(space, c, P, H, m, content.oil, content.passing, change, P_asperity), content
 
 
 _account_program = Program(jax.jit(_account), ANY_SIZE)
@@ -368,6 +419,7 @@ def compile_ahead(case: Case) -> None:
         with suppress(Exception):  # the run itself meets the error, and says so
             for grid in grids_of(case)[:-1]:  # the coarsest one's is needed at once
                 problem = problem_of(case, grid, discretise.contact_of(case, grid), 0.0)
-                _program.ready(problem, np.zeros(grid.shape), 0.0)
+                zero = np.zeros(grid.shape)
+                _program.ready(problem, zero, 0.0, zero if case.touches else None)
 
     Thread(target=compile_all).start()
