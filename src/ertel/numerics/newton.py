@@ -233,7 +233,9 @@ class NewtonKrylov:
                 return inverse.of(r[0]), r[1]
             return inverse.of(jnp.where(k == 0, -column, r[0])), jnp.where(k == 0, 1.0, 0.0)
 
-        change, krylov = gcr(jacobian, direction, (b, -weight * misfit), it.forcing, self.options.krylov_limit)
+        # with a part C(H) the misfit outweighs the rows, and the first change alone, of s, would seem to be enough
+        least = 0 if self.part is None else 2
+        change, krylov = gcr(jacobian, direction, (b, -weight * misfit), it.forcing, self.options.krylov_limit, least)
         return change, free, krylov
 
     def rows(
@@ -281,9 +283,16 @@ _Search = tuple[Any, Any, Any, Any, Array]  # x, r; z and apply(z) of the iterat
 
 
 def gcr(
-    apply: Callable[[Any], Any], direction: Callable[[Array, Any], Any], b: Any, reduction: Array | float, limit: int
+    apply: Callable[[Any], Any],
+    direction: Callable[[Array, Any], Any],
+    b: Any,
+    reduction: Array | float,
+    limit: int,
+    least: int = 0,
 ) -> tuple[Any, Array]:
     """Solve apply(x) = b until |r| <= reduction |b|, in at most `limit` iterations; return x and the iteration count.
+
+    It makes `least` iterations in any case.
 
     b is an array or a tuple of arrays, real or complex.  direction(k, r) returns the k-th search direction from the
     residual r; it applies the preconditioner.
@@ -297,7 +306,8 @@ def gcr(
 
     def go_on(state: _Search) -> Array:
         _, r, _, _, k = state
-        return (_norm(r) > goal) & (k < limit)
+        unsolved = _norm(r) > goal
+        return (unsolved | (k < least) if least else unsolved) & (k < limit)
 
     def improve(state: _Search) -> _Search:
         x, r, zs, ws, k = state

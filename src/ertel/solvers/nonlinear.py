@@ -331,7 +331,7 @@ def multigrid_levels(
     springs, active, touch = None, free, _touch(problem)
     if P is not None and touch is not None:
         stiff = single(touch.tangent(P, H).stiffness)
-        springs, active = multigrid.Springs(stiff, free, touch.unit * jnp.ones_like(stiff)), single(touch.active(P, H, free))
+        springs, active = multigrid.Springs(stiff, free, single(touch.unit) * jnp.ones_like(stiff)), single(touch.active(P, H, free))
     mass = film.by_H.mass, film.by_P.mass
     finest = multigrid.Coefficients(film.eps, rate * mass[0], rate * mass[1], active, film.steepening, springs)
 
