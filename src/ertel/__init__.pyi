@@ -42,6 +42,7 @@ from ertel.runs.store import open_run
 from ertel.runs.store import run as run
 from ertel.runs.studies import converge as converge
 from ertel.runs.studies import sweep as sweep
+from ertel.runs.traction import stribeck as stribeck
 from ertel.runs.traction import traction as traction
 
 formulas = film_formulas

@@ -32,7 +32,19 @@ from ertel.physics.units import marks
 
 SCHEMA = 1  # of the layout of case files
 READER = Reader()
-KEYS = ("schema", "name", "contact", "lubricant", "solver", "motion", "roughness", "surfaces", "time", "output", "thermal")
+KEYS = (
+    "schema",
+    "name",
+    "contact",
+    "lubricant",
+    "solver",
+    "motion",
+    "roughness",
+    "surfaces",
+    "time",
+    "output",
+    "thermal",
+)
 
 # What completes and checks a case in its constructor: `completion`, which knows the rules, puts its function here.
 completions: list[Callable[["Case", Collection[str] | None], None]] = []

@@ -169,7 +169,9 @@ def numbers_of(friction: Friction) -> dict[str, Array]:
     """The numbers of a friction by name: forces over the load in a/R, the power loss in F* a^2/(R t0)."""
     sliding = friction.sliding
     others = {"mu_rolling": friction.rolling[0], "power_loss": friction.power}
-    boundary = {} if friction.boundary is None else {"mu_boundary": friction.boundary}
+    boundary = {}
+    if friction.boundary is not None:
+        boundary = {"mu_boundary": friction.boundary, "mu_oil": sliding[0] - friction.boundary}
     return {"mu_sliding": sliding[0], "mu_sliding_y": sliding[1], **boundary, **others}
 
 
@@ -200,9 +202,10 @@ friction_program = Program(jax.jit(friction), ANY_SIZE)
 class Film(NamedTuple):
     """The film at one time.
 
-    P, H, eps: pressure of the oil, film thickness, mobility.  oil, passing: what is there and what passes with the flow, as mass.
-    heat: - rho q.grad h at the nodes.  deformation: of the solids.  growth: the rate of the oil + div(Poiseuille
-    flux) - source, which vanishes.  U: entrainment.  gap_change: DG/DT.
+    P, H, eps: pressure of the oil, film thickness, mobility.  oil, passing: what is there and what passes with the
+    flow, as mass.  heat: - rho q.grad h at the nodes.  deformation: of the solids.  growth: the rate of the oil +
+    div(Poiseuille flux) - source, which vanishes.  U: entrainment.  gap_change: DG/DT.  touch: None where no asperities
+    touch.
     """
 
     P: Array
@@ -246,7 +249,8 @@ def account(
 ) -> tuple[dict[str, Array], Friction]:
     """The terms of the account of a film on the 2-D grid by name, and its friction.
 
-    P: of the oil; P_asperity: of asperities, where they touch.  oil: what is there, as mass.  passing: what passes with the flow.  change: the rate of the oil, following the flow.
+    P: of the oil; P_asperity: of asperities, where they touch.  oil: what is there, as mass.  passing: what passes with
+    the flow.  change: the rate of the oil, following the flow.
     """
     details = c.flow.details(c, P, H, m.sliding, space)
     source = c.flow.source(c, P, H)

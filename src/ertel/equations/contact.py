@@ -112,7 +112,8 @@ class Contact:
     """Two surfaces and the oil between them.
 
     gap: undeformed gap minus roughness, shape (n, n).  kernel: from `halfspace.spectrum`.  flow: how the pressure
-    gradient drives the oil.  asperities: None where none touch.  even: the axes about which fields are even and stored on one side (`stencils`).
+    gradient drives the oil.  even: the axes about which fields are even and stored on one side (`stencils`).
+    asperities: None where none touch.
     """
 
     gap: Array

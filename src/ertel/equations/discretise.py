@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 from math import inf
+from typing import Any
 
 import jax
 import numpy as np
@@ -21,7 +22,6 @@ from ertel.equations.thinning import ThinningFlow
 from ertel.equations.touch import Asperities
 from ertel.numerics.grid import Grid
 from ertel.physics import surfaces
-from ertel.physics.asperities import AsperityLaw
 from ertel.physics.scales import Scales
 from ertel.physics.surfaces import CELLS_KEPT, Feature
 
@@ -50,11 +50,12 @@ def asperities_of(case: Case) -> Asperities | None:
     given, scales = case.surfaces, case.scales
     if given is None or given.asperities is None or scales is None:
         return None
-    return _tabulated(given.asperities, given.rms or 0.0, given.hardness or inf, given.friction, scales)
+    law: Any = given.asperities
+    return _tabulated(law, given.rms or 0.0, given.hardness or inf, given.friction, scales)
 
 
 @lru_cache(maxsize=8)
-def _tabulated(law: AsperityLaw, sigma: float, hardness: float, friction: float, scales: Scales) -> Asperities:
+def _tabulated(law: Any, sigma: float, hardness: float, friction: float, scales: Scales) -> Asperities:
     curve = law.curve(sigma, scales.E_prime / 2).capped(hardness)
     return Asperities.of(curve, scales.p_h, scales.film, friction / scales.a_over_R)
 

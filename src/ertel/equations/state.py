@@ -33,10 +33,10 @@ class Work(NamedTuple):
 class State:
     """The contact at one time: T in t0, approach in delta*, velocity dDelta/dT, fields of shape (n, n) or (n,) by name.
 
-    The fields are P, H and others that a method needs to go on; where asperities touch, P_asperity is their part of P.  load, outside: the double integral of P on the grid
-    and outside it.  status, work, error, record: of the step that made this state: its outcome, its work, how far the
-    film is from its prediction (relative), and its numbers by name (those of `Stepper.measure` and of
-    `account`).
+    The fields are P, H and others that a method needs to go on; where asperities touch, P_asperity is their part of P.
+    load, outside: the double integral of P on the grid and outside it.  status, work, error, record: of the step that
+    made this state: its outcome, its work, how far the film is from its prediction (relative), and its numbers by name
+    (those of `Stepper.measure` and of `account`).
     """
 
     T: float

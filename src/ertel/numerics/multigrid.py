@@ -10,7 +10,7 @@ diffusion dominates, distributive Jacobi where the deformation dominates.  Distr
 (1; -1/4 to the four neighbours); the deformation of such a change is short-ranged.  Only neighbours that are smoothed
 in the same way take a share: where diffusion dominates, it would leave a residual far larger than the one it removes.
 
-With springs beside the fluid (asperities, `Springs`) q = e + stiff * (K e), and a node without flow has the row hold * q.
+With springs beside the fluid (`Springs`) q = e + stiff * (K e), and a node without flow has the row hold * q.
 
 Source: Venner CH, Lubrecht AA. Multilevel methods in lubrication. Elsevier; 2000, ch. 6 and 7, written here for arrays.
 """
@@ -172,25 +172,27 @@ def _elasticity(grid: Grid, compliance: float, dtype: str, reach: float) -> Defo
 
 def point_smoother(elastic: DeformationOperator, c: Coefficients) -> PointSmoother:
     """The smoother for an operator without a derivative along X."""
-    K, faces = elastic.near, c.diffusion(elastic)
-    alone, together, stiff = 1.0, 1.0, 0.0  # q by a change of a node, and by one that is spread
-    if c.springs is not None:
-        stiff = c.springs.stiff
-        alone, together = 1.0 + stiff * K[0, 0], 1.0 + stiff * (K[0, 0] - K[0, 1])
-    by_jacobi = faces > (SHORT_WAVES * K[0, 0] + LONG_WAVES) * (c.stretch + c.local * stiff)
+    K, faces, springs = elastic.near, c.diffusion(elastic), c.springs
+    # q by a change of a node, and by one that is spread
+    one: Array | float = 1.0
+    spread_one: Array | float = 1.0
+    stretch = c.stretch
+    if springs is not None:
+        one, spread_one = 1.0 + springs.stiff * K[0, 0], 1.0 + springs.stiff * (K[0, 0] - K[0, 1])
+        stretch = stretch + c.local * springs.stiff
+    by_jacobi = faces > (SHORT_WAVES * K[0, 0] + LONG_WAVES) * stretch
     diffused = jnp.maximum(faces + c.steepening, LEAST_DIAGONAL * faces)
-    jacobi = diffused * alone + c.stretch * K[0, 0] + c.local * alone
-    distributive = (
-        diffused * (SPREAD_DIFFUSION - 1.0 + together) + c.stretch * (K[0, 0] - K[0, 1]) + c.local * together
-    )
-    if c.springs is not None:
-        flows, hold = c.springs.flows > 0.0, c.hold(elastic)
-        by_jacobi = jnp.where(flows, by_jacobi, stiff < alone)
-        jacobi = jnp.where(flows, jacobi, hold * alone)
-        distributive = jnp.where(flows, distributive, hold * (together + 0.25))
-    jacobi, distributive = JACOBI_DAMPING / jacobi, DISTRIBUTIVE_DAMPING / distributive
+    jacobi = diffused * one + c.stretch * K[0, 0] + c.local * one
+    spread_diffused = (SPREAD_DIFFUSION - 1.0 + spread_one) * diffused
+    distributive = spread_diffused + c.stretch * (K[0, 0] - K[0, 1]) + c.local * spread_one
+    if springs is not None:
+        flows, hold = springs.flows > 0.0, c.hold(elastic)
+        by_jacobi = jnp.where(flows, by_jacobi, springs.stiff < one)
+        jacobi = jnp.where(flows, jacobi, hold * one)
+        distributive = jnp.where(flows, distributive, hold * (spread_one + 0.25))
     alone, together = by_jacobi * c.free, ~by_jacobi * c.free
-    return PointSmoother(alone * jacobi, together * distributive, together, elastic.even)
+    by_one, by_spread = alone * (JACOBI_DAMPING / jacobi), together * (DISTRIBUTIVE_DAMPING / distributive)
+    return PointSmoother(by_one, by_spread, together, elastic.even)
 
 
 def hierarchy(
@@ -215,7 +217,8 @@ def hierarchy(
         operator = None
         eps = tree.map(partial(restrict, even=e.even, beyond="edge"), coefficients.eps)
         springs = tree.map(lambda c: c[::2, ::2], coefficients.springs)
-        coefficients = Coefficients(eps, *(c[::2, ::2] for c in coefficients[1:4]), springs=springs)
+        stretch, local, free = (c[::2, ::2] for c in (coefficients.stretch, coefficients.local, coefficients.free))
+        coefficients = Coefficients(eps, stretch, local, free, springs=springs)
     return *levels[:-1], replace(levels[-1], inverse=_inverse(levels[-1]))
 
 

@@ -100,9 +100,10 @@ NO_BORDER = Border(0.0, 0.0, lambda P, s: s, 1.0, 1.0)
 class Solution(NamedTuple):
     """An iterate: P and H, both (n, n); the maximum residual in units of the tolerance; the work.
 
-    Q: P without its part C(H), None where P has none.  left: the residual, >= 0 where P is held at zero, elsewhere nearly zero, shape (n, n).  shared: see `NewtonKrylov`.
-    history: the maximum residual before the first and after each Newton iteration, shape (newton_limit + 1,), padded
-    with NaN.  forcing: the reduction of the next linear residual.
+    Q: P without its part C(H), None where P has none.  left: the residual, >= 0 where P (or Q) is held at zero,
+    elsewhere nearly zero, shape (n, n).  shared: see `NewtonKrylov`.  history: the maximum residual before the first
+    and after each Newton iteration, shape (newton_limit + 1,), padded with NaN.  forcing: the reduction of the next
+    linear residual.
     """
 
     P: Array
@@ -201,9 +202,7 @@ class NewtonKrylov:
         new = it._replace(P=P, Q=Q, H=H, s=s, left=left, shared=shared, newton=count, krylov=it.krylov + krylov)
         size, reached = self.size(it, r), self.size(new, left)
         history = it.history.at[it.newton].set(size).at[count].set(reached)
-        return new._replace(
-            residual=reached, history=history, forcing=_forcing(self.options, reached / size, reached)
-        )
+        return new._replace(residual=reached, history=history, forcing=_forcing(self.options, reached / size, reached))
 
     def change_of_P(self, d: _Pair) -> Array:
         return d[0] + self.border.dP_ds * d[1]
@@ -212,7 +211,7 @@ class NewtonKrylov:
         return self.partner_change(d[0]) + self.border.dH_ds * d[1]
 
     def newton_change(self, it: Solution, r: Array, change_of_r: _Change) -> tuple[_Pair, Array, Array]:
-        """The change that solves the linear equations nearly, the free nodes, and the Krylov iterations that it took."""
+        """The change that solves the linear equations nearly, the free nodes, and the Krylov iterations for it."""
         early = it.newton < self.options.filling_limit
         free = _free(it.own, jnp.where(early, self.filled(jnp.where(it.own > 0.0, 0.0, r)), r))
         line = None if self.part is None else self.part.tangent(it.P, it.H)

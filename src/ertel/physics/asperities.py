@@ -153,5 +153,3 @@ def persson_curve(q: tuple[float, ...], spectrum: tuple[float, ...], sigma: floa
     h = np.concatenate([h[0] + rise[0] * light, h[kept]])[::-1]
     p = np.concatenate([p[0] * np.exp(-light), p[kept]])[::-1]
     return Curve(h, p, erf(p / root[-1]))
-
-

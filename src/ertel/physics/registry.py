@@ -5,8 +5,8 @@
     class Power: ...
 
 Other packages add laws and shapes through entry points in the groups "ertel.viscosity_laws", "ertel.density_laws",
-"ertel.fluidity_laws", "ertel.asperity_laws" and "ertel.shapes".  The name of the entry point is the name of the law; the entry point loads the
-record.
+"ertel.fluidity_laws", "ertel.asperity_laws" and "ertel.shapes".  The name of the entry point is the name of the law;
+the entry point loads the record.
 """
 
 from collections.abc import Callable, Iterator, Mapping

@@ -46,8 +46,9 @@ class Frame(NamedTuple):
 
 def names_over(case: Case, *over: str) -> list[str]:
     """The names of the variables that the Dataset of a case has over these; of a line contact none across it."""
-    left_out = [name for name, there in {"is_across": not case.geometry.is_line, "of_touch": case.touches}.items() if not there]
-    return names_where(lambda variable: variable.over in over and not any(getattr(variable, name) for name in left_out))
+    line, touches = case.geometry.is_line, case.touches
+    there = names_where(lambda variable: variable.over in over and (touches or not variable.of_touch))
+    return [name for name in there if not (line and variables.VARIABLES[name].is_across)]
 
 
 def columns(case: Case, records: Sequence[Mapping[str, float]]) -> dict[str, np.ndarray]:

@@ -20,6 +20,7 @@ from ertel.results import balances, diagnostics
 from ertel.results.dataset import SteadyGrid, names_over
 from ertel.results.numbers import ERRORS
 from ertel.results.parameters import parameters_of, scale_values, values_in_si
+from ertel.results.touching import touch_warnings
 from ertel.results.variables import (
     COEFFICIENT,
     FILMS,
@@ -160,6 +161,17 @@ def heat_numbers(case: Case, solution: SteadyGrid) -> dict[str, float | None]:
     return {**films, "L_t": heat.inlet.L_t, "phi_T": heat.inlet.factor, **found}
 
 
+def film_over_roughness(case: Case, values: Mapping[str, Any]) -> dict[str, float]:
+    """Lambda, from the minimum film of a physical case with roughness as a number; the warm one, where there is heat.
+
+    Empty without a film, or without such a roughness.
+    """
+    H, rms = values.get("H_min_warm", values.get("H_min")), case.surfaces.rms if case.surfaces else None
+    if H is None or rms is None or case.scales is None:
+        return {}
+    return {"Lambda": H * case.scales.film / rms}
+
+
 def _of_moment(there: Container[Any]) -> list[str]:
     """The names of the values of a summary that are there."""
     return [name for name in names_where(lambda variable: variable.at_moment) if name in there]
@@ -207,8 +219,10 @@ def _summary(case: Case, content: Mapping[str, Any], status: Status, warnings: l
 
     A traction coefficient along y that is zero is left out: most contacts have the symmetry.
     """
+    warnings = [*warnings, *touch_warnings(case, content)]
     heading = {"kind": case.kind, "method": case.solver.method, **parameters_of(case), **dict.fromkeys(ERRORS)}
     known = {name: value for name, value in content.items() if value or name != "mu_sliding_y"}
+    known |= film_over_roughness(case, content)
     return with_si(case, {**heading, **_finite(known), "status": status.value, "warnings": warnings})
 
 

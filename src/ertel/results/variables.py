@@ -133,8 +133,11 @@ STEPS = {  # and grids
         **FRICTION, is_heated=True, is_across=True,
     ),
     "mu_boundary": Variable(
-        "part of the traction coefficient that asperities have", "mu_boundary", *NUMBER,
-        **FRICTION, curve_panel="Traction", of_touch=True,
+        "boundary part of the traction coefficient", "mu_boundary", *NUMBER,
+        comment="of asperities", **FRICTION, curve_panel="Traction", of_touch=True,
+    ),
+    "mu_oil": Variable(
+        "oil's part of the traction coefficient", "mu_oil", *NUMBER, **MOMENT, curve_panel="Traction", of_touch=True
     ),
     "mu_rolling": Variable(
         "rolling resistance coefficient", "mu_rolling", *NUMBER, comment=RESISTANCE, **FRICTION, curve_panel="Traction"
@@ -143,7 +146,8 @@ STEPS = {  # and grids
         "power loss", "power_loss", *POWER, comment=LOSS, **FRICTION, curve_panel="Power loss", is_heated=True
     ),
     "asperity_share": Variable(
-        "share of the load that asperities carry", "share", **FRICTION, panel="Solid contact", of_touch=True
+        "share of the load that asperities carry", "share", **FRICTION,
+        panel="Solid contact", curve_panel="Solid contact", of_touch=True,
     ),
     "contact_area": Variable("area of solid contact", "A_c", *AREA, **ESTIMATED, of_touch=True),
     "P_asperity_max": Variable("maximum pressure of asperities", "P_c,max", *PRESSURE, **MOMENT, of_touch=True),
@@ -196,6 +200,10 @@ RUNS = {  # of a run as a whole, or of a traction curve
     "T_1_max": Variable("highest temperature of surface 1", "T_1_max", KELVIN, curve_panel="Temperature"),
     "T_2_max": Variable("highest temperature of surface 2", "T_2_max", KELVIN, curve_panel="Temperature"),
     "T_film_mean": Variable("mean temperature of the film, weighted with the pressure", "T_film_mean", KELVIN),
+    "Lambda": Variable(
+        "minimum film over rms roughness", "Lambda",
+        comment="rms of both surfaces together, of [surfaces]", shown=True, curve_panel="Film over roughness",
+    ),
     "phi_T": Variable("inlet factor of the film", "phi_T", curve_panel="Inlet factor"),
     "L_t": Variable("thermal loading parameter", "L_t"),
     "wall_time": Variable("time of computing", "t_wall", "s"),

@@ -131,9 +131,7 @@ def _touch(problem: Problem) -> Touch | None:
 
 
 @jax.jit
-def solve(
-    problem: Problem, P: Array, approach: FloatLike, P_f: Array | None = None
-) -> tuple[newton.Solution, Array]:
+def solve(problem: Problem, P: Array, approach: FloatLike, P_f: Array | None = None) -> tuple[newton.Solution, Array]:
     """P, H and Delta from a first guess of P and Delta (which is not used where Delta follows from P).
 
     P_f: the pressure of the oil, where asperities touch.  `shared` of the solution is the flow in its film; of a steady
@@ -159,7 +157,14 @@ def solve(
 
     fill = partial(filled, problem)
     system = newton.NewtonKrylov(
-        residual, closed.film_change, inverse, problem.tolerance, how.options, closed.border, fill, shared,
+        residual,
+        closed.film_change,
+        inverse,
+        problem.tolerance,
+        how.options,
+        closed.border,
+        fill,
+        shared,
         _touch(problem),
     )
     solution = system.solve(P, closed.H, P_f)
@@ -192,9 +197,10 @@ class Middle(NamedTuple):
             outside=problem.outside._replace(edge=0.0),  # P = 0 there
         )
         solution, found = solve(inner, P[middle], approach, None if P_f is None else P_f[middle])
-        P, P_f = (None if f is None else jnp.zeros_like(P).at[middle].set(f) for f in (solution.P, solution.Q))
+        zero, Q = jnp.zeros_like(P), solution.Q
+        P = zero.at[middle].set(solution.P)
         H = contact.film_thickness(c, P, found)
-        solution = solution._replace(P=P, Q=P_f, H=H)
+        solution = solution._replace(P=P, Q=None if Q is None else zero.at[middle].set(Q), H=H)
         flow = c.flow.at(c, solution.own, H)
         left = contact.residual(replace(c, flow=flow), solution.own, H, rate)
         residual = jnp.maximum(solution.residual, newton.largest_residual(solution.own, left, problem.tolerance))
@@ -276,16 +282,12 @@ def approach_as_unknown(problem: Problem, P: Array, approach: FloatLike) -> Clos
 # because the Krylov iteration keeps its residual in double precision (`newton.gcr`).
 
 
-def point_preconditioner(
-    problem: Problem, P_f: Array, H: Array, free: Array, P: Array | None
-) -> newton.Inverse:
+def point_preconditioner(problem: Problem, P_f: Array, H: Array, free: Array, P: Array | None) -> newton.Inverse:
     """V-cycle with the point smoother, for a rate without a wedge: every step in time."""
     return v_cycle(problem, P_f, H, free, P, problem.rate.new, multigrid.point_smoother)
 
 
-def line_preconditioner(
-    problem: Problem, P_f: Array, H: Array, free: Array, P: Array | None
-) -> newton.Inverse:
+def line_preconditioner(problem: Problem, P_f: Array, H: Array, free: Array, P: Array | None) -> newton.Inverse:
     """V-cycle with the line smoother along the direction of entrainment, for a film with a wedge."""
     drift = 0.0 if problem.rate.wedge is None else problem.rate.wedge
     smoother = partial(line_smoother, rate=problem.rate.new, drift=drift)
@@ -331,7 +333,8 @@ def multigrid_levels(
     springs, active, touch = None, free, _touch(problem)
     if P is not None and touch is not None:
         stiff = single(touch.tangent(P, H).stiffness)
-        springs, active = multigrid.Springs(stiff, free, single(touch.unit) * jnp.ones_like(stiff)), single(touch.active(P, H, free))
+        springs = multigrid.Springs(stiff, free, single(touch.unit) * jnp.ones_like(stiff))
+        active = single(touch.active(P, H, free))
     mass = film.by_H.mass, film.by_P.mass
     finest = multigrid.Coefficients(film.eps, rate * mass[0], rate * mass[1], active, film.steepening, springs)
 

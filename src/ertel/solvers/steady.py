@@ -18,7 +18,7 @@ from jax import Array
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
-from ertel.case.estimates import grid_of, largest_film, starvation
+from ertel.case.estimates import grid_of, largest_film
 from ertel.case.status import Status
 from ertel.equations import account, contact, discretise
 from ertel.equations.approach import balanced
@@ -29,19 +29,15 @@ from ertel.numerics import multigrid, newton, stencils
 from ertel.numerics.grid import Grid, check_coarsening, expected_next
 from ertel.numerics.integrals import Plane
 from ertel.numerics.programs import ANY_SIZE, Program, double_precision
-from ertel.numerics.stencils import FloatLike, integral
-from ertel.physics.far_field import ContactMotion
-from ertel.physics.geometry import Geometry
 from ertel.solvers import nonlinear
+from ertel.solvers.guesses import motion_of, refined, rough_guess
 from ertel.solvers.heat import Heated, heated
 
 Floats = NDArray[np.float64]
 
 FIRST_GRID = 33  # nodes a side from which nested iteration starts, or the next that the finest grid allows
 FIRST_ROW = 129  # nodes of a line contact from which it starts: each grid is a program
-LEAST_LIFT = 1e-9  # a^2/R
 LEAST_FILM = 0.5  # a first guess keeps this fraction of the coarse grid's minimum film thickness
-THICK = 3.0  # film in units of the dry approach, from which the first guess is that of rigid bodies
 TOLERANCE = 1e-8  # of the residual of the steady film from which a transient run starts
 SETTLING = 5  # solves at most until the film and the oil outside agree; each leaves a hundredth, a tenth at low M
 OUTSIDE = 1e-4  # of the load: a change of the load outside that leaves the film as it is (H_c by as much at most)
@@ -136,7 +132,10 @@ class GridSolution:
     @cached_property
     def heat(self) -> Heated | None:
         """Its temperatures; None without a section [thermal]."""
-        return None if self.case.thermal is None else heated(self.case, self.P, self.H, grid=self.grid)
+        if self.case.thermal is None:
+            return None
+        solid = {} if self.P_asperity is None else {"P_asperity": self.P_asperity}
+        return heated(self.case, self.P_f, self.H, grid=self.grid, **solid)
 
     @property
     def record(self) -> dict[str, float]:
@@ -232,7 +231,7 @@ def nested(case: Case, done: Sequence[GridSolution] = ()) -> Iterator[GridSoluti
         if solutions:
             guess = first_guess(c, solutions[-1], expected_next([s.approach for s in solutions]))
         else:
-            first = solve_on_grid(case, grid, c, *_rough_guess(case, grid, c))
+            first = solve_on_grid(case, grid, c, *rough_guess(case, grid, c))
             guess = first.P, first.approach, first.P_f  # with the oil outside of the lubricated contact
         solution = _agreeing(c, solve_on_grid(case, grid, c, *guess), OUTSIDE)
         solutions.append(_judged(solution) if grid is grids[0] else solution)
@@ -282,83 +281,14 @@ def _agreeing(c: Contact, s: GridSolution, allowed: float) -> GridSolution:
     return s
 
 
-def dry_guess(geometry: Geometry, grid: Grid, load: float) -> tuple[Floats, float]:
-    """Pressure and approach of the dry contact under a load in units F*; the pressure is scaled to carry it exactly."""
-    P = geometry.dry_pressure(load, grid.kept_x[None, :], grid.kept_y[:, None])
-    needed = load * geometry.hertz_load / grid.spacing ** (1 if grid.nodes_y == 1 else 2)
-    return P * (needed / stencils.unfolded(P, grid.even).sum()), geometry.dry_approach(load)
-
-
-def _rough_guess(case: Case, grid: Grid, contact_: Contact) -> tuple[Floats, float, Any]:
-    """Pressure, approach and pressure of the oil of the first guess on the coarsest grid.
-
-    They are those of the dry contact, or of rigid bodies where the film is far thicker than that.  Asperities carry
-    what they would carry of the dry contact, without oil or with half the expected film.
-    """
-    outside, c, load = discretise.outside_of(case, grid), case.motion.curvature(0.0), case.motion.load(0.0)
-    film = case.film_scale * starvation(case)[1]
-    if film > THICK * c * case.geometry.dry_approach(load / c):
-        P = outside.at_first(motion_of(case, -film))
-        return P, -film, P
-    P, approach = dry_guess(case.geometry, grid, load / c)
-    P, approach = c * P, c * approach
-    whole = P + outside.guess(motion_of(case, approach))
-    if contact_.asperities is None:
-        return whole, approach, whole
-    lift, H = _lifted(contact_, P, approach, load * case.geometry.hertz_load, 0.5 * film)
-    return whole, approach - float(lift), np.maximum(whole - np.asarray(contact_.asperities.pressure(H)), 0.0)
-
-
-def _lifted_by_asperities(
-    c: Contact, P: Array, approach: FloatLike, load: FloatLike, least: FloatLike
-) -> tuple[Array, Array]:
-    """By how much asperities alone would lift the bodies to carry a load, at least by so much; and H then."""
-    asperities, H = c.asperities, contact.film_thickness(c, P, approach)
-    assert asperities is not None
-
-    def halve(_: int, ends: tuple[Array, Array]) -> tuple[Array, Array]:
-        low, high = ends
-        middle = 0.5 * (low + high)
-        too_low = integral(asperities.pressure(jnp.maximum(H, 0.0) + jnp.exp(middle)), c.spacing, c.even) > load
-        return jnp.where(too_low, middle, low), jnp.where(too_low, high, middle)
-
-    low, _ = jax.lax.fori_loop(0, 50, halve, (jnp.log(LEAST_LIFT), jnp.log(10.0)))
-    lift = jnp.maximum(jnp.exp(low), least)
-    return lift, jnp.maximum(H, 0.0) + lift
-
-
-_lifted = Program(jax.jit(_lifted_by_asperities), ANY_SIZE)
-
-
-def motion_of(case: Case, approach: float) -> ContactMotion:
-    """The motion of the steady contact, for the oil outside."""
-    m = case.motion
-    return ContactMotion(approach, 0.0, m.load(0.0), m.entrainment(0.0), curvature=m.curvature(0.0))
-
-
 def first_guess(c: Contact, coarse: GridSolution, approach: float) -> tuple[Array, float, Array]:
     """Pressure, approach and pressure of the oil from the coarser grid; reduced if the surfaces would overlap."""
     H_min = coarse.measure()["H_min"]
     least, thinnest = LEAST_FILM * max(H_min, 0.0), H_min + coarse.approach - approach
-    P = P_f = _refined(c, coarse.P_f, np.asarray(coarse.case.layer is not None))
+    P = P_f = refined(c, coarse.P_f, np.asarray(coarse.case.layer is not None))
     if coarse.P_asperity is not None:
-        P = P_f + _refined(c, coarse.P_asperity, np.asarray(False))
+        P = P_f + refined(c, coarse.P_asperity, np.asarray(False))
     return P, approach - max(least - thinnest, 0.0), P_f
-
-
-def _from_coarse(c: Contact, coarse: Array, starved: Array) -> Array:
-    """Pressure on the finer grid; starved: only where it is above zero at all nodes around.
-
-    Newton's iteration moves a meniscus upstream in fewer steps than it takes to correct one that lies too far upstream.
-    """
-    coarse = stencils.unfolded(coarse, c.even)
-    full = multigrid.prolong(jnp.where(coarse > 0.0, 1.0, 0.0)) == 1.0
-    # linear interpolation has steps in the slope, which cause a large residual in the inlet
-    P = jnp.where(full | ~starved, multigrid.prolong_smooth(coarse), 0.0)
-    return stencils.inside(stencils.folded(jnp.maximum(P, 0.0), c.even), c.even)
-
-
-_refined = Program(jax.jit(_from_coarse), ANY_SIZE)
 
 
 def solve_on_grid(

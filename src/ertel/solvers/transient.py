@@ -342,7 +342,10 @@ def film_error(film: Array, predicted: Array, P: Array, thin: Array | float, eve
 def solve_step(p: StepProblem) -> StepSolution:
     """The fields and the numbers after one step."""
     s, known, masses = p.setting, Known.of(p.known), [level["mass"] for level in p.past[:2]]
-    pressures, bent = [own_pressure(level) for level in p.past[:2]], (s.gap, known.curvatures[1:3] - known.curvatures[3])
+    pressures, bent = (
+        [own_pressure(level) for level in p.past[:2]],
+        (s.gap, known.curvatures[1:3] - known.curvatures[3]),
+    )
     rate = rate_in_time(known.rates, masses, p.flow, p.contact.spacing, pressures, bent)
     P = _weighted(known.predict, [own_pressure(level) for level in p.past])
     P_old, H_old = own_pressure(p.past[0]), p.past[0]["H"]
