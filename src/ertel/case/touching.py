@@ -2,12 +2,26 @@
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from ertel.case.case import Case
 from ertel.case.records import show, with_unit
 from ertel.physics.surfaces import has_waves
 from ertel.physics.units import LENGTH
 
 ROUND_OFF = 1e-4  # of a wavelength that both parts of a spectrum name
+
+
+NO_TOUCH = 1e-9  # of p_h: a pressure that does not push
+
+
+def first_touch(case: Case) -> float:
+    """The gap (a^2/R) below which asperities carry a pressure; 0 where none touch."""
+    given, scales = case.surfaces, case.scales
+    if given is None or given.asperities is None or scales is None:
+        return 0.0
+    curve = given.asperities.curve(given.rms or 0.0, scales.E_prime / 2)
+    return float(np.interp(-NO_TOUCH * scales.p_h, -curve.p, curve.h)) / scales.film
 
 
 def rough_surfaces(case: Case) -> Iterator[tuple[str, str]]:

@@ -188,7 +188,7 @@ def _contact(data: xr.Dataset, status: Status) -> dict[str, float | None]:
     if status.failed or not left:
         return dict.fromkeys(names_where(lambda variable: variable.of_impact))
     above = np.flatnonzero(F > LIGHT * F.max())
-    ends = [max(above[0] - 1, 0), above[0]], [above[-1] + 1, above[-1]]  # the lighter side first
+    ends = [max(above[0] - 1, 0), above[0]], [min(above[-1] + 1, len(T) - 1), above[-1]]  # the lighter side first
     start, end = (float(np.interp(LIGHT * F.max(), F[pair], T[pair])) for pair in ends)
     return {"restitution": -float(V[-1]), "contact_time": end - start, "F_max": float(F.max())}
 

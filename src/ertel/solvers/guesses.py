@@ -54,7 +54,7 @@ def rough_guess(case: Case, grid: Grid, c: Contact) -> tuple[Floats, float, Any]
     whole = P + outside.guess(motion_of(case, approach))
     if c.asperities is None:
         return whole, approach, whole
-    lift, H = _lifted(c, P, approach, load * case.geometry.hertz_load, 0.5 * film)
+    lift, H = lifted(c, P, approach, load * case.geometry.hertz_load, 0.5 * film)
     return whole, approach - float(lift), np.maximum(whole - np.asarray(c.asperities.pressure(H)), 0.0)
 
 
@@ -76,7 +76,7 @@ def _lifted_by_asperities(
     return lift, jnp.maximum(H, 0.0) + lift
 
 
-_lifted = Program(jax.jit(_lifted_by_asperities), ANY_SIZE)
+lifted = Program(jax.jit(_lifted_by_asperities), ANY_SIZE)
 
 
 def _from_coarse(c: Contact, coarse: Array, starved: Array) -> Array:
