@@ -40,7 +40,10 @@ QUICK_TO_COMPILE = (
     "--xla_cpu_parallel_codegen_split_count=1"  # the other core has its own tests
 )
 
-MOST_MEMORY = 1.2e9  # bytes at the end of a test file from which on compiled programs are forgotten
+# bytes at the end of a test file from which on compiled programs are forgotten: of eight workers, half of the machine
+MOST_MEMORY = max(1.2e9, psutil.virtual_memory().total / 16)
+# Each file is one worker's, and the last ones should be short: first what takes longest
+LONGEST = ("solvers/", "runs/", "test_documents", "equations/", "apps/test_cli", "numerics/", "results/", "plots/")
 
 settings.register_profile("ertel", deadline=None, derandomize=True, max_examples=50)
 settings.load_profile("ertel")
@@ -57,6 +60,16 @@ def pytest_configure(config: pytest.Config) -> None:
     os.fsync = lambda handle: None  # no test cuts the power: waiting for the disk takes a tenth of the time
     # coarse grids are what makes tests quick
     config.addinivalue_line("filterwarnings", r"ignore:.*(use solver\.|there is no error estimate):UserWarning")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Files that take long come first: see `LONGEST`."""
+
+    def place(item: pytest.Item) -> int:
+        name = item.path.relative_to(item.config.rootpath / "tests").as_posix()
+        return next((n for n, start in enumerate(LONGEST) if name.startswith(start)), len(LONGEST))
+
+    items.sort(key=place)  # which keeps the order within a file
 
 
 def pytest_collection_finish() -> None:
