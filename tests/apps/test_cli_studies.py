@@ -168,6 +168,7 @@ def test_a_curve_is_printed_and_stored_and_shown_by_the_same_command(here, monke
     assert [float(row["slide_to_roll"]) for row in rows(curve / "traction.csv")] == [0.0, 0.02, 0.04]
     assert (curve / "traction.png").read_bytes().startswith(b"\x89PNG")
     [run] = (curve / "runs").iterdir()
+    monkeypatch.setattr(StudyResult, "plot", lambda self: Figure())  # what is drawn is tested with studies
     monkeypatch.setattr("ertel.runs.store.drive", None)  # nothing is solved again
     assert ertel_(*TRACTION).stdout == text
     data = json.loads(ertel_(*TRACTION, "--json").stdout)

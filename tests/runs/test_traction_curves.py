@@ -58,9 +58,10 @@ def test_the_power_is_that_of_the_forces(newtonian: Any) -> None:
 
 def test_one_film_is_exact_for_a_newtonian_oil(newtonian: Any) -> None:
     assert "solved once" in newtonian.dataset.attrs["film"]
-    each = traction(physical(), slide_to_roll="-0.1:0.2:4", film="each")
-    xr.testing.assert_allclose(each.dataset[[*FRICTION]], newtonian.dataset[[*FRICTION]], rtol=1e-12)
-    assert newtonian.dataset["newton_iterations"].sum() == each.dataset["newton_iterations"].sum() / 4
+    each = traction(physical(), slide_to_roll=[-0.1, 0.2], film="each")
+    once = newtonian.dataset.isel(slide_to_roll=[0, -1])
+    xr.testing.assert_allclose(each.dataset[[*FRICTION]], once[[*FRICTION]], rtol=1e-12)
+    assert newtonian.dataset["newton_iterations"].sum() == each.dataset["newton_iterations"].sum() / 2
 
 
 def test_each_point_of_an_oil_that_thins_has_its_own_film(eyring: Any) -> None:
