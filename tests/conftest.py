@@ -40,8 +40,8 @@ QUICK_TO_COMPILE = (
     "--xla_cpu_parallel_codegen_split_count=1"  # the other core has its own tests
 )
 
-# bytes at the end of a test file from which on compiled programs are forgotten: of eight workers, half of the machine
-MOST_MEMORY = max(1.2e9, psutil.virtual_memory().total / 16)
+# bytes at the end of a test file from which on compiled programs are forgotten: all workers have a fourth of the machine
+MOST_MEMORY = max(1.2e9, psutil.virtual_memory().total / 4 / min(os.cpu_count() or 1, 8))
 # Each file is one worker's, and the last ones should be short: first what takes longest
 LONGEST = ("solvers/", "runs/", "test_documents", "equations/", "apps/test_cli", "numerics/", "results/", "plots/")
 
@@ -93,6 +93,15 @@ def _programs_are_kept() -> None:
     from ertel.runs.compile import start_at_once  # not above: what it imports reads the environment
 
     start_at_once()
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _panels_lie_where_they_may(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Where panels lie takes most of the time of a picture; only the tests of pictures look at it."""
+    with pytest.MonkeyPatch.context() as patch:
+        if request.path.parent.name != "plots":
+            patch.setattr("matplotlib.layout_engine.ConstrainedLayoutEngine.execute", lambda engine, figure: None)
+        yield
 
 
 @pytest.fixture(autouse=True, scope="module")

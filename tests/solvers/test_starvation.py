@@ -160,8 +160,8 @@ def test_the_film_of_a_starved_contact(r: float, nodes: int) -> None:
     assert film_reduction(r, nodes) == pytest.approx(STARVED[r], abs=0.07 if nodes == 65 else 0.008)
 
 
-# The whole plane of a track that is not symmetric, whose program it shares.  Newton's iteration would fill and empty the
-# same nodes in turns, if it did not hold where the film is kinked.
+# The whole plane of a track that is not symmetric, whose program it shares.  Newton's iteration would fill and empty
+# the same nodes in turns, if it did not hold where the film is kinked.
 SQUARE = {"nodes": 33, "half_width": 3.0, "half_width_y": 3.0, "inlet": 4.5}
 
 
