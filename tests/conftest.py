@@ -40,7 +40,7 @@ QUICK_TO_COMPILE = (
     "--xla_cpu_parallel_codegen_split_count=1"  # the other core has its own tests
 )
 
-# bytes at the end of a test file from which on compiled programs are forgotten: all workers have a fourth of the machine
+# bytes at the end of a test file from which on compiled programs are forgotten: a fourth of the machine for all workers
 MOST_MEMORY = max(1.2e9, psutil.virtual_memory().total / 4 / min(os.cpu_count() or 1, 8))
 # Each file is one worker's, and the last ones should be short: first what takes longest
 LONGEST = ("solvers/", "runs/", "test_documents", "equations/", "apps/test_cli", "numerics/", "results/", "plots/")

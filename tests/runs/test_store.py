@@ -79,7 +79,7 @@ GRIDS = [*BOTH, (ReplacedData, "_write"), (Path, "rename")]
 EVER = list(itertools.product(("before", "after"), range(1, 6)))
 DEATHS = {  # before or after which calls of the functions that a flush calls, and how many states these are at least
     "radial": (IN_TIME, [("before", 2), ("after", 3)], 7),
-    "steady": (GRIDS, [("before", 1), ("after", 2), ("before", 4)], 7),
+    "steady": (GRIDS, [("before", 1), ("after", 2)], 5),
     "radial, ever": (IN_TIME, EVER, 20),
     "steady, ever": (GRIDS, EVER, 15),
     "impact, ever": (IN_TIME, EVER, 20),

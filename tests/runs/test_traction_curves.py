@@ -76,7 +76,7 @@ def test_each_point_of_an_oil_that_thins_has_its_own_film(eyring: Any) -> None:
     assert float(once["mu_sliding"][1]) != float(data["mu_sliding"][2])
 
 
-@pytest.mark.parametrize("axis", ["mean_speed", "load"])
+@pytest.mark.parametrize("axis", [pytest.param("mean_speed", marks=pytest.mark.slow), "load"])
 def test_a_point_over_the_speed_or_the_load_is_its_own_case(axis: str) -> None:
     base = physical(mean_speed="1 m/s", slide_to_roll=0.05)
     value = 2.0 * getattr(base.contact, axis)

@@ -137,7 +137,7 @@ def test_warm_bodies_warm_the_film() -> None:
     assert float(sliding.sliding[0]) < float(cold.sliding[0])
 
 
-@pytest.mark.parametrize("slide_to_roll", [2.0, -2.0])
+@pytest.mark.parametrize("slide_to_roll", [2.0, pytest.param(-2.0, marks=pytest.mark.slow)])
 def test_a_surface_at_rest(slide_to_roll: float) -> None:
     """Its highest temperature continues that of a surface that hardly moves either way."""
     warm, before, after = (heated_at(slide_to_roll * share) for share in (1.0, 0.98, 1.02))
