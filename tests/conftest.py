@@ -66,8 +66,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Files that take long come first: see `LONGEST`."""
 
     def place(item: pytest.Item) -> int:
-        name = item.path.relative_to(item.config.rootpath / "tests").as_posix()
-        return next((n for n, start in enumerate(LONGEST) if name.startswith(start)), len(LONGEST))
+        return next((n for n, start in enumerate(LONGEST) if item.nodeid.startswith(f"tests/{start}")), len(LONGEST))
 
     items.sort(key=place)  # which keeps the order within a file
 
