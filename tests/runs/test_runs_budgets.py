@@ -79,7 +79,7 @@ def test_budgets_close_with_the_order_of_grid_and_step() -> None:
 @cache
 def rolling(direction: float = 1.0, load: float = 0.0, height: float = 0.1) -> Result:
     """Waviness on one of two sliding surfaces, and a load that swings: all terms but inertia."""
-    solver = replace(METHODS["transient"].defaults, nodes=33, tolerance=1e-8, inlet=None, half_width=4.0)
+    solver = replace(METHODS["transient"].defaults, nodes=33, tolerance=1e-8, fold=False, inlet=None, half_width=4.0)
     drive = Drive(Oscillation(1.0, load, 2.0), constant(direction), slide_to_roll=1.0)
     return simulate(rolled(P20, OIL, solver, drive, Feature(Waviness(height, 2.0)), time=Time(until=1.0, step=0.05)))
 
