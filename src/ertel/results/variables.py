@@ -37,7 +37,7 @@ class Variable:
     it is not given.  comment: what a user must know besides.
 
     over: what a Dataset has it over: "axis" (it is one), "step" (each time step, or each grid of a steady contact),
-    "grid", "map", "heated map"; "" of a run as a whole.
+    "grid", "map", "heated map", "stress" (in a body); "" of a run as a whole.
     at_moment: it is in the summary, with its value at maximum approach, at the last time or steadily.
     of_impact: it is in the summary of an impact, about all of it.
     shown: it is a key number: texts, tables of runs and studies, and the app show it.
@@ -104,6 +104,7 @@ AXES = {
     "frame": Variable("time of a map", "T", *TIME, "t"),
     "X": Variable("position along x", "X", *LENGTH),
     "Y": Variable("position along y", "Y", *LENGTH),
+    "Z": Variable("depth below the surface of a body", "Z", *LENGTH),
     "r": Variable("distance from the centre", "r", *LENGTH),
     "grid": Variable("nodes per side of a grid", "n"),
     "iteration": Variable("Newton iteration", "k"),
@@ -177,6 +178,13 @@ RUNS = {  # of a run as a whole, or of a traction curve
         "maximum mid-plane shear stress", "tau_max", *SHEAR,
         shown=True, curve_panel="Maximum shear stress", is_heated=True,
     ),
+    "von_mises_max": Variable("largest von Mises stress in body 1", "sigma_vM", *PRESSURE),
+    "X_von_mises": Variable("place of the largest von Mises stress along x", "X_vM", *LENGTH),
+    "Y_von_mises": Variable("place of the largest von Mises stress along y", "Y_vM", *LENGTH, is_across=True),
+    "Z_von_mises": Variable("depth of the largest von Mises stress", "Z_vM", *LENGTH),
+    "shear_max": Variable("largest shear stress in body 1, of all planes", "tau_1", *PRESSURE),
+    "Z_shear": Variable("depth of the largest shear stress in body 1", "Z_tau", *LENGTH),
+    "yield_ratio": Variable("largest von Mises stress over the yield stress of body 1", "sigma_vM/Y"),
     "T_film_max": Variable(
         "highest temperature of the film", "T_film_max", KELVIN, shown=True, curve_panel="Temperature"
     ),
@@ -199,6 +207,14 @@ HEATED_MAPS = {  # of a steady contact with [thermal], see `solvers.heat`
     "T_1": Variable("temperature of surface 1", "T_1", KELVIN),
     "T_2": Variable("temperature of surface 2", "T_2", KELVIN),
     "T_film": Variable("temperature of the film", "T_film", KELVIN, comment="mean across the film"),
+    "tau_x_warm": Variable("shear stress in the middle of the warm film along x", "tau_x", *SHEAR),
+    "tau_y_warm": Variable("shear stress in the middle of the warm film along y", "tau_y", *SHEAR, is_across=True),
+}
+STRESSES = {  # in a body, see `results.stress`; tension is positive
+    **{f"sigma_{n}{n}": Variable(f"normal stress along {n}", f"sigma_{n}{n}", *PRESSURE) for n in "xyz"},
+    **{f"sigma_{n}": Variable(f"shear stress {n}", f"sigma_{n}", *PRESSURE) for n in ("xy", "xz", "yz")},
+    "von_mises": Variable("von Mises stress", "sigma_vM", *PRESSURE),
+    "shear": Variable("largest shear stress of all planes", "tau_1", *PRESSURE),
 }
 EVENT = Variable("why the map was kept", "event")
 OTHERS = {"history": Variable("maximum residual after each iteration", "res"), "event": EVENT}
@@ -207,6 +223,7 @@ OTHERS = {"history": Variable("maximum residual after each iteration", "res"), "
 def _all() -> Iterator[tuple[str, Variable]]:
     """The variables by name; one with heat stands behind the same without."""
     steps, maps = {"axis": AXES, "": CASES, "step": STEPS}, {"map": MAPS, "heated map": HEATED_MAPS, "other": OTHERS}
+    maps["stress"] = STRESSES
     for over, part in [*steps.items(), ("grid", GRIDS), ("", RUNS), *maps.items()]:
         for name, variable in part.items():
             si_name = (variable.si_name or name.lower()) if variable.scale else ""
