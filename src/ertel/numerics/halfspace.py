@@ -1,4 +1,4 @@
-"""Elastic half space: the normal displacement from the pressure, and waves below the surface.  The only module with FFTs.
+"""Elastic half space: the displacement of its surface, and waves below it.  The only module with FFTs.
 
 On a grid of one row nothing changes along Y: the half space is a half plane, and the kernel a logarithm.
 
@@ -176,7 +176,9 @@ class Waves:
         most = DEEPEST_WAVE / depth if depth > 0.0 else np.inf
         kept = np.ix_(np.abs(k_y) <= most, k_x <= most)
         fields = []
-        for each in law((k_x[kept[1]], k_y[kept[0]]), depth, *(load[kept] if np.ndim(load) else load for load in loads)):
+        for each in law(
+            (k_x[kept[1]], k_y[kept[0]]), depth, *(load[kept] if np.ndim(load) else load for load in loads)
+        ):
             if row is None:
                 waves = np.zeros((across, each.shape[1]), dtype=complex)
                 waves[kept[0][:, 0]] = each

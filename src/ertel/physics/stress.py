@@ -1,10 +1,10 @@
 """Stresses in an elastic half space under pressure and shear stress on its surface, wave by wave.
 
-The body lies at z > 0, with z into it and x, y along its surface.  Its surface carries a pressure p (compression is
-positive) and a shear stress q = (q_x, q_y), the force per area on this body.  Tension is positive in the stresses.  Under
-the wave exp(i k.x) of the loads all stresses are exp(i k.x) times polynomials in z times exp(-|k| z).  With k = |k|,
-c = k_x/k, s = k_y/k, the loads p, q times exp(-kz), their parts q_l = c q_x + s q_y along the wave and
-q_t = c q_y - s q_x across it, and w = p - i q_l:
+The body lies at z > 0, with x and y along its surface.  The surface carries a pressure p and a shear stress (q_x, q_y),
+the force per area on this body.  Stresses are positive in tension, the pressure in compression.  Under loads that are
+waves exp(i (k_x x + k_y y)) all stresses are such waves, and fall as exp(-kz) with k = |(k_x, k_y)|.  Let c = k_x/k and
+s = k_y/k, let p, q_x, q_y stand for the loads times exp(-kz), q_l = c q_x + s q_y for the shear stress along the wave,
+q_t = c q_y - s q_x for that across it, and w for p - i q_l:
 
     xx = -(c^2 (1 - kz) + 2 nu s^2) w + i c^2 q_l - 2 i c s q_t        zz = -p - kz w
     yy = -(s^2 (1 - kz) + 2 nu c^2) w + i s^2 q_l + 2 i c s q_t        xz = -q_x + i c kz w
@@ -37,9 +37,7 @@ class Stresses(NamedTuple):
     yz: Array
 
 
-def stress_waves(
-    k: tuple[Array, Array], depth: float, p: Array, q_x: ArrayLike, q_y: ArrayLike, nu: float
-) -> Stresses:
+def stress_waves(k: tuple[Array, Array], depth: float, p: Array, q_x: ArrayLike, q_y: ArrayLike, nu: float) -> Stresses:
     """The amplitudes of the stresses at a depth, from those of the loads at the surface.
 
     k: wave numbers along x and y that broadcast, over the unit of the depth.  One row, k_y of shape (1, 1), is a line

@@ -136,7 +136,7 @@ def profile(dataset: xr.Dataset, at: At = None, along: str = "x") -> xr.Dataset:
 
 
 def fields_at(dataset: xr.Dataset, names: Sequence[str], at: At) -> tuple[xr.Dataset, str]:
-    """The fields with these names, as far as they are there, at a moment, as of `moment_of`; and the moment in words."""
+    """The fields with these names that a run has, at a moment as of `moment_of`, and the moment in words."""
     dataset = with_clock(dataset)
     fields = dataset[[name for name in names if name in dataset]]
     if is_without_moments(dataset, at):

@@ -9,6 +9,7 @@ Bodies are elastic: a von Mises stress above the yield stress says that they yie
 
 from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,11 +19,12 @@ from numpy.typing import NDArray
 from ertel.case.case import Case
 from ertel.physics.stress import Stresses, stress_waves, tresca, von_mises
 from ertel.physics.units import POSITION, si_numbers
-from ertel.results.dataset import indexed
+from ertel.results.dataset import indexed, to_netcdf, with_units
 from ertel.results.profiles import ALONG, At, fields_at
 from ertel.results.variables import to_si, variable_attributes
 
 Values = NDArray[np.float64]
+Maps = Mapping[Any, Any]  # arrays, or a Dataset, by name
 USUAL_RATIO = 0.3  # Poisson's ratio of a body of which only the reduced modulus is known
 DEEPEST = 1.5  # half widths of the contact: no largest stress lies below
 FEW, MANY = 8, 30  # depths of a search, and of a section
@@ -56,7 +58,7 @@ def shear_on_body(fields: Mapping[str, Values], spacing: float, body: int) -> tu
     return np.where(P > 0.0, stresses[0], 0.0), np.where(P > 0.0, stresses[1], 0.0)
 
 
-def loads_on(case: Case, maps: Mapping[str, Any], body: int = 1) -> Loads:
+def loads_on(case: Case, maps: Maps, body: int = 1) -> Loads:
     """The loads on a body by the maps of a run at one moment, by name, with their axes.
 
     With heat the shear stress is that of the warm film.
@@ -89,7 +91,8 @@ def below(loads: Loads, depths: Iterable[float], row: int | None = None) -> Iter
     """The stresses (p_h) at each of the depths (a), at all nodes or in one row of them."""
     from ertel.numerics.halfspace import Waves  # JAX takes long to import
 
-    waves = Waves(*loads.p.shape, float(loads.x[1] - loads.x[0]))
+    rows, columns = loads.p.shape
+    waves = Waves(rows, columns, float(loads.x[1] - loads.x[0]))
     amplitudes = [waves.amplitudes(load) if load.any() else 0.0 for load in (loads.p, loads.q_x, loads.q_y)]
     for depth in depths:
         yield Stresses(*waves.below(depth, partial(stress_waves, nu=loads.nu), amplitudes, row))
@@ -122,6 +125,20 @@ def stress(
     return to_si(data) if case.scales else data
 
 
+def write_stress(data: xr.Dataset, directory: Path, to: str = "csv") -> Path:
+    """Write the stresses of a section, along "x" or "y", as CSV with a row for each node, or as NetCDF 3; its path.
+
+    Names in SI end with their unit: z_m, von_mises_Pa.
+    """
+    directory.mkdir(parents=True, exist_ok=True)
+    path = directory / f"stress_{str(data['von_mises'].dims[-1]).lower()}.{'nc' if to == 'netcdf' else 'csv'}"
+    if to == "netcdf":
+        to_netcdf(data, directory)[0].replace(path)
+    else:
+        with_units(data).to_dataframe().to_csv(path)
+    return path
+
+
 def _in_a(case: Case, depths: Any) -> Values:
     """Depths in a; those of a case in SI are given in m, or with a unit."""
     try:
@@ -133,12 +150,12 @@ def _in_a(case: Case, depths: Any) -> Values:
     return Z / case.scales.a if case.scales else Z
 
 
-def stress_numbers(case: Case, maps: Mapping[str, Any]) -> dict[str, float]:
+def stress_numbers(case: Case, maps: Maps) -> dict[str, float]:
     """The largest von Mises stress in body 1 with its place, and the largest shear stress with its depth, by name.
 
-    In p_h and a, of all nodes.  The depths round the largest von Mises stress of a first search are halved; the sizes and
-    depths are those of a parabola through three depths.  maps: of a run at one moment, with their axes.  Empty where
-    the film carries no load.
+    In p_h and a, of all nodes.  Round the largest von Mises stress of a first search the steps in depth are halved.  A
+    parabola through three depths then gives the largest stresses and their depths.  maps: of a run at one moment, with
+    their axes.  Empty where the film carries no load.
     """
     loads = loads_on(case, maps)
     if not loads.p.any():
@@ -163,7 +180,7 @@ def _largest(one: Stresses) -> tuple[float, int, float]:
 
 
 def _peak(z: Values, values: Values) -> tuple[float, float]:
-    """Depth and size of the largest value: at an end, or at the vertex of a parabola over sqrt(z) through three of them."""
+    """Depth and size of the largest value: at an end, or at the vertex of a parabola over sqrt(z)."""
     order = np.argsort(z)
     root, values = np.sqrt(z[order]), values[order]
     i = int(np.argmax(values))

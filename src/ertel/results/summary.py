@@ -69,8 +69,8 @@ def impact_summary(
     warnings = diagnostics.impact_warnings(case, data)
     warnings += [] if status.failed else _account_warnings(case, data, over_time)
     touch = first_touch(data["time"].values, data["Delta"].values, case.schedule.start_approach)
-    values |= _stresses(case, data, status) if max_approach is not None else {}
-    content = {TOUCH: touch, **values, **_contact(data, status), **over_time, **work}
+    stresses = _stresses(case, data, status) if max_approach is not None else {}
+    content = {TOUCH: touch, **values, **stresses, **_contact(data, status), **over_time, **work}
     return _summary(case, content, status, warnings)
 
 

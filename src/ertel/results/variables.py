@@ -237,9 +237,9 @@ VARIABLES = dict(_all())
 FILMS = ("H_c", "H_min")
 MADE_BY = "ertel, with Matplotlib"  # in the files of pictures and movies: who drew them
 FIGURES_IN_TIME = (
-    "overview", "film", "pressure", "oil", "maps", "profiles", "history", "friction", "front", "spacetime",
+    "overview", "film", "pressure", "oil", "maps", "profiles", "history", "friction", "front", "spacetime", "stress",
 )  # fmt: skip
-FIGURES_STEADY = ("overview", "film", "pressure", "oil", "maps", "midlines", "convergence", "friction")
+FIGURES_STEADY = ("overview", "film", "pressure", "oil", "maps", "midlines", "convergence", "friction", "stress")
 FIGURES_OF_MAPS = ("film", "pressure", "oil", "maps")  # which a line contact does not have
 
 

@@ -168,8 +168,8 @@ class Result:
         -------
         xarray.Dataset
             sigma_xx, ... sigma_yz (tension is positive), von_mises and shear, the largest shear stress of all planes,
-            over depth and place; in SI where the case is, or else in p_h and a, and then without the shear stress of the
-            film, for which a/R is needed.
+            over depth and place; in SI where the case is, or else in p_h and a.  Without dimensions a/R is not known,
+            and they are those of the pressure alone.
 
         Raises
         ------
