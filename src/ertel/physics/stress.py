@@ -74,7 +74,7 @@ def tresca(stress: Stresses) -> Array:
     x, y, z, xy, xz, yz = _less_mean(stress)
     J_2 = _second_invariant(stress)
     J_3 = x * (y * z - yz * yz) - xy * (xy * z - yz * xz) + xz * (xy * yz - y * xz)
-    cosine = 1.5 * np.sqrt(3.0) * J_3 / np.maximum(J_2, np.finfo(float).tiny) ** 1.5
+    cosine = 1.5 * np.sqrt(3.0) * J_3 / np.maximum(J_2**1.5, np.finfo(float).tiny)
     theta = np.arccos(np.clip(cosine, -1.0, 1.0)) / 3.0
     return np.sqrt(J_2) * np.sin(theta + np.pi / 3.0)
 
