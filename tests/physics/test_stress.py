@@ -239,7 +239,7 @@ def test_a_pressure_spike_has_a_largest_stress_of_its_own():
     top = int(under.argmax())
     assert 0.3 * width < near[top] < 1.5 * width
     assert under[top] > 1.1 * under[0] and under[top] > 1.2 * under[top:].min()
-    assert deep[lower.max(axis=1).argmax()] == pytest.approx(0.7, abs=0.01)
+    assert 0.6 < deep[lower.max(axis=1).argmax()] < 0.9 and lower.max() == pytest.approx(0.558, rel=0.05)
 
 
 def test_rough_pressures_move_the_largest_stress_to_the_surface():

@@ -28,6 +28,11 @@ Maps = Mapping[Any, Any]  # arrays, or a Dataset, by name
 USUAL_RATIO = 0.3  # Poisson's ratio of a body of which only the reduced modulus is known
 DEEPEST = 1.5  # half widths of the contact: no largest stress lies below
 FEW, MANY = 8, 30  # depths of a search, and of a section
+NAMES = {
+    **{f"sigma_{n}{n}": f"normal stress along {n}, positive in tension" for n in "xyz"},
+    **{f"sigma_{n}": f"shear stress {n}" for n in ("xy", "xz", "yz")},
+    **{"von_mises": "von Mises stress", "shear": "largest shear stress of all planes"},
+}
 NODES_OF_RINGS = 129  # a side of the plane on which an axisymmetric film is spread
 
 
@@ -116,9 +121,11 @@ def stress(
     fields = {f"sigma_{name}": each for name, each in found._asdict().items()}
     fields |= {"von_mises": von_mises(found), "shear": tresca(found)}
     axes = {"Z": Z, "Y": loads.y[row : row + 1] if along == "x" else loads.y, "X": loads.x}
-    arrays = {**{name: (list(axes), each) for name, each in fields.items()}, **{n: ([n], x) for n, x in axes.items()}}
-    about = {name: variable_attributes(name, case.scales, case.geometry.is_line) for name in arrays}
-    described = {name: (*indexed(name, *each), about[name]) for name, each in arrays.items()}
+    about = {name: variable_attributes(name, case.scales, case.geometry.is_line) for name in ("P", *axes)}
+    described = {name: (*indexed(name, [name], axis), about[name]) for name, axis in axes.items()}
+    for name, each in fields.items():
+        words = {"long_name": NAMES[name], "symbol": name, **({"si_name": name} if case.scales else {})}
+        described[name] = list(axes), each, {**about["P"], **words}
     data = xr.Dataset(described, attrs={**dataset.attrs, "moment": moment, "body": body, "poisson_ratio": loads.nu})
     if along is not None or case.geometry.is_line:
         data = data.sel({"X" if along == "y" else "Y": 0.0}, method="nearest", drop=True)

@@ -37,7 +37,7 @@ class Variable:
     it is not given.  comment: what a user must know besides.
 
     over: what a Dataset has it over: "axis" (it is one), "step" (each time step, or each grid of a steady contact),
-    "grid", "map", "heated map", "stress" (in a body); "" of a run as a whole.
+    "grid", "map", "heated map"; "" of a run as a whole.
     at_moment: it is in the summary, with its value at maximum approach, at the last time or steadily.
     of_impact: it is in the summary of an impact, about all of it.
     shown: it is a key number: texts, tables of runs and studies, and the app show it.
@@ -210,12 +210,6 @@ HEATED_MAPS = {  # of a steady contact with [thermal], see `solvers.heat`
     "tau_x_warm": Variable("shear stress in the middle of the warm film along x", "tau_x", *SHEAR),
     "tau_y_warm": Variable("shear stress in the middle of the warm film along y", "tau_y", *SHEAR, is_across=True),
 }
-STRESSES = {  # in a body, see `results.stress`; tension is positive
-    **{f"sigma_{n}{n}": Variable(f"normal stress along {n}", f"sigma_{n}{n}", *PRESSURE) for n in "xyz"},
-    **{f"sigma_{n}": Variable(f"shear stress {n}", f"sigma_{n}", *PRESSURE) for n in ("xy", "xz", "yz")},
-    "von_mises": Variable("von Mises stress", "sigma_vM", *PRESSURE),
-    "shear": Variable("largest shear stress of all planes", "tau_1", *PRESSURE),
-}
 EVENT = Variable("why the map was kept", "event")
 OTHERS = {"history": Variable("maximum residual after each iteration", "res"), "event": EVENT}
 
@@ -223,7 +217,6 @@ OTHERS = {"history": Variable("maximum residual after each iteration", "res"), "
 def _all() -> Iterator[tuple[str, Variable]]:
     """The variables by name; one with heat stands behind the same without."""
     steps, maps = {"axis": AXES, "": CASES, "step": STEPS}, {"map": MAPS, "heated map": HEATED_MAPS, "other": OTHERS}
-    maps["stress"] = STRESSES
     for over, part in [*steps.items(), ("grid", GRIDS), ("", RUNS), *maps.items()]:
         for name, variable in part.items():
             si_name = (variable.si_name or name.lower()) if variable.scale else ""
@@ -362,20 +355,7 @@ def with_clock(dataset: "xr.Dataset") -> "xr.Dataset":
 def to_si(dataset: "xr.Dataset") -> "xr.Dataset":
     """The run of a physical case in SI units; its variables have their SI names (h_c for H_c, t for time, ...).
 
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        The dataset of a run.
-
-    Returns
-    -------
-    xarray.Dataset
-        The same in SI units.
-
-    Raises
-    ------
-    ValueError
-        The run is dimensionless.
+    Raises ValueError for a dimensionless run.
     """
     if not any("si_factor" in variable.attrs for variable in dataset.variables.values()):
         raise ValueError("dataset: the case is dimensionless and has no SI scales; give radius, speed, ... in SI")
