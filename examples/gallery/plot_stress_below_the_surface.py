@@ -2,9 +2,9 @@
 Where the steel is stressed most
 ================================
 
-A steel ball rolls and slides on steel under 2 GPa.  The pressure of the film makes the largest von Mises stress about half
-a contact radius below the surface.  The shear stress of the oil moves it, to the front in the body that it drives and to
-the back in the one that it brakes, and adds to the stress at the surface.
+A steel roller rolls and slides on steel under 1.5 GPa.  The pressure of the film makes the largest von Mises stress some
+0.7 half widths below the surface.  The shear stress of the oil changes the stress along the surface: it adds tension
+behind the contact in the body that is driven, and in front of it in the one that is braked.
 """
 
 from matplotlib import pyplot as plt
@@ -13,31 +13,32 @@ import ertel
 
 
 def rolled(slide_to_roll):
-    """A steady contact with an oil whose shear stress has a limit."""
-    ball = ertel.rolling(
+    """A steady line contact with an oil whose shear stress has a limit."""
+    roller = ertel.rolling(
         radius="10 mm",
-        load="320 N",
-        mean_speed="1 m/s",
+        length="10 mm",
+        load="6.1 kN",
+        mean_speed="2 m/s",
         slide_to_roll=slide_to_roll,
         material_1="steel",
         material_2="steel",
         oil=ertel.Oil(eta0="40 mPa*s", alpha="20 / GPa"),
         rheology={"law": "limited", "base": {"law": "ree-eyring", "tau0": "5 MPa"}, "Lambda": 0.08},
-        nodes=129,
-        name="steel on steel",
+        nodes=513,
+        name="steel roller",
     )
-    return ertel.simulate(ball)
+    return ertel.simulate(roller)
 
 
 run = rolled(0.3)
 figure = run.plot.stress(body=1)
 
 # %%
-# The ratio to the yield stress is that of hardened steel, a third of its hardness.
+# The ratio to the yield stress is that of hardened steel, whose yield stress is a third of its hardness.
 print(run)
 
 # %%
-# At the surface the faster body, which the oil brakes, and the slower one, which it drives, differ.
+# The stress along the surface: body 1 is the faster one, which the oil brakes.
 figure, axes = plt.subplots(figsize=(6, 3.2), layout="constrained")
 for body, label in ((1, "braked"), (2, "driven")):
     surface = run.stress(body=body, depths=[0.0]).isel(z=0)
@@ -46,10 +47,10 @@ axes.set(xlabel="x (µm)", ylabel=r"$\sigma_{xx}$ at the surface (MPa)", xlim=(-
 axes.legend()
 
 # %%
-# The stress with friction, and that of a ball that only rolls.
+# The largest stress of a roller that only rolls, and of one that slides.
 still = rolled(0.0)
 for name, each in (("rolling", still), ("sliding", run)):
     si, mu = each.summary["si"], each.summary["mu_sliding"]
     print(f"{name}: mu = {mu:.3f}, {si['von_mises_max_Pa'] / 1e9:.3f} GPa, {1e6 * si['z_von_mises_m']:.0f} um deep")
 assert run.summary["mu_sliding"] > 0.04
-assert 0.60 < still.summary["von_mises_max"] < 0.64
+assert 0.54 < still.summary["von_mises_max"] < 0.60

@@ -338,8 +338,10 @@ def export(
     from ertel.results.variables import to_si
     from ertel.runs.store import RunStore
 
-    if (what == "profile" and to != "csv") or (what == "stress" and to == "vtk"):
-        leave(BAD_INPUT, f"--to {to}: --what {what} is written as csv{' or netcdf' * (what == 'stress')}")
+    if what == "profile" and to != "csv":
+        leave(BAD_INPUT, f"--to {to}: a profile is written as csv")
+    if what == "stress" and to == "vtk":
+        leave(BAD_INPUT, f"--to {to}: stresses are written as csv or netcdf")
     if at is not None and not what:
         leave(BAD_INPUT, f"--at {at}: only for --what profile or stress; the other exports have all times")
     if along != "x" and not what:

@@ -16,6 +16,7 @@ import xarray as xr
 
 from ertel.case.case import Case
 from ertel.case.status import Status
+from ertel.physics.motion import first_touch
 from ertel.results import balances, diagnostics
 from ertel.results.dataset import SteadyGrid, names_over
 from ertel.results.numbers import ERRORS
@@ -28,7 +29,6 @@ from ertel.results.variables import (
     START_APPROACH,
     TOUCH,
     VARIABLES,
-    first_touch,
     names_where,
     with_coefficients,
 )

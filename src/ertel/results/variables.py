@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from math import floor, log10
 from typing import TYPE_CHECKING, Any
 
+from ertel.physics.motion import first_touch
 from ertel.physics.scales import Scales
 from ertel.physics.temperature_laws import ZERO_CELSIUS
 
@@ -325,18 +326,6 @@ def shifted(value: Any, attributes: Mapping[str, Any]) -> Any:
     return (value - attributes.get("si_zero", 0.0)) * attributes.get("si_factor", 1.0)
 
 
-def first_touch(T: Any, Delta: Any, start_approach: float) -> float:
-    """T at which the undeformed bodies of an impact touch, Delta = 0.
-
-    Interpolated linearly between the steps.  Until the ball is there, and where the oil stops it before, it is the T at
-    which a ball that keeps its speed would be there.
-    """
-    for n in range(1, len(T)):
-        if Delta[n - 1] < 0.0 <= Delta[n]:
-            return float(T[n] - Delta[n] * (T[n] - T[n - 1]) / (Delta[n] - Delta[n - 1]))
-    return -start_approach
-
-
 def with_clock(dataset: "xr.Dataset") -> "xr.Dataset":
     """A run whose times have the attribute `si_zero`, T at t = 0, where it is an impact in SI."""
     axes = [name for name in ("time", "frame") if "si_factor" in (dataset[name].attrs if name in dataset else ())]
@@ -355,7 +344,20 @@ def with_clock(dataset: "xr.Dataset") -> "xr.Dataset":
 def to_si(dataset: "xr.Dataset") -> "xr.Dataset":
     """The run of a physical case in SI units; its variables have their SI names (h_c for H_c, t for time, ...).
 
-    Raises ValueError for a dimensionless run.
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        The dataset of a run.
+
+    Returns
+    -------
+    xarray.Dataset
+        The same in SI units.
+
+    Raises
+    ------
+    ValueError
+        The run is dimensionless.
     """
     if not any("si_factor" in variable.attrs for variable in dataset.variables.values()):
         raise ValueError("dataset: the case is dimensionless and has no SI scales; give radius, speed, ... in SI")
