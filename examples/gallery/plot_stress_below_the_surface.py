@@ -3,8 +3,8 @@ Where the steel is stressed most
 ================================
 
 A steel roller rolls and slides on steel under 1.5 GPa.  The pressure of the film makes the largest von Mises stress
-some 0.7 half widths below the surface.  The shear stress of the oil changes the stress along the surface: it adds tension
-at the outlet in the body that it brakes, and at the inlet in the one that it drives.
+some 0.7 half widths below the surface.  The shear stress of the oil changes the stress along the surface: it adds
+tension at the outlet in the body that it brakes, and at the inlet in the one that it drives.
 """
 
 from matplotlib import pyplot as plt

@@ -102,7 +102,8 @@ def test_a_run_in_time_has_them_at_its_moment(radial: bool) -> None:
     [
         ({"body": 3}, "body = 3: must be 1 or 2"),
         ({"along": "z"}, "along = 'z': must be"),
-        ({"depths": [-1e-6]}, "depths = .*0 or above"),
+        ({"depths": [-1e-6]}, "depths = .*must be from 0 to 0.00"),
+        ({"depths": ["5 mm"]}, "the shorter side of the grid"),
         ({"depths": "3 kg"}, "depths = '3 kg'"),
         ({"at": 1.0}, "a steady contact has no moments"),
     ],

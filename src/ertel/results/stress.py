@@ -115,7 +115,8 @@ def stress(
     loads = loads_on(case, maps, body)
     if not loads.p.any():
         raise ValueError(f"at = {at!r}: the film carries no load there")
-    Z = usual_depths(loads, MANY) if depths is None else _in_a(case, depths)
+    side = float(np.ptp(loads.x if case.geometry.is_line else min(loads.x, loads.y, key=np.ptp)))
+    Z = usual_depths(loads, MANY) if depths is None else _in_a(case, depths, side)
     row = int(np.abs(loads.y).argmin())
     found = Stresses(*map(np.stack, zip(*below(loads, Z, row if along == "x" else None), strict=True)))
     fields = {f"sigma_{name}": each for name, each in found._asdict().items()}
@@ -146,15 +147,16 @@ def write_stress(data: xr.Dataset, directory: Path, to: str = "csv") -> Path:
     return path
 
 
-def _in_a(case: Case, depths: Any) -> Values:
-    """Depths in a; those of a case in SI are given in m, or with a unit."""
+def _in_a(case: Case, depths: Any, deepest: float) -> Values:
+    """Depths in a; those of a case in SI are given in m, or with a unit.  deepest: in a, before images count."""
+    unit, name = (case.scales.a, "m") if case.scales else (1.0, "a")
     try:
-        Z = np.atleast_1d(np.asarray(si_numbers(depths, POSITION.in_si), dtype=float))
-        if not (Z.ndim == 1 and Z.size and np.isfinite(Z).all() and Z.min() >= 0.0):
-            raise ValueError("must be lengths below the surface, 0 or above")
+        Z = np.atleast_1d(np.asarray(si_numbers(depths, POSITION.in_si), dtype=float)) / unit
+        if not (Z.ndim == 1 and Z.size and np.all((Z >= 0.0) & (deepest >= Z))):
+            raise ValueError(f"must be from 0 to {deepest * unit:.3g} {name}, the shorter side of the grid")
     except ValueError as error:
         raise ValueError(f"depths = {depths!r}: {error}") from error
-    return Z / case.scales.a if case.scales else Z
+    return Z
 
 
 def stress_numbers(case: Case, maps: Maps) -> dict[str, float]:
