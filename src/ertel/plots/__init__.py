@@ -5,10 +5,10 @@
 `interferogram` shows any run in SI as an experimenter sees it, `animation` a run in time; `movie` shows the film or the
 pressure of a run in time.
 
-A run in time has overview, film, pressure, oil, maps, profiles, history, friction and spacetime, and an impact front;
-a steady contact overview, film, pressure, oil, maps, midlines, convergence and friction. A line contact has no maps:
-film, pressure, oil, maps, interferograms and movies are refused. `at` chooses the moment of a
-run in time: a time in t0, or with its unit, "95 us" (the map next to it is drawn, and the title says its time), or an
+A run in time has overview, film, pressure, oil, maps, profiles, history, friction, spacetime and stress, and an impact
+front; a steady contact overview, film, pressure, oil, maps, midlines, convergence, friction and stress. A line contact
+has no maps: film, pressure, oil, maps, interferograms and movies are refused. `at` chooses the moment of a run
+in time: a time in t0, or with its unit, "95 us" (the map next to it is drawn, and the title says its time), or an
 event, "max-approach" or "end"; by default maximum approach, of a rolling contact the thinnest film where it is
 thinner than at both ends of the run, or else the last map.
 
@@ -28,7 +28,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ertel.plots import drawing, fields, histories
+from ertel.plots import drawing, fields, histories, stresses
 from ertel.plots.drawing import (
     BLUE,
     GREEN,
@@ -51,7 +51,7 @@ from ertel.results.variables import FIGURES_OF_MAPS, figures_of, is_line, is_ste
 __all__ = [
     "BLUE", "GREEN", "GREY", "NAMES", "ORANGE", "ORDERED_COLOURS", "NoFigure", "Sheet", "animation", "comparison",
     "convergence", "draw", "film", "friction", "front", "history", "interferogram", "maps", "measured", "midlines",
-    "movie", "names_of", "oil", "overview", "pressure", "profiles", "side_by_side", "spacetime",
+    "movie", "names_of", "oil", "overview", "pressure", "profiles", "side_by_side", "spacetime", "stress",
 ]  # fmt: skip
 
 Rows = Sequence[Sequence[Callable[[Axes, View], None]]]
@@ -106,8 +106,11 @@ PANELS: Mapping[str, Rows | Callable[[View], Rows]] = {  # of each figure
     "friction": _friction_rows,
     "front": [[histories.draw_place, histories.draw_front_speed]],
     "spacetime": [[histories.draw_film_through_time]],
+    "stress": stresses.rows,
 }
-PARTS_IN_TIME, PARTS_STEADY = ("film", "pressure", "oil", "front", "spacetime"), ("oil", "maps")  # of another figure
+ASKED = ("stress",)  # it is computed when it is drawn, and drawn when it is asked for
+PARTS_IN_TIME = ("film", "pressure", "oil", "front", "spacetime", *ASKED)  # of another figure
+PARTS_STEADY = ("oil", "maps", *ASKED)
 NAMES = tuple(PANELS)
 LOOKS = ((BLUE, "-"), (ORANGE, "--"))  # of two runs
 OVERLAID = ("profiles", "midlines")  # figures that show measured profiles
@@ -307,3 +310,10 @@ def friction(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) 
     The shear stress is that in the middle of the film; it is left out where the surfaces do not slide.
     """
     return draw(dataset, "friction", at, **sheet)
+
+
+def stress(dataset: xr.Dataset, at: At = None, body: int = 1, **sheet: Unpack[SheetOptions]) -> Figure:
+    """The von Mises stress below the surface of body 1 or 2 in the section y = 0, and the stresses over the depth."""
+    _require(dataset, "stress")
+    view = View.of(dataset, at)
+    return compose(view, stresses.rows(view, body), [*view.title, *view.outcome], Sheet(**sheet))

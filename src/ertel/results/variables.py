@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from math import floor, log10
 from typing import TYPE_CHECKING, Any
 
+from ertel.physics.motion import first_touch
 from ertel.physics.scales import Scales
 from ertel.physics.temperature_laws import ZERO_CELSIUS
 
@@ -104,6 +105,7 @@ AXES = {
     "frame": Variable("time of a map", "T", *TIME, "t"),
     "X": Variable("position along x", "X", *LENGTH),
     "Y": Variable("position along y", "Y", *LENGTH),
+    "Z": Variable("depth below the surface of a body", "Z", *LENGTH),
     "r": Variable("distance from the centre", "r", *LENGTH),
     "grid": Variable("nodes per side of a grid", "n"),
     "iteration": Variable("Newton iteration", "k"),
@@ -177,6 +179,13 @@ RUNS = {  # of a run as a whole, or of a traction curve
         "maximum mid-plane shear stress", "tau_max", *SHEAR,
         shown=True, curve_panel="Maximum shear stress", is_heated=True,
     ),
+    "von_mises_max": Variable("largest von Mises stress in body 1", "sigma_vM", *PRESSURE),
+    "X_von_mises": Variable("place of the largest von Mises stress along x", "X_vM", *LENGTH),
+    "Y_von_mises": Variable("place of the largest von Mises stress along y", "Y_vM", *LENGTH, is_across=True),
+    "Z_von_mises": Variable("depth of the largest von Mises stress", "Z_vM", *LENGTH),
+    "shear_max": Variable("largest shear stress in body 1, of all planes", "tau_1", *PRESSURE),
+    "Z_shear": Variable("depth of the largest shear stress in body 1", "Z_tau", *LENGTH),
+    "yield_ratio": Variable("largest von Mises stress over the yield stress of body 1", "sigma_vM/Y"),
     "T_film_max": Variable(
         "highest temperature of the film", "T_film_max", KELVIN, shown=True, curve_panel="Temperature"
     ),
@@ -199,6 +208,8 @@ HEATED_MAPS = {  # of a steady contact with [thermal], see `solvers.heat`
     "T_1": Variable("temperature of surface 1", "T_1", KELVIN),
     "T_2": Variable("temperature of surface 2", "T_2", KELVIN),
     "T_film": Variable("temperature of the film", "T_film", KELVIN, comment="mean across the film"),
+    "tau_x_warm": Variable("shear stress in the middle of the warm film along x", "tau_x", *SHEAR),
+    "tau_y_warm": Variable("shear stress in the middle of the warm film along y", "tau_y", *SHEAR, is_across=True),
 }
 EVENT = Variable("why the map was kept", "event")
 OTHERS = {"history": Variable("maximum residual after each iteration", "res"), "event": EVENT}
@@ -220,9 +231,9 @@ VARIABLES = dict(_all())
 FILMS = ("H_c", "H_min")
 MADE_BY = "ertel, with Matplotlib"  # in the files of pictures and movies: who drew them
 FIGURES_IN_TIME = (
-    "overview", "film", "pressure", "oil", "maps", "profiles", "history", "friction", "front", "spacetime",
+    "overview", "film", "pressure", "oil", "maps", "profiles", "history", "friction", "front", "spacetime", "stress",
 )  # fmt: skip
-FIGURES_STEADY = ("overview", "film", "pressure", "oil", "maps", "midlines", "convergence", "friction")
+FIGURES_STEADY = ("overview", "film", "pressure", "oil", "maps", "midlines", "convergence", "friction", "stress")
 FIGURES_OF_MAPS = ("film", "pressure", "oil", "maps")  # which a line contact does not have
 
 
@@ -313,18 +324,6 @@ def value_in_si(value: Any, attributes: Mapping[str, Any]) -> tuple[str, Any, di
 def shifted(value: Any, attributes: Mapping[str, Any]) -> Any:
     """A value in SI from its own unit, a time from the first touch; as it is where the attributes know no SI."""
     return (value - attributes.get("si_zero", 0.0)) * attributes.get("si_factor", 1.0)
-
-
-def first_touch(T: Any, Delta: Any, start_approach: float) -> float:
-    """T at which the undeformed bodies of an impact touch, Delta = 0.
-
-    Interpolated linearly between the steps.  Until the ball is there, and where the oil stops it before, it is the T at
-    which a ball that keeps its speed would be there.
-    """
-    for n in range(1, len(T)):
-        if Delta[n - 1] < 0.0 <= Delta[n]:
-            return float(T[n] - Delta[n] * (T[n] - T[n - 1]) / (Delta[n] - Delta[n - 1]))
-    return -start_approach
 
 
 def with_clock(dataset: "xr.Dataset") -> "xr.Dataset":
