@@ -40,7 +40,10 @@ QUICK_TO_COMPILE = (
     "--xla_cpu_parallel_codegen_split_count=1"  # the other core has its own tests
 )
 
-MOST_MEMORY = 1.2e9  # bytes at the end of a test file from which on compiled programs are forgotten
+# bytes at the end of a test file from which on compiled programs are forgotten: a fourth of the machine for all workers
+MOST_MEMORY = max(1.2e9, psutil.virtual_memory().total / 4 / min(os.cpu_count() or 1, 8))
+# Each file is one worker's, and the last ones should be short: first what takes longest
+LONGEST = ("solvers/", "runs/", "test_documents", "equations/", "apps/test_cli", "numerics/", "results/", "plots/")
 
 settings.register_profile("ertel", deadline=None, derandomize=True, max_examples=50)
 settings.load_profile("ertel")
@@ -57,6 +60,15 @@ def pytest_configure(config: pytest.Config) -> None:
     os.fsync = lambda handle: None  # no test cuts the power: waiting for the disk takes a tenth of the time
     # coarse grids are what makes tests quick
     config.addinivalue_line("filterwarnings", r"ignore:.*(use solver\.|there is no error estimate):UserWarning")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Files that take long come first: see `LONGEST`."""
+
+    def place(item: pytest.Item) -> int:
+        return next((n for n, start in enumerate(LONGEST) if item.nodeid.startswith(f"tests/{start}")), len(LONGEST))
+
+    items.sort(key=place)  # which keeps the order within a file
 
 
 def pytest_collection_finish() -> None:
@@ -80,6 +92,15 @@ def _programs_are_kept() -> None:
     from ertel.runs.compile import start_at_once  # not above: what it imports reads the environment
 
     start_at_once()
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _panels_lie_where_they_may(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Where panels lie takes most of the time of a picture; only the tests of pictures look at it."""
+    with pytest.MonkeyPatch.context() as patch:
+        if request.path.parent.name != "plots":
+            patch.setattr("matplotlib.layout_engine.ConstrainedLayoutEngine.execute", lambda engine, figure: None)
+        yield
 
 
 @pytest.fixture(autouse=True, scope="module")

@@ -69,8 +69,8 @@ assert "film" in dir(xarray.Dataset({"H": 0.1}).ertel.plot)
         ("import ertel; ertel.impact(M=1, L=1)", "jax xarray matplotlib zarr"),
         ("import ertel.case.case, ertel.case.estimates", "jax"),
         ("import ertel.apps.cli", "jax matplotlib xarray pint distributed"),  # so that `ertel --help` answers at once
-        (CHECK.format("rolling", "steady"), "jax xarray matplotlib zarr"),  # an estimate of memory and time
-        (CHECK.format("impact", "radial"), "jax xarray matplotlib zarr"),
+        # an estimate of memory and time
+        (CHECK.format("rolling", "steady") + CHECK.format("impact", "radial"), "jax xarray matplotlib zarr"),
         (USUAL_UNITS, "jax matplotlib zarr pint"),
         (ACCESSOR, "matplotlib"),  # `dataset.ertel` is there with whatever makes or opens a run
     ],

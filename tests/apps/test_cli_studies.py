@@ -168,6 +168,7 @@ def test_a_curve_is_printed_and_stored_and_shown_by_the_same_command(here, monke
     assert [float(row["slide_to_roll"]) for row in rows(curve / "traction.csv")] == [0.0, 0.02, 0.04]
     assert (curve / "traction.png").read_bytes().startswith(b"\x89PNG")
     [run] = (curve / "runs").iterdir()
+    monkeypatch.setattr(StudyResult, "plot", lambda self: Figure())  # what is drawn is tested with studies
     monkeypatch.setattr("ertel.runs.store.drive", None)  # nothing is solved again
     assert ertel_(*TRACTION).stdout == text
     data = json.loads(ertel_(*TRACTION, "--json").stdout)
@@ -195,11 +196,16 @@ def test_a_fit_is_printed_and_stored_and_goes_on(here, monkeypatch, interrupted,
     place = here / "fits" / "film"
     interrupted(*FITTED)
     assert names(place) - LEFT == {"runs", "progress.json"} and len(names(place / "runs")) == 1
+    [first] = place.glob("runs/*/summary.json")
+    before = first.stat().st_mtime_ns
     assert (read_progress(place)["status"], read_progress(place)["step"]) == ("running", 0)
     text = ertel_(*FITTED).stdout
     for part in ("fit of drop", "20 mPa*s", "5 %", "the prior does, to 5 %", "with fit.zarr, fit.csv and fit.png"):
         assert part in text
     assert names(place) == LEFT | {"runs", "progress.json", "fit.zarr", "fit.csv", "fit.png"}
+    assert first.stat().st_mtime_ns == before and len(names(place / "runs")) > 1  # no run is computed twice
+    with (place / "fit.png").open("rb") as picture, (place / "fit.csv").open() as table:
+        assert picture.read(4) == b"\x89PNG" and table.readline().startswith("measurement,quantity,conditions")
     progress = read_progress(place)
     assert (progress["status"], progress["done"]) == ("converged", 1.0) and progress["step"] > 0
     assert re.search(r"residuals \S+ times their sigma at eta0 = 20 mPa\*s$", progress["message"])

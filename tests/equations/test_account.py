@@ -18,15 +18,15 @@ from ertel.solvers import guesses, steady
 from ertel.solvers.steady import GridSolution, Rolling
 
 
-def case_of(speed: float = 1.0, nodes: int = 129, oil: Oil = OIL, L: float = 5) -> Case:
+def case_of(speed: float = 1.0, nodes: int = 65, oil: Oil = OIL, L: float = 5) -> Case:
     """A resolved rolling contact on a centred grid."""
     solver = steady_solver(nodes, inlet=None, half_width=4.0)
     return rolled(Parameters.from_moes(20, L), oil, solver, Drive(entrainment=constant(speed)))
 
 
 @cache
-def film(speed: float = 1.0, L: float = 5, oil: Oil = OIL) -> Rolling:
-    return steady.steady_film(case_of(speed, oil=oil, L=L))
+def film(speed: float = 1.0, L: float = 5, oil: Oil = OIL, nodes: int = 65) -> Rolling:
+    return steady.steady_film(case_of(speed, nodes, oil, L))
 
 
 def imbalances(s: GridSolution) -> tuple[float, float]:
@@ -40,7 +40,7 @@ def imbalances(s: GridSolution) -> tuple[float, float]:
 @pytest.mark.usefixtures("nothing_outside")
 def test_the_solids_under_hertz_pressure_store_two_fifths() -> None:
     """Of F delta; the oil stores the integral of its energy of compression over the film, all of thickness 0.1."""
-    case = case_of()
+    case = case_of(nodes=129)
     grid = grid_of(case)
     P, approach = guesses.dry_guess(case.geometry, grid, 1.0)
     c = discretise.contact_of(case, grid)
@@ -54,15 +54,18 @@ def test_the_solids_under_hertz_pressure_store_two_fifths() -> None:
     assert flat.account.terms["oil_energy"] == pytest.approx(in_oil, rel=5e-3)
 
 
+WAYS = [(1.0, 5, OIL), (-1.0, 5, OIL), (1.0, BARUS_LIMIT, OIL)]
+
+
 @pytest.mark.parametrize(
-    ("speed", "L", "oil"),
-    [(1.0, 5, OIL), (-1.0, 5, OIL), (1.0, BARUS_LIMIT, OIL), pytest.param(1.0, 5, BARUS, marks=pytest.mark.slow)],
+    ("speed", "L", "oil", "nodes"),
+    [*((*way, 65) for way in WAYS), *(pytest.param(*w, 129, marks=pytest.mark.slow) for w in (*WAYS, (1.0, 5, BARUS)))],
 )
-def test_steady_rolling_dissipates_what_its_resistance_takes(speed: float, L: float, oil: Oil) -> None:
-    """In both directions, with and without piezoviscosity, and with an incompressible oil."""
-    mass, energy = imbalances(film(speed, L, oil).finest)
-    assert abs(mass) < 1.5e-3
-    assert abs(energy) < 6e-3
+def test_steady_rolling_dissipates_what_its_resistance_takes(speed: float, L: float, oil: Oil, nodes: int) -> None:
+    """In both directions, with and without piezoviscosity, and with an incompressible oil; of second order."""
+    mass, energy = imbalances(film(speed, L, oil, nodes).finest)
+    assert abs(mass) < 1.5e-3 * (128 / (nodes - 1)) ** 2
+    assert abs(energy) < 6e-3 * (128 / (nodes - 1)) ** 2
 
 
 def test_both_directions_have_the_same_budgets() -> None:
@@ -70,11 +73,12 @@ def test_both_directions_have_the_same_budgets() -> None:
     assert back == pytest.approx({**there, "mu_rolling": -there["mu_rolling"]}, rel=1e-6)
 
 
-def test_the_steady_energy_closes_with_the_order_of_the_grid() -> None:
-    solutions = film().solutions
+@pytest.mark.parametrize("nodes", [65, pytest.param(129, marks=pytest.mark.slow)])
+def test_the_steady_energy_closes_with_the_order_of_the_grid(nodes: int) -> None:
+    solutions = film(nodes=nodes).solutions
     found = np.abs([imbalances(s)[1] for s in solutions])
     orders = np.log2(found[:-1] / found[1:])
-    assert [s.grid.nodes for s in solutions] == [33, 65, 129]
+    assert [s.grid.nodes for s in solutions][:2] == [33, 65]
     assert orders[-1] > 1.8, orders
 
 

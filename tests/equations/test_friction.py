@@ -5,12 +5,10 @@ from functools import cache
 from math import exp, pi
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 import pytest
 from cases import BARUS, OIL, parse_case, rolled, steady_solver
 from closed_forms import hertz_mean_stress
-from jax import Array
 from numpy.testing import assert_allclose
 
 from ertel.case.case import Case
@@ -31,7 +29,7 @@ from ertel.physics.scales import Parameters
 from ertel.solvers import steady as solver
 from ertel.solvers.steady import GridSolution
 
-FRICTION = jax.jit(friction)
+FRICTION = jax.jit(friction)  # its results are read by NumPy, which compiles nothing
 
 
 def square(nodes: int = 33, half_width: float = 1.5) -> Grid:
@@ -44,16 +42,15 @@ def contact(grid: Grid, lambda_bar: float, alpha_bar: float, tau0: float | None 
     return plain if tau0 is None else replace(plain, flow=ThinningFlow(traceable(ReeEyring(tau0)), 1.0, 1.0, 0.0))
 
 
-def of(grid: Grid, c: Contact, P: Array, H: Array, sliding: float, load: float = 1.0) -> Friction:
-    result: Friction = FRICTION(Plane.of(grid), c, P, H, sliding, load, HERTZ_LOAD)
-    return result
+def of(grid: Grid, c: Contact, P: np.ndarray, H: np.ndarray, sliding: float, load: float = 1.0) -> Friction:
+    return Friction(*jax.tree.map(np.asarray, FRICTION(Plane.of(grid), c, P, H, sliding, load, HERTZ_LOAD)))
 
 
 def test_couette_flow_in_a_uniform_film():
     """tau = eta (u1 - u2)/h everywhere: in these units lambda_bar U S/(12 H)."""
     grid = square()
-    P = jnp.full(grid.shape, 0.5)
-    H = jnp.full(grid.shape, 0.2)
+    P = np.full(grid.shape, 0.5)
+    H = np.full(grid.shape, 0.2)
     tau = 0.03 * exp(2.0) * 0.7 / (12 * 0.2)
     result = of(grid, contact(grid, 0.03, 4.0), P, H, 0.7, load=0.8)
     assert_allclose(result.stress[0], tau, rtol=1e-12)
@@ -67,8 +64,8 @@ def test_couette_flow_in_a_uniform_film():
 def test_poiseuille_flow_in_a_uniform_film():
     """Loss h^3 (grad p)^2/(12 eta): H^3 (grad P)^2/lambda_bar; each surface is pulled by h/2 grad p."""
     grid = square()
-    P = 3.0 + jnp.asarray(0.4 * grid.x[None, :] + 0.3 * grid.y[:, None])
-    result = of(grid, contact(grid, 0.03, 0.0), P, jnp.full(grid.shape, 0.2), 0.0, load=0.8)
+    P = 3.0 + np.asarray(0.4 * grid.x[None, :] + 0.3 * grid.y[:, None])
+    result = of(grid, contact(grid, 0.03, 0.0), P, np.full(grid.shape, 0.2), 0.0, load=0.8)
     assert_allclose(result.loss, 0.2**3 * 0.25 / 0.03, rtol=1e-11)
     assert_allclose(result.rolling, [0.5 * 0.2 * slope * 9 / (0.8 * HERTZ_LOAD) for slope in (0.4, 0.3)], rtol=1e-11)
     assert_allclose(result.stress, 0.0)
@@ -76,9 +73,9 @@ def test_poiseuille_flow_in_a_uniform_film():
 
 def test_no_stress_is_counted_where_the_film_cavitates():
     grid = square()
-    P = jnp.asarray(np.where(grid.x[None, :] < 0, 1.0, 0.0) + 0 * grid.y[:, None])
-    result = of(grid, contact(grid, 0.03, 0.0), P, jnp.full(grid.shape, 0.2), 0.7)
-    assert float(jnp.abs(jnp.where(P > 0, 0.0, result.stress)).max()) == 0.0
+    P = np.asarray(np.where(grid.x[None, :] < 0, 1.0, 0.0) + 0 * grid.y[:, None])
+    result = of(grid, contact(grid, 0.03, 0.0), P, np.full(grid.shape, 0.2), 0.7)
+    assert float(np.abs(np.where(P > 0, 0.0, result.stress)).max()) == 0.0
     assert float(result.stress[0, 16, 3]) > 0.0
 
 
@@ -88,16 +85,16 @@ def test_friction_counts_no_stress_above_the_limit(sliding: float):
     grid, P = hertz(33)
     law = Limited(ReeEyring(1.0), Lambda=0.5, ambient=0.1)
     c = replace(contact(grid, 1.0, 10.0), flow=ThinningFlow(traceable(law), 1.0, 1.0, 0.0))
-    result = of(grid, c, P, jnp.full(grid.shape, 0.01), sliding)
-    limit, stress = 0.1 + 0.5 * P, jnp.hypot(*result.stress)
-    assert float(jnp.max(stress - limit)) < 1e-12
+    result = of(grid, c, P, np.full(grid.shape, 0.01), sliding)
+    limit, stress = 0.1 + 0.5 * P, np.hypot(*result.stress)
+    assert float(np.max(stress - limit)) < 1e-12
     if sliding > 1.0:  # all of the pressurised film is at its limit
-        assert_allclose(stress, jnp.where(P > 0.0, limit, 0.0), rtol=1e-12)
+        assert_allclose(stress, np.where(P > 0.0, limit, 0.0), rtol=1e-12)
 
 
 def test_without_a_load_the_coefficients_are_zero():
     grid = square()
-    nothing = jnp.zeros(grid.shape)
+    nothing = np.zeros(grid.shape)
     result = of(grid, contact(grid, 0.03, 0.0), nothing, nothing + 0.2, 0.7, load=0.0)
     assert_allclose([*result.sliding, *result.rolling, result.power], 0.0)
 
@@ -105,16 +102,16 @@ def test_without_a_load_the_coefficients_are_zero():
 # -- a film of uniform thickness under Hertz pressure -----------------------------------------------------------------
 
 
-def hertz(nodes: int) -> tuple[Grid, Array]:
+def hertz(nodes: int) -> tuple[Grid, np.ndarray]:
     grid = square(nodes, 1.05)
-    return grid, jnp.sqrt(jnp.maximum(1.0 - jnp.asarray(grid.x[None, :] ** 2 + grid.y[:, None] ** 2), 0.0))
+    return grid, np.sqrt(np.maximum(1.0 - np.asarray(grid.x[None, :] ** 2 + grid.y[:, None] ** 2), 0.0))
 
 
 def eyring_mean(alpha_bar: float, ln_S_c: float, film: float = 1e-5) -> float:
     """The mean of tau/tau0 over the contact.  tau0 = 1, so that pressure in a film so thin does not shear the oil."""
     grid, P = hertz(129)
     speed = exp(ln_S_c - 2 / 3 * alpha_bar) * 12 * film  # with lambda_bar = 1 the shear stress at p = 0 is speed/(12 H)
-    result = of(grid, contact(grid, 1.0, alpha_bar, tau0=1.0), P, jnp.full(grid.shape, film), speed)
+    result = of(grid, contact(grid, 1.0, alpha_bar, tau0=1.0), P, np.full(grid.shape, film), speed)
     return float(result.sliding[0]) * HERTZ_LOAD / pi
 
 
@@ -127,7 +124,7 @@ def test_the_mean_stress_of_an_eyring_oil_under_hertz_pressure(alpha_bar: float)
 
 def test_an_eyring_oil_of_high_stress_is_newtonian():
     grid, P = hertz(129)
-    H = jnp.full(grid.shape, 0.1) + 0.02 * jnp.asarray(grid.x[None, :])
+    H = np.full(grid.shape, 0.1) + 0.02 * np.asarray(grid.x[None, :])
     thin, plain = (of(grid, contact(grid, 0.1, 4.0, tau0), P, H, 0.7) for tau0 in (1e8, None))
     for name in Friction._fields:
         expected = np.asarray(getattr(plain, name))
@@ -143,20 +140,20 @@ def test_the_coefficients_do_not_depend_on_the_units():
     assert scales is not None
     moes = rolled(p, BARUS, si.solver, Drive(slide_to_roll=0.2))
     grid = grid_of(si)
-    P = jnp.asarray(si.geometry.dry_pressure(1.0, grid.kept_x[None, :], grid.kept_y[:, None]))
-    H = 0.1 + jnp.asarray(si.geometry.gap(grid.kept_x[None, :], grid.kept_y[:, None]))
+    P = np.asarray(si.geometry.dry_pressure(1.0, grid.kept_x[None, :], grid.kept_y[:, None]))
+    H = 0.1 + np.asarray(si.geometry.gap(grid.kept_x[None, :], grid.kept_y[:, None]))
     one, two = (film_of(case, grid, P, H).account.friction for case in (si, moes))
     for name in Friction._fields:
         assert_allclose(getattr(one, name), getattr(two, name), rtol=1e-9, atol=1e-12, err_msg=name)
     # in SI: the integral of eta (u1 - u2)/h over the load
     pascal = 0.03 * np.exp(18e-9 * np.asarray(P) * scales.p_h) * 0.2 * 0.7 / (np.asarray(H) * scales.film)
-    force = float(Plane.of(grid).total(jnp.where(P > 0, jnp.asarray(pascal), 0.0))) * scales.a**2
+    force = float(Plane.of(grid).total(np.where(P > 0, np.asarray(pascal), 0.0))) * scales.a**2
     assert float(one.sliding[0]) * scales.a_over_R == pytest.approx(force / 30.0, rel=1e-9)
     pressed = Plane.of(grid).total(one.loss - 0.2 * one.stress[0]) * scales.a**2 * scales.power_per_area
     assert float(one.power) * scales.power == pytest.approx(0.2 * 0.7 * force + float(pressed), rel=1e-9)
 
 
-def film_of(case: Case, grid: Grid, P: Array, H: Array) -> GridSolution:
+def film_of(case: Case, grid: Grid, P: np.ndarray, H: np.ndarray) -> GridSolution:
     return GridSolution(case, grid, P, H, 1.0, 0.0, Status.CONVERGED, 0, 0, 0.0)
 
 

@@ -230,7 +230,7 @@ def test_any_unknown_key_is_named(place, key):
 # -- whole files, valid and spoiled -----------------------------------------------------------------------------------
 
 
-MANY = pytest.mark.parametrize("examples", [100, pytest.param(1000, marks=pytest.mark.slow)])
+MANY = pytest.mark.parametrize("examples", [40, pytest.param(1000, marks=pytest.mark.slow)])
 
 
 @MANY

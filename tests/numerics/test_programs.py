@@ -5,6 +5,7 @@ Blocks of points: the same values as all points at once.
 
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -95,17 +96,9 @@ def turned(number: Array, vector: Array) -> dict[str, Array]:
     return {"vector": vector[::-1] * number, "number": number + vector[0], "steps": jnp.full(number.shape, 1)}
 
 
-@pytest.mark.parametrize("share", [0.0, 0.1, 0.7, 1.0])
-def test_blocks_give_what_all_points_give(share: float) -> None:
-    """At the points chosen, and what is given at the others; forward and in several directions at once."""
-    draw = np.random.default_rng(0)
-
-    def whole(*shape: int) -> Array:
-        """Numbers whose products and sums are exact, whether a program rounds after the product or not."""
-        return jnp.asarray(draw.integers(-1000, 1000, shape), float)
-
-    fields, changes = (whole(*SHAPE), whole(2, *SHAPE)), (whole(2, *SHAPE), whole(2, 2, *SHAPE))
-    chosen = jnp.asarray(draw.uniform(size=SHAPE) < share)
+@partial(jax.jit, static_argnames="with_changes")
+def both_ways(chosen: Array, fields: tuple[Array, ...], changes: tuple[Array, ...], with_changes: bool) -> Any:
+    """What blocks and all points at once give, or their changes in several directions."""
 
     def others(number: Array, vector: Array) -> dict[str, Array]:
         return {"vector": 2.0 * vector, "number": number, "steps": jnp.zeros(SHAPE, int)}
@@ -116,8 +109,24 @@ def test_blocks_give_what_all_points_give(share: float) -> None:
     def at_once(*fields: Array) -> dict[str, Array]:
         return jax.tree.map(partial(jnp.where, chosen), turned(*fields), others(*fields))
 
-    for of in (lambda f: f(*fields), lambda f: jax.vmap(lambda *change: jax.jvp(f, fields, change)[1])(*changes)):
-        found, expected = jax.jit(lambda of=of: of(in_parts))(), of(at_once)
+    def given(f: Any) -> Any:
+        return jax.vmap(lambda *change: jax.jvp(f, fields, change)[1])(*changes) if with_changes else f(*fields)
+
+    return given(in_parts), given(at_once)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.1, 0.7, 1.0])
+def test_blocks_give_what_all_points_give(share: float) -> None:
+    """At the points chosen, and what is given at the others; forward and in several directions at once."""
+    draw = np.random.default_rng(0)
+
+    def whole(*shape: int) -> np.ndarray:
+        """Numbers whose products and sums are exact, whether a program rounds after the product or not."""
+        return draw.integers(-1000, 1000, shape).astype(float)
+
+    fields, changes = (whole(*SHAPE), whole(2, *SHAPE)), (whole(2, *SHAPE), whole(2, 2, *SHAPE))
+    for with_changes in (False, True):
+        found, expected = both_ways(draw.uniform(size=SHAPE) < share, fields, changes, with_changes=with_changes)
         assert found.keys() == expected.keys()
         for name, values in expected.items():
             assert_array_equal(found[name], values)

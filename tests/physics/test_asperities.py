@@ -11,8 +11,8 @@ from ertel.physics.asperities import Exponential, GreenwoodTripp, Persson, perss
 
 # F_{5/2}(k) by adaptive integration of the normal distribution
 SUMMITS = {0: 0.616634, 0.5: 0.240402, 1: 0.080562, 1.5: 0.022863, 2: 0.005424, 3: 0.000171, 4: 2e-6}
-# pressure over E* times the rms slope, and the mean gap over sigma: mean of periodic random surfaces of 512^2 nodes with
-# waves q0 to 16 q0, pressed together dry by FFT and constrained conjugate gradients; where the law is said to hold
+# pressure over E* times the rms slope, and the mean gap over sigma: mean of periodic random surfaces of 512^2 nodes
+# with waves q0 to 16 q0, pressed together dry by FFT and constrained conjugate gradients
 PRESSED = {0.1: 0.556, 0.2: 0.275}
 
 
@@ -82,5 +82,5 @@ def test_hardness_holds_the_pressure_of_the_spots():
 
 
 def test_waves_must_have_a_range():
-    with pytest.raises(ValueError, match="shortest = .*: must be below longest"):
+    with pytest.raises(ValueError, match="must be below longest"):
         Persson(longest=1e-6, shortest=2e-6)

@@ -16,7 +16,7 @@ from ertel.physics import hertz
 from ertel.physics.motion import Oscillation
 from ertel.physics.surfaces import Feature, RingWaviness, Spot, Waviness, height
 from ertel.plots.view import View
-from ertel.results.variables import FIGURES_IN_TIME, FIGURES_STEADY
+from ertel.results.figures import FIGURES_IN_TIME, FIGURES_STEADY
 
 ROUGH = (Feature(Waviness(0.01, 0.5, phase_x=0.3), 1), Feature(Spot(0.3, -0.05, x=-1.0), 2))
 SCALES = parse_case(BALL_FALLS).scales
@@ -162,12 +162,16 @@ def test_odd_runs_can_be_drawn(moes):
     assert plots.names_of(steady(MOES_ROLLS)) == known
     assert all(callable(getattr(plots, name)) for name in plots.NAMES)
     for name in plots.names_of(moes):
-        plots.draw(moes.isel(frame=slice(0, 1), time=slice(0, 1)), name).draw_without_rendering()
+        figure = plots.draw(moes.isel(frame=slice(0, 1), time=slice(0, 1)), name)
+        figure.set_layout_engine("none")
+        figure.draw_without_rendering()
     data = dry_impact(MOES_FALLS)
     data["H_min"][40:] = 0.0
     data["P"][-1] = 0.0
     assert panels(plots.history(data))[1].get_ylim()[0] > 0
-    plots.maps(data, at=float(data["frame"][-1])).draw_without_rendering()
+    last = plots.maps(data, at=float(data["frame"][-1]))
+    last.set_layout_engine("none")
+    last.draw_without_rendering()
 
 
 def test_nothing_is_shown_and_pyplot_is_left_alone():

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
-from made_up import BALL_FALLS, BALL_ROLLS, MOES_FALLS, as_in_time, dry_impact, in_time, steady
+from made_up import BALL_FALLS, BALL_ROLLS, MOES_FALLS, as_in_time, dry_impact, in_time, solutions, steady
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
@@ -24,12 +24,13 @@ LONG = rolling(M=200, L=10, radius_ratio=0.08, nodes=81)
 
 @pytest.fixture(scope="module")
 def runs():
+    long = solutions(LONG)[1]
     return {
         "ball": dry_impact(BALL_FALLS),
         "moes": dry_impact(MOES_FALLS, radial=True),
         "rough": in_time(ROUGH),
         "steady": steady(BALL_ROLLS),
-        "long": steady(LONG),
+        "long": assemble_steady(LONG, long.grid, [long]),
     }
 
 

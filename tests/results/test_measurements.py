@@ -12,12 +12,13 @@ from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
 from ertel.optics import Interferometer, Monochromatic, Rig, reflection
 from ertel.physics import hertz
+from ertel.physics.motion import first_touch
 from ertel.results.alignment import light_along, with_start
 from ertel.results.dataset import to_csv
 from ertel.results.numbers import scalars
 from ertel.results.profiles import moment_of, profile, write_profile
 from ertel.results.summary import impact_summary
-from ertel.results.variables import first_touch, to_si
+from ertel.results.variables import to_si
 from ertel.runs.result import Result
 
 

@@ -17,10 +17,11 @@ from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
 from ertel.physics.amplitude_reduction import lambda_ratio
 from ertel.results.dataset import provenance
+from ertel.results.figures import FIGURES_IN_TIME, FIGURES_STEADY
 from ertel.results.numbers import key_numbers, scalars
 from ertel.results.parameters import parameters_of, scale_values
 from ertel.results.summary import impact_summary, rolling_summary, steady_summary
-from ertel.results.variables import FIGURES_IN_TIME, FIGURES_STEADY, to_si
+from ertel.results.variables import to_si
 from ertel.runs.result import Result, verdict
 
 WORK = {"steps": 78, "newton_iterations": 80, "krylov_iterations": 200, "wall_s": 1.0}

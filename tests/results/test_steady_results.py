@@ -66,10 +66,14 @@ def run(calls: Counter[str], tmp_path_factory: pytest.TempPathFactory) -> ertel.
 
 
 def test_maps_and_summary(run: ertel.Result) -> None:
-    """Both are those of `heated`, in K, on the whole plane."""
+    """Both are those of `heated`, in K, on the whole plane; the shear stress of the warm film is odd along y."""
     data, said = run.dataset, run.summary
     found = heated(run.case, *(data[name].values[32:] for name in ("P", "H")))
-    for name in HEATED_MAPS:
+    for name, part, sign in (("tau_x_warm", 0, 1.0), ("tau_y_warm", 1, -1.0)):
+        assert data[name].attrs["in_units_of"] == data["tau_x"].attrs["in_units_of"]
+        np.testing.assert_allclose(data[name].values[32:], found.stress[part], atol=1e-9)
+        np.testing.assert_array_equal(data[name].values, sign * data[name].values[::-1])
+    for name in ("T_1", "T_2", "T_film"):
         assert data[name].dims == ("Y", "X") and data[name].attrs["units"] == "K"
         np.testing.assert_allclose(data[name].values[32:], getattr(found, name), atol=1e-9)
         np.testing.assert_array_equal(data[name].values, data[name].values[::-1])

@@ -95,7 +95,7 @@ def test_a_rig_may_press_with_a_given_load() -> None:
 
 def test_progress_goes_from_nothing_to_all() -> None:
     for until in ("max-approach", "rebound", 2.0):
-        run = run_of(impact(200, 10, 65, solver={"method": "radial"}, time={"until": until}))
+        run = run_of(impact(200, 10, 33, solver={"method": "radial"}, time={"until": until}))
         shares: list[float] = []
         drive(run, [lambda step, run=run, shares=shares: shares.append(run.progress(step).done)])
         assert 0 <= shares[0] < 0.05

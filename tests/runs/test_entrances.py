@@ -22,9 +22,9 @@ def file(tmp_path) -> Path:
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_a_case_may_be_a_path_or_a_mapping(file, tmp_path):
     case = ertel.parse_case(DATA)
-    for number, given in enumerate((case, DATA, file, str(file))):
+    for given in (case, DATA, file, str(file)):
         assert ertel.simulate(given).case == case
-        assert ertel.run(given, tmp_path / str(number)).case == case
+    assert ertel.run(str(file), tmp_path / "run").case == ertel.run(DATA, tmp_path / "run").case == case
 
 
 @pytest.mark.parametrize("given", WRONG)

@@ -360,6 +360,7 @@ def pressure() -> Measurement:
     return Measurement("history", "p_c", p[[-2, -1]], t[[-2, -1]], sigma=0.01 * p[-1])
 
 
+@pytest.mark.slow
 def test_a_fit_that_is_killed_goes_on_and_computes_nothing_twice(
     pressure: Measurement, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

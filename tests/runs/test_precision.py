@@ -40,14 +40,14 @@ def final(result):
 
 
 def swept():
-    fall = {"contact": {"M": [20, 25], "L": 5}, "solver": {"method": "radial", "nodes": 65}}
+    fall = {"contact": {"M": [20], "L": 5}, "solver": {"method": "radial", "nodes": 33}}
     found = ertel.sweep({**fall, "time": {"until": 0.5, "tolerance": 0.05}}, tempfile.mkdtemp())
     return found.dataset.newton_iterations.values.tolist()
 
 
 ball = {"radius": 0.01, "ball_density": 7850, "speed": 0.01, "E_prime": 2.2e11}
 oil = ertel.Oil(0.02, 2e-8, viscosity=OfJax(2e-8))
-radial = ertel.impact(**ball, oil=oil, method="radial", nodes=65, until=0.5, time_tolerance=0.05)
+radial = ertel.impact(**ball, oil=oil, method="radial", nodes=33, until=0.5, time_tolerance=0.05)
 FOUND = {
     "radial": lambda: final(ertel.simulate(radial)),
     "swept": swept,

@@ -18,7 +18,7 @@ from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature, RingWaviness, Shape, Waviness
 from ertel.runs.response import respond, respond_in_rolling, respond_linearly
 
-WAVE = 0.5  # wavelength: 16 nodes
+WAVE = 0.75  # wavelength: 8 nodes
 
 
 def waviness(amplitude: float) -> list[Feature]:
@@ -28,7 +28,7 @@ def waviness(amplitude: float) -> list[Feature]:
 @cache
 def impact_with(response: Callable[..., xr.Dataset], *amplitudes: float) -> xr.Dataset:
     solver, time = {"half_width": 1.5, "tolerance": 1e-6}, {"step": 0.04, "start_approach": -0.5}
-    case = impact(200, 10, 65, solver=solver, time=time)
+    case = impact(200, 10, 33, solver=solver, time=time)
     return response(case, [waviness(amplitude) for amplitude in amplitudes])
 
 
@@ -76,7 +76,7 @@ SHORT = {"step": 0.1, "start_approach": -0.5}
 
 @pytest.mark.parametrize("response", [respond, respond_linearly])
 def test_roughness_may_be_given_in_si(response: Callable[..., xr.Dataset]) -> None:
-    case = parse_case({**SMALL, "time": SHORT, "solver": {"nodes": 17}})
+    case = parse_case({**SMALL, "time": SHORT, "solver": {"nodes": 33}})
     assert case.scales
     height, length = quantity("10 nm"), quantity("60 um")
     plain = Waviness(10e-9 / case.scales.film, 60e-6 / case.scales.a)
@@ -128,11 +128,11 @@ def test_amplitude_and_phase_are_those_of_the_film_at_any_time() -> None:
 def test_responses_add_up() -> None:
     """Two features of one frequency in one response, one of them on a surface that moves backwards."""
     case = rolling(Drive(slide_to_roll=4.0))  # speeds 3 and -1
-    one, other = Feature(Waviness(0.01, 3 * TURN, TURN)), Feature(Waviness(0.02, TURN, TURN, phase_y=0.5), 2)
+    one, other = Feature(Waviness(0.01, 3 * TURN, TURN)), Feature(Waviness(0.02, TURN, TURN, phase_x=0.5), 2)
     data = respond_in_rolling(case, [[one, other], [one], [other]])
     both, *alone = data["dH_amplitude"].values * np.exp(1j * data["dH_phase"].values)
+    assert np.abs(alone[1]).max() > 0.01
     assert np.abs(both - sum(alone)).max() < 1e-5 * 0.03
-    assert np.abs(both - both[::-1]).max() > 0.001  # the second is not even in Y, so the whole plane is computed
 
 
 def test_an_unresolved_response_in_rolling_says_so() -> None:

@@ -58,9 +58,10 @@ def test_the_power_is_that_of_the_forces(newtonian: Any) -> None:
 
 def test_one_film_is_exact_for_a_newtonian_oil(newtonian: Any) -> None:
     assert "solved once" in newtonian.dataset.attrs["film"]
-    each = traction(physical(), slide_to_roll="-0.1:0.2:4", film="each")
-    xr.testing.assert_allclose(each.dataset[[*FRICTION]], newtonian.dataset[[*FRICTION]], rtol=1e-12)
-    assert newtonian.dataset["newton_iterations"].sum() == each.dataset["newton_iterations"].sum() / 4
+    each = traction(physical(), slide_to_roll=[-0.1, 0.2], film="each")
+    once = newtonian.dataset.isel(slide_to_roll=[0, -1])
+    xr.testing.assert_allclose(each.dataset[[*FRICTION]], once[[*FRICTION]], rtol=1e-12)
+    assert newtonian.dataset["newton_iterations"].sum() == each.dataset["newton_iterations"].sum() / 2
 
 
 def test_each_point_of_an_oil_that_thins_has_its_own_film(eyring: Any) -> None:
@@ -75,7 +76,7 @@ def test_each_point_of_an_oil_that_thins_has_its_own_film(eyring: Any) -> None:
     assert float(once["mu_sliding"][1]) != float(data["mu_sliding"][2])
 
 
-@pytest.mark.parametrize("axis", ["mean_speed", "load"])
+@pytest.mark.parametrize("axis", [pytest.param("mean_speed", marks=pytest.mark.slow), "load"])
 def test_a_point_over_the_speed_or_the_load_is_its_own_case(axis: str) -> None:
     base = physical(mean_speed="1 m/s", slide_to_roll=0.05)
     value = 2.0 * getattr(base.contact, axis)

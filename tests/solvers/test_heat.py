@@ -82,7 +82,7 @@ def test_the_balance_of_heat() -> None:
     assert_allclose(warm.film, warm.inlet.factor * film_of(case)[1])
 
 
-@pytest.mark.parametrize("rheology", ["newtonian", pytest.param(OIL["rheology"], marks=pytest.mark.slow)], ids=str)
+@pytest.mark.parametrize("rheology", [OIL["rheology"], pytest.param("newtonian", marks=pytest.mark.slow)], ids=str)
 def test_without_heat_the_friction_is_the_isothermal_one(rheology: Any) -> None:
     case = case_of(beta="1e-8 / K", viscosity="exponential", inlet_factor="none")
     case = parse_case({**case.to_data(), "lubricant": {**OIL, "rheology": rheology}})
@@ -137,7 +137,7 @@ def test_warm_bodies_warm_the_film() -> None:
     assert float(sliding.sliding[0]) < float(cold.sliding[0])
 
 
-@pytest.mark.parametrize("slide_to_roll", [2.0, -2.0])
+@pytest.mark.parametrize("slide_to_roll", [2.0, pytest.param(-2.0, marks=pytest.mark.slow)])
 def test_a_surface_at_rest(slide_to_roll: float) -> None:
     """Its highest temperature continues that of a surface that hardly moves either way."""
     warm, before, after = (heated_at(slide_to_roll * share) for share in (1.0, 0.98, 1.02))

@@ -160,9 +160,9 @@ def test_the_film_of_a_starved_contact(r: float, nodes: int) -> None:
     assert film_reduction(r, nodes) == pytest.approx(STARVED[r], abs=0.07 if nodes == 65 else 0.008)
 
 
-# The whole plane of a track that is not symmetric, whose program it shares.  On 33 nodes Newton's iteration would fill
-# and empty the same nodes in turns, if it did not hold where the film is kinked.
-SQUARE = {"nodes": 65, "half_width": 3.0, "half_width_y": 3.0, "inlet": 4.5}
+# The whole plane of a track that is not symmetric, whose program it shares.  Newton's iteration would fill and empty
+# the same nodes in turns, if it did not hold where the film is kinked.
+SQUARE = {"nodes": 33, "half_width": 3.0, "half_width_y": 3.0, "inlet": 4.5}
 
 
 @pytest.mark.parametrize(
@@ -171,11 +171,11 @@ SQUARE = {"nodes": 65, "half_width": 3.0, "half_width_y": 3.0, "inlet": 4.5}
         pytest.param({"contact": {"radius_ratio": 0.5}}, marks=pytest.mark.slow),
         {"contact": {"radius_ratio": 0.5, "entrainment_angle": "30 deg"}, "solver": SQUARE},
         pytest.param(
-            {"contact": {"radius_ratio": 0.5, "entrainment_angle": "30 deg"}, "solver": {**SQUARE, "nodes": 33}},
+            {"contact": {"radius_ratio": 0.5, "entrainment_angle": "30 deg"}, "solver": {**SQUARE, "nodes": 65}},
             marks=pytest.mark.slow,
         ),
     ],
-    ids=["ellipse", "at an angle", "at an angle, 33 nodes"],
+    ids=["ellipse", "at an angle", "at an angle, 65 nodes"],
 )
 def test_other_contacts_starve_too(changes: dict[str, Any]) -> None:
     data: dict[str, Any] = {"contact": {"kind": "rolling", "M": 200, "L": 10}, "lubricant": {"layer": 0.06}}
@@ -189,8 +189,8 @@ def test_other_contacts_starve_too(changes: dict[str, Any]) -> None:
 # -- a track ----------------------------------------------------------------------------------------------------------
 
 
-def rolled_after(track: Any, **solver: Any) -> Result:
-    return simulate(case_of("rolling", track, method="steady", **{"nodes": 65, **solver}))
+def rolled_after(track: Any, M: float = 200, nodes: int = 65) -> Result:
+    return simulate(case_of("rolling", track, M, method="steady", nodes=nodes))
 
 
 def test_a_track_loses_its_oil_to_the_sides() -> None:
@@ -210,7 +210,8 @@ def test_a_track_loses_its_oil_to_the_sides() -> None:
 
 def test_a_track_with_more_oil_on_one_side_is_the_mirror_of_that_on_the_other() -> None:
     more = [[-1.0, 0.05], [1.0, 0.1]]
-    one, other = (rolled_after(track) for track in (more, [[-1.0, 0.1], [1.0, 0.05]]))
+    one, other = (rolled_after(track, 50, 33) for track in (more, [[-1.0, 0.1], [1.0, 0.05]]))
+    assert one.status.ok and other.status.ok
     assert_allclose(one.dataset["H"], other.dataset["H"][::-1], atol=1e-8)
     assert one.dataset["oil"][-1, 0] == pytest.approx(0.1)
     assert one.dataset["H"].sel(Y=0.75).min() > one.dataset["H"].sel(Y=-0.75).min()

@@ -87,7 +87,11 @@ def test_the_film_is_what_its_pressure_makes_it() -> None:
     np.testing.assert_allclose(np.asarray(now.H), np.asarray(H), atol=1e-12)
 
 
-@pytest.mark.parametrize("solver", [TIGHT, {"tolerance": 1e-10, "fold": False}], ids=["quarter", "whole plane"])
+@pytest.mark.parametrize(
+    "solver",
+    [TIGHT, pytest.param({"tolerance": 1e-10, "fold": False}, marks=pytest.mark.slow)],  # see numerics/test_symmetry
+    ids=["quarter", "whole plane"],
+)
 def test_symmetry_to_round_off(solver: dict[str, object]) -> None:
     """The whole plane, where nothing makes it symmetric, is so to 1.5e-12 when solved to 1e-8 only."""
     method = Transient2D(impact(200, 10, 65 if solver is TIGHT else 33, solver=solver))

@@ -308,10 +308,12 @@ def export(
     directory: RunDirectory,
     to: Annotated[Literal["csv", "netcdf", "vtk"], option("Tables, NetCDF, or maps for ParaView.")] = "csv",
     what: Annotated[
-        Literal["profile"] | None, option("Film, pressure and oil along a line through the centre, as CSV.")
+        Literal["profile", "stress"] | None,
+        option("Film, pressure and oil along a line through the centre, or the stresses in the section below it."),
     ] = None,
     at: Moment = None,
     along: Along = "x",
+    body: Annotated[int, option("The body of --what stress.", min=1, max=2)] = 1,
     in_si: Annotated[bool, typer.Option("--si", help="Convert to SI; needs a case in SI.")] = False,
     out: Annotated[Path | None, path_option("Directory for the files; default DIR/export.")] = None,
     overwrite: Overwrite = False,
@@ -325,25 +327,38 @@ def export(
 
     --what profile: profile_x.csv or profile_y.csv, in SI where the case is, with units in the names of the columns.
     Between two maps it is interpolated in time.
+
+    --what stress: stress_x.csv or stress_y.csv with a row for each node of the section through the centre of body 1 or
+    2, or stress_x.nc with --to netcdf; otherwise as a profile.
     """
     from ertel.case.status import Status
     from ertel.results.dataset import EXPORTS
     from ertel.results.profiles import write_profile
+    from ertel.results.stress import stress, write_stress
     from ertel.results.variables import to_si
     from ertel.runs.store import RunStore
 
-    if what and to != "csv":
+    if what == "profile" and to != "csv":
         leave(BAD_INPUT, f"--to {to}: a profile is written as csv")
+    if what == "stress" and to == "vtk":
+        leave(BAD_INPUT, f"--to {to}: stresses are written as csv or netcdf")
     if at is not None and not what:
-        leave(BAD_INPUT, f"--at {at}: only for --what profile; the other exports have all times")
+        leave(BAD_INPUT, f"--at {at}: only for --what profile or stress; the other exports have all times")
     if along != "x" and not what:
-        leave(BAD_INPUT, f"--along {along}: only for --what profile")
-    data = RunStore.open(directory).dataset()
+        leave(BAD_INPUT, f"--along {along}: only for --what profile or stress")
+    if body != 1 and what != "stress":
+        leave(BAD_INPUT, f"--body {body}: only for --what stress")
+    run = RunStore.open(directory)
+    data = run.dataset()
     if (status := Status(data.attrs["status"])).failed:
         say(f"ertel: warning: the run failed ({status.value}); the files hold what it computed before that")
     target = out or directory / "export"
     with bad_input(), placing(target, overwrite, may_be_link=out is not None) as place:
-        if what:
+        if what == "stress":
+            stresses = stress(run.case, data, at, body, along=along)
+            say(f"body {body}, along {along}, {stresses.attrs['moment']}")
+            paths = [write_stress(stresses, place, to)]
+        elif what:
             path, moment = write_profile(data, place, at, along)
             say(f"along {along}, {moment}")
             paths = [path]

@@ -32,8 +32,8 @@ class Asperities:
     """A law over x = ln H: a cubic between equidistant points, straight lines beyond the last ones.
 
     friction: the coefficient where they touch, in a/R.  first, step: of x.  cubic: coefficients of ln P_c, highest
-    power first, shape (4, n - 1).  energy: ln of the integral of P_c from H to infinity, at the points.  area: share of area
-    in touch there, None where no law says it.
+    power first, shape (4, n - 1).  energy: ln of the integral of P_c from H to infinity, at the points.  area: share of
+    area in touch there, None where no law says it.
     """
 
     friction: float

@@ -1,4 +1,4 @@
-"""Elastic deformation of a half space: the normal displacement from the pressure.  The only module with FFTs.
+"""Elastic half space: the displacement of its surface, and waves below it.  The only module with FFTs.
 
 On a grid of one row nothing changes along Y: the half space is a half plane, and the kernel a logarithm.
 
@@ -6,9 +6,15 @@ The pressure is constant on the cell around each node and zero on the edge nodes
 the displacement that one cell causes; a convolution by FFT sums over all cells.  Because the pressure is zero on the
 edge, a period of 2 (nodes - 1) in each direction is enough to separate the periodic images, and FFTs of that length are
 fast.
+
+Below the surface each wave of a load decays by itself (`physics.stress`): `Waves` takes fields apart and puts them
+together again, on periods that are longer, because the images cannot be cut off there.
 """
 
-from functools import lru_cache, partial
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache, partial
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -119,3 +125,65 @@ def _cosines(half: Array, period: int) -> Array:
     # each entry occurs twice in a period, except the first and the last
     twice = np.where(np.isin(np.arange(nodes), (0, last)), 1.0, 2.0).astype(half.dtype)
     return jnp.fft.rfft(half * twice, n=period, axis=1).real
+
+
+# -- below the surface -------------------------------------------------------------------------------------------------
+
+PADDING, MOST_PADDING, PADDING_OF_A_ROW = 4, 8, 64  # periods over the sides of the grid
+DEEPEST_WAVE = 16.0  # k times depth, from which a wave is left out: it has fallen by e^-16
+ODD_SIZES = sorted(3**i * 5**j * 7**k for i in range(13) for j in range(9) for k in range(8))  # of fast transforms
+
+
+@dataclass(frozen=True)
+class Waves:
+    """Fields at the nodes of a rectangle as sums of plane waves exp(i k.x), padded with zeros.
+
+    rows, columns: nodes along Y and X; one row is a field that does not change along Y.
+
+    The periods are 4 times the sides; that along the shorter side is as long as the other one, at most 8 times the side
+    (of one row 64 times).  In the stresses by a Hertz pressure the periodic images are then less than 0.001 p_h, on
+    the grids of ellipses up to 1 : 10.  A period has an odd number of nodes, so that every wave has a direction.
+    """
+
+    rows: int
+    columns: int
+    spacing: float
+
+    @cached_property
+    def periods(self) -> tuple[int, int]:
+        """The nodes of a period along Y and X."""
+        sides = self.rows, self.columns
+        lengths = [min(max(PADDING * max(sides), PADDING * n), MOST_PADDING * n) for n in sides]
+        lengths = [1, PADDING_OF_A_ROW * self.columns] if self.rows == 1 else lengths
+        across, along = (next(size for size in ODD_SIZES if size >= length) for length in lengths)
+        return across, along
+
+    def amplitudes(self, field: NDArray[np.float64]) -> NDArray[np.complex128]:
+        """The amplitudes of the waves of a field."""
+        return np.fft.rfft2(field, self.periods)
+
+    def below(
+        self, depth: float, law: Callable[..., Sequence[Any]], loads: Sequence[Any], row: int | None = None
+    ) -> list[NDArray[np.float64]]:
+        """The fields at the nodes at a depth; of one row where it is given, which costs a tenth.
+
+        law: of the wave numbers along X (1, m) and Y (n, 1), the depth and the amplitudes of the loads at the surface:
+        the amplitudes of the fields.  loads: from `amplitudes`; 0 for none.
+        """
+        across, along = self.periods
+        k_x = 2.0 * np.pi * np.fft.rfftfreq(along, self.spacing)
+        k_y = 2.0 * np.pi * np.fft.fftfreq(across, self.spacing)
+        most = DEEPEST_WAVE / depth if depth > 0.0 else np.inf
+        kept = np.ix_(np.abs(k_y) <= most, k_x <= most)
+        fields = []
+        for each in law(
+            (k_x[kept[1]], k_y[kept[0]]), depth, *(load[kept] if np.ndim(load) else load for load in loads)
+        ):
+            if row is None:
+                waves = np.zeros((across, each.shape[1]), dtype=complex)
+                waves[kept[0][:, 0]] = each
+                lines = np.fft.ifft(waves, axis=0)[: self.rows]
+            else:
+                lines = np.exp(1j * row * self.spacing * k_y[kept[0]]).T / across @ each
+            fields.append(np.fft.irfft(lines, along, axis=1)[:, : self.columns])
+        return fields

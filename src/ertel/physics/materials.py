@@ -184,9 +184,14 @@ class Strength:
     hardness: Annotated[float, units.STRESS]
 
     @property
+    def yield_stress(self) -> float:
+        """The yield stress (Pa)."""
+        return self.hardness / 3.0
+
+    @property
     def first_yield(self) -> float:
         """The maximum Hertz pressure (Pa) at which a point contact begins to yield."""
-        return 1.6 / 3.0 * self.hardness
+        return 1.6 * self.yield_stress
 
 
 @dataclass(frozen=True)

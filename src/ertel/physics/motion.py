@@ -314,3 +314,15 @@ class Motion:
 
 FREE_BALL = Motion(load=constant(0.0), entrainment=constant(0.0), inertia=FREE_BALL_INERTIA)
 STEADY_ROLLING = Motion(load=constant(1.0), entrainment=constant(1.0), inertia=0.0)
+
+
+def first_touch(T: Any, Delta: Any, start_approach: float) -> float:
+    """T at which the undeformed bodies of an impact touch, Delta = 0.
+
+    Interpolated linearly between the steps.  Until the ball is there, and where the oil stops it before, it is the T at
+    which a ball that keeps its speed would be there.
+    """
+    for n in range(1, len(T)):
+        if Delta[n - 1] < 0.0 <= Delta[n]:
+            return float(T[n] - Delta[n] * (T[n] - T[n - 1]) / (Delta[n] - Delta[n - 1]))
+    return -start_approach

@@ -5,10 +5,10 @@
 `interferogram` shows any run in SI as an experimenter sees it, `animation` a run in time; `movie` shows the film or the
 pressure of a run in time.
 
-A run in time has overview, film, pressure, oil, maps, profiles, history, friction and spacetime, and an impact front;
-a steady contact overview, film, pressure, oil, maps, midlines, convergence and friction. A line contact has no maps:
-film, pressure, oil, maps, interferograms and movies are refused. `at` chooses the moment of a
-run in time: a time in t0, or with its unit, "95 us" (the map next to it is drawn, and the title says its time), or an
+A run in time has overview, film, pressure, oil, maps, profiles, history, friction, spacetime and stress, and an impact
+front; a steady contact overview, film, pressure, oil, maps, midlines, convergence, friction and stress. A line contact
+has no maps: film, pressure, oil, maps, interferograms and movies are refused. `at` chooses the moment of a run
+in time: a time in t0, or with its unit, "95 us" (the map next to it is drawn, and the title says its time), or an
 event, "max-approach" or "end"; by default maximum approach, of a rolling contact the thinnest film where it is
 thinner than at both ends of the run, or else the last map.
 
@@ -28,7 +28,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ertel.plots import drawing, fields, histories
+from ertel.plots import drawing, fields, histories, stresses
 from ertel.plots.drawing import (
     BLUE,
     GREEN,
@@ -45,13 +45,15 @@ from ertel.plots.interferograms import animation, interferogram, interferogram_o
 from ertel.plots.measurements import Overlay, measured, measured_view
 from ertel.plots.movies import movie
 from ertel.plots.view import WIDEST, View, of_two
+from ertel.results.figures import FIGURES_OF_MAPS, figures_of
 from ertel.results.profiles import At
-from ertel.results.variables import FIGURES_OF_MAPS, figures_of, is_line, is_steady
+from ertel.results.variables import is_line, is_steady
 
 __all__ = [
-    "BLUE", "GREEN", "GREY", "NAMES", "ORANGE", "ORDERED_COLOURS", "NoFigure", "Sheet", "animation", "comparison",
+    "BLUE", "GREEN", "GREY", "NAMES", "ORANGE", "ORDERED_COLOURS", "NoFigure", "Sheet", "animation", "asperities",
+    "comparison",
     "convergence", "draw", "film", "friction", "front", "history", "interferogram", "maps", "measured", "midlines",
-    "movie", "names_of", "oil", "overview", "pressure", "profiles", "side_by_side", "spacetime",
+    "movie", "names_of", "oil", "overview", "pressure", "profiles", "side_by_side", "spacetime", "stress",
 ]  # fmt: skip
 
 Rows = Sequence[Sequence[Callable[[Axes, View], None]]]
@@ -94,6 +96,7 @@ PANELS: Mapping[str, Rows | Callable[[View], Rows]] = {  # of each figure
     "overview": _overview_rows,
     "film": [[fields.draw_film_map]],
     "pressure": [[fields.draw_pressure_map]],
+    "asperities": [[fields.draw_asperity_map]],
     "oil": [[fields.draw_oil_map]],
     "maps": [[fields.draw_film_map, fields.draw_pressure_map]],
     "profiles": [[fields.draw_film_profiles, fields.draw_pressure_profiles]],
@@ -106,8 +109,11 @@ PANELS: Mapping[str, Rows | Callable[[View], Rows]] = {  # of each figure
     "friction": _friction_rows,
     "front": [[histories.draw_place, histories.draw_front_speed]],
     "spacetime": [[histories.draw_film_through_time]],
+    "stress": stresses.rows,
 }
-PARTS_IN_TIME, PARTS_STEADY = ("film", "pressure", "oil", "front", "spacetime"), ("oil", "maps")  # of another figure
+ASKED = ("stress",)  # it is computed when it is drawn, and drawn when it is asked for
+PARTS_IN_TIME = ("film", "pressure", "asperities", "oil", "front", "spacetime", *ASKED)  # of another figure
+PARTS_STEADY = ("oil", "maps", *ASKED)
 NAMES = tuple(PANELS)
 LOOKS = ((BLUE, "-"), (ORANGE, "--"))  # of two runs
 OVERLAID = ("profiles", "midlines")  # figures that show measured profiles
@@ -261,6 +267,11 @@ def pressure(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) 
     return draw(dataset, "pressure", at, **sheet)
 
 
+def asperities(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:
+    """Pressure of asperities over the surface, where they touch."""
+    return draw(dataset, "asperities", at, **sheet)
+
+
 def oil(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:
     """The part of the gap that is filled with oil; the rest is void, in a cavity or beside a thin layer of oil."""
     return draw(dataset, "oil", at, **sheet)
@@ -307,3 +318,10 @@ def friction(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) 
     The shear stress is that in the middle of the film; it is left out where the surfaces do not slide.
     """
     return draw(dataset, "friction", at, **sheet)
+
+
+def stress(dataset: xr.Dataset, at: At = None, body: int = 1, **sheet: Unpack[SheetOptions]) -> Figure:
+    """The von Mises stress below the surface of body 1 or 2 in the section y = 0, and the stresses over the depth."""
+    _require(dataset, "stress")
+    view = View.of(dataset, at)
+    return compose(view, stresses.rows(view, body), [*view.title, *view.outcome], Sheet(**sheet))

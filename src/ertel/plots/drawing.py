@@ -22,7 +22,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 
-from ertel.results.variables import MADE_BY, prefixed, unit_of
+from ertel.results.figures import MADE_BY
+from ertel.results.variables import prefixed, unit_of
 
 Values = NDArray[np.float64]
 Subject = TypeVar("Subject")
@@ -31,7 +32,7 @@ Panel = Callable[[Axes, Subject], object]
 BLUE, ORANGE, GREEN, PURPLE, GREY = "#0072B2", "#D55E00", "#009E73", "#CC2F8E", "#777777"
 ORDERED_COLOURS = LinearSegmentedColormap.from_list("ordered", colormaps["viridis"](np.linspace(0.0, 0.88, 256)))
 WRITTEN = {"W/m2": (1e6, "W/mm²"), "degC": (1.0, "°C")}  # units that are shown in another one, or in another way
-GREEK = "Delta|delta|^mu|^tau"
+GREEK = "Delta|delta|^mu|^tau|^sigma"
 COLUMN = 85.0 / 25.4  # inches: a column of a journal
 IN_PRINT: Any = {  # letters of 7 to 9 pt, "small" ones of 7.1 pt
     "font.size": 8.5, "axes.titlesize": 8.5, "axes.labelsize": 8.5, "figure.titlesize": 8.5, "axes.linewidth": 0.6,

@@ -303,9 +303,10 @@ def _conditions(summary: Outcome) -> str:
 
 
 def more_lines(summary: Outcome) -> Iterator[str]:
-    """The rest of a summary, besides its key numbers, a line each: extremes, temperatures, balances."""
+    """The rest of a summary, besides its key numbers, a line each: extremes, temperatures, stresses, balances."""
     yield from _extreme_lines(summary)
     yield from _thermal_lines(summary)
+    yield from _stress_line(summary)
     imbalances = {name: terms["imbalance"] for name, terms in summary.get("budgets", {}).items()}
     shown = ", ".join(f"{name} {share:.2%}" for name, share in imbalances.items() if share is not None)
     if shown:
@@ -341,6 +342,19 @@ def _thermal_lines(summary: Outcome) -> Iterator[str]:
         f"{table[name].value - ZERO_CELSIUS:.1f} degC" for name in ("T_1_max", "T_2_max", "T_film_max", "T_film_mean")
     )
     yield f"highest temperatures: surface 1 {surface_1}, surface 2 {surface_2}, film {film}; mean of the film {mean}"
+
+
+def _stress_line(summary: Outcome) -> Iterator[str]:
+    """The largest stresses in body 1 and where they are, in one line; none of a run that has not finished."""
+    table = numbers(summary)
+    if "von_mises_max" not in table:
+        return
+    shown = {name: each.text_in_si or each.text for name, each in table.items()}
+    place = ", ".join(f"{name[0].lower()} = {shown[name]}" for name in ("X_von_mises", "Y_von_mises") if name in table)
+    of_yield = f", {shown['yield_ratio']} of the yield stress" if "yield_ratio" in table else ""
+    where = f"{shown['Z_von_mises']} deep at {place}"
+    shear = f"largest shear stress {shown['shear_max']}, {shown['Z_shear']} deep"
+    yield f"largest von Mises stress in body 1: {shown['von_mises_max']}{of_yield}, {where}; {shear}"
 
 
 def html_table(summary: Outcome, heading: str = "") -> str:

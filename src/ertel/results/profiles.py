@@ -5,7 +5,7 @@ to a time; a profile is interpolated linearly in time between the two maps aroun
 time and on the case.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from math import nan
 from pathlib import Path
@@ -126,16 +126,22 @@ def profile(dataset: xr.Dataset, at: At = None, along: str = "x") -> xr.Dataset:
     axis, other = ALONG[along]
     if along == "y" and is_line(dataset.attrs):
         raise ValueError('along = "y": nothing of a line contact changes along y; leave it out for the profile along x')
-    dataset = with_clock(dataset)
-    fields, moment = dataset[[name for name in ON_A_LINE if name in dataset]], "steady contact"
-    if not is_without_moments(dataset, at):
-        fields, moment = _at(fields, moment_of(dataset, at))
+    fields, moment = fields_at(dataset, ON_A_LINE, at)
     if "r" in fields.coords:
         line = _through_centre(fields.load(), axis)
     else:
         line = fields.load().interp({other: 0.0}) if other in fields.coords else fields.load()
     line = line.drop_vars([other, "frame"], errors="ignore").assign_attrs(dataset.attrs, moment=moment)
     return to_si(line) if "si_factor" in line["H"].attrs else line
+
+
+def fields_at(dataset: xr.Dataset, names: Sequence[str], at: At) -> tuple[xr.Dataset, str]:
+    """The fields with these names that a run has, at a moment as of `moment_of`, and the moment in words."""
+    dataset = with_clock(dataset)
+    fields = dataset[[name for name in names if name in dataset]]
+    if is_without_moments(dataset, at):
+        return fields, "steady contact"
+    return _at(fields, moment_of(dataset, at))
 
 
 def _at(fields: xr.Dataset, moment: Instant) -> tuple[xr.Dataset, str]:

@@ -16,10 +16,13 @@ import xarray as xr
 
 from ertel.case.case import Case
 from ertel.case.status import Status
+from ertel.physics.motion import first_touch
 from ertel.results import balances, diagnostics
 from ertel.results.dataset import SteadyGrid, names_over
 from ertel.results.numbers import ERRORS
 from ertel.results.parameters import parameters_of, scale_values, values_in_si
+from ertel.results.profiles import moment_of
+from ertel.results.stress import stress_numbers
 from ertel.results.touching import touch_warnings
 from ertel.results.variables import (
     COEFFICIENT,
@@ -27,7 +30,6 @@ from ertel.results.variables import (
     START_APPROACH,
     TOUCH,
     VARIABLES,
-    first_touch,
     names_where,
     with_coefficients,
 )
@@ -51,6 +53,7 @@ def impact_summary(
     `T_touch` is T at t = 0, the first touch of the undeformed bodies; times in SI count from there.
     `extremes` has the thinnest film and the highest pressure of the whole run, see `extremes`.
     `budgets` has those of mass, momentum and energy, see `balances.in_time`.
+    A finished run has the stresses in body 1 at maximum approach, see `stress.stress_numbers`.
     All is dimensionless, F in units of the dry maximum load; physical cases add the same in SI under `si`.  The
     coefficients are plain numbers in a physical case, and in units a/R in a dimensionless one, where a/R is not known.
 
@@ -67,7 +70,8 @@ def impact_summary(
     warnings = diagnostics.impact_warnings(case, data)
     warnings += [] if status.failed else _account_warnings(case, data, over_time)
     touch = first_touch(data["time"].values, data["Delta"].values, case.schedule.start_approach)
-    content = {TOUCH: touch, **values, **_contact(data, status), **over_time, **work}
+    stresses = _stresses(case, data, status) if max_approach is not None else {}
+    content = {TOUCH: touch, **values, **stresses, **_contact(data, status), **over_time, **work}
     return _summary(case, content, status, warnings)
 
 
@@ -90,7 +94,7 @@ def rolling_summary(case: Case, data: xr.Dataset, work: Mapping[str, float], sta
         warnings = [diagnostics.no_film(case)]
     load = values.pop("F")
     values["load"] = None if load is None else load * case.geometry.hertz_load
-    return _summary(case, {**values, **over_time, **work}, status, warnings)
+    return _summary(case, {**values, **_stresses(case, data, status), **over_time, **work}, status, warnings)
 
 
 def steady_summary(
@@ -103,7 +107,8 @@ def steady_summary(
     mu_sliding, mu_rolling and power_loss are those of `equations.account`; mu_sliding_y is there where it is not zero.
     In a physical case the coefficients are plain numbers; in a dimensionless one, where a/R is not known, they are
     multiples of it.
-    The numbers of `heat_numbers` are there with a section [thermal], and `thermal` about their computing.
+    The numbers of `heat_numbers` are there with a section [thermal], and `thermal` about their computing; those of
+    `stress.stress_numbers` of a finished run.
     Counts are those of all grids, convolutions in units of one on the finest.  A run without a result has no values, no
     friction and no balances.
 
@@ -137,6 +142,8 @@ def steady_summary(
             about = {"iterations": finest.heat.iterations, "converged": finest.heat.converged}
             parts["thermal"] = {"inlet_factor": case.thermal.inlet_factor, **about}  # type: ignore[union-attr]
             warnings += diagnostics.thermal_warnings(case, finest.heat)
+        if status.ok:
+            values |= stress_numbers(case, {**finest.maps, **grid.coordinates})
     return _summary(case, {**counts, **values, **parts}, status, warnings)
 
 
@@ -154,7 +161,7 @@ def heat_numbers(case: Case, solution: SteadyGrid) -> dict[str, float | None]:
     films = {f"{name}_warm": heat.inlet.factor * solution.record[name] for name in FILMS}
     warm = {
         "mu_sliding_warm": float(heat.sliding[0]) * case.scales.a_over_R,
-        **{f"{name}_max": float(np.max(maps[name])) for name in names_where(lambda v: v.over == "heated map")},
+        **{f"{name}_max": float(np.max(maps[name])) for name in ("T_1", "T_2", "T_film")},
         "T_film_mean": float(np.average(maps["T_film"], weights=maps["P"])),
     }
     found = warm if heat.converged else dict.fromkeys(warm)
@@ -170,6 +177,11 @@ def film_over_roughness(case: Case, values: Mapping[str, Any]) -> dict[str, floa
     if H is None or rms is None or case.scales is None:
         return {}
     return {"Lambda": H * case.scales.film / rms}
+
+
+def _stresses(case: Case, data: xr.Dataset, status: Status) -> dict[str, float]:
+    """The stresses of a finished run in time, at the moment of its values."""
+    return stress_numbers(case, data.isel(frame=moment_of(data).frame)) if status.ok else {}
 
 
 def _of_moment(there: Container[Any]) -> list[str]:

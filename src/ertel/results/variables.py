@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from math import floor, log10
 from typing import TYPE_CHECKING, Any
 
+from ertel.physics.motion import first_touch
 from ertel.physics.scales import Scales
 from ertel.physics.temperature_laws import ZERO_CELSIUS
 
@@ -101,12 +102,16 @@ THICKNESS = "Film thickness"  # the panel of films
 FILMS_SHOWN: dict[str, Any] = {**FRICTION, "panel": THICKNESS, "curve_panel": "Film", "is_heated": True}
 TRACTION: dict[str, Any] = {**FRICTION, "panel": "Traction", "curve_panel": "Traction", "is_heated": True}
 
+SOLID: dict[str, Any] = {"panel": "Solid contact", "curve_panel": "Solid contact", "of_touch": True}
+BOUNDARY: dict[str, Any] = {**FRICTION, "curve_panel": "Traction", "of_touch": True}
+
 # The one table, and the one order of all numbers.  A new number is a line here, beside the place where it is computed.
 AXES = {
     "time": Variable("time", "T", *TIME, "t"),
     "frame": Variable("time of a map", "T", *TIME, "t"),
     "X": Variable("position along x", "X", *LENGTH),
     "Y": Variable("position along y", "Y", *LENGTH),
+    "Z": Variable("depth below the surface of a body", "Z", *LENGTH),
     "r": Variable("distance from the centre", "r", *LENGTH),
     "grid": Variable("nodes per side of a grid", "n"),
     "iteration": Variable("Newton iteration", "k"),
@@ -133,22 +138,16 @@ STEPS = {  # and grids
         **FRICTION, is_heated=True, is_across=True,
     ),
     "mu_boundary": Variable(
-        "boundary part of the traction coefficient", "mu_boundary", *NUMBER,
-        comment="of asperities", **FRICTION, curve_panel="Traction", of_touch=True,
+        "boundary part of the traction coefficient", "mu_boundary", *NUMBER, comment="of asperities", **BOUNDARY
     ),
-    "mu_oil": Variable(
-        "oil's part of the traction coefficient", "mu_oil", *NUMBER, **MOMENT, curve_panel="Traction", of_touch=True
-    ),
+    "mu_oil": Variable("oil's part of the traction coefficient", "mu_oil", *NUMBER, **BOUNDARY),
     "mu_rolling": Variable(
         "rolling resistance coefficient", "mu_rolling", *NUMBER, comment=RESISTANCE, **FRICTION, curve_panel="Traction"
     ),
     "power_loss": Variable(
         "power loss", "power_loss", *POWER, comment=LOSS, **FRICTION, curve_panel="Power loss", is_heated=True
     ),
-    "asperity_share": Variable(
-        "share of the load that asperities carry", "share", **FRICTION,
-        panel="Solid contact", curve_panel="Solid contact", of_touch=True,
-    ),
+    "asperity_share": Variable("share of the load that asperities carry", "share", **FRICTION, **SOLID),
     "contact_area": Variable("area of solid contact", "A_c", *AREA, **ESTIMATED, of_touch=True),
     "P_asperity_max": Variable("maximum pressure of asperities", "P_c,max", *PRESSURE, **MOMENT, of_touch=True),
     "V": Variable("approach speed", "dDelta/dT", "a*^2/(R t0)", "speed", "m/s"),
@@ -194,16 +193,20 @@ RUNS = {  # of a run as a whole, or of a traction curve
         "maximum mid-plane shear stress", "tau_max", *SHEAR,
         shown=True, curve_panel="Maximum shear stress", is_heated=True,
     ),
+    "von_mises_max": Variable("largest von Mises stress in body 1", "sigma_vM", *PRESSURE),
+    "X_von_mises": Variable("place of the largest von Mises stress along x", "X_vM", *LENGTH),
+    "Y_von_mises": Variable("place of the largest von Mises stress along y", "Y_vM", *LENGTH, is_across=True),
+    "Z_von_mises": Variable("depth of the largest von Mises stress", "Z_vM", *LENGTH),
+    "shear_max": Variable("largest shear stress in body 1, of all planes", "tau_1", *PRESSURE),
+    "Z_shear": Variable("depth of the largest shear stress in body 1", "Z_tau", *LENGTH),
+    "yield_ratio": Variable("largest von Mises stress over the yield stress of body 1", "sigma_vM/Y"),
     "T_film_max": Variable(
         "highest temperature of the film", "T_film_max", KELVIN, shown=True, curve_panel="Temperature"
     ),
     "T_1_max": Variable("highest temperature of surface 1", "T_1_max", KELVIN, curve_panel="Temperature"),
     "T_2_max": Variable("highest temperature of surface 2", "T_2_max", KELVIN, curve_panel="Temperature"),
     "T_film_mean": Variable("mean temperature of the film, weighted with the pressure", "T_film_mean", KELVIN),
-    "Lambda": Variable(
-        "minimum film over rms roughness", "Lambda",
-        comment="rms of both surfaces together, of [surfaces]", shown=True, curve_panel="Film over roughness",
-    ),
+    "Lambda": Variable("minimum film over rms roughness", "Lambda", shown=True, curve_panel="Film over roughness"),
     "phi_T": Variable("inlet factor of the film", "phi_T", curve_panel="Inlet factor"),
     "L_t": Variable("thermal loading parameter", "L_t"),
     "wall_time": Variable("time of computing", "t_wall", "s"),
@@ -221,6 +224,8 @@ HEATED_MAPS = {  # of a steady contact with [thermal], see `solvers.heat`
     "T_1": Variable("temperature of surface 1", "T_1", KELVIN),
     "T_2": Variable("temperature of surface 2", "T_2", KELVIN),
     "T_film": Variable("temperature of the film", "T_film", KELVIN, comment="mean across the film"),
+    "tau_x_warm": Variable("shear stress in the middle of the warm film along x", "tau_x", *SHEAR),
+    "tau_y_warm": Variable("shear stress in the middle of the warm film along y", "tau_y", *SHEAR, is_across=True),
 }
 EVENT = Variable("why the map was kept", "event")
 OTHERS = {"history": Variable("maximum residual after each iteration", "res"), "event": EVENT}
@@ -240,12 +245,6 @@ def _all() -> Iterator[tuple[str, Variable]]:
 
 VARIABLES = dict(_all())
 FILMS = ("H_c", "H_min")
-MADE_BY = "ertel, with Matplotlib"  # in the files of pictures and movies: who drew them
-FIGURES_IN_TIME = (
-    "overview", "film", "pressure", "oil", "maps", "profiles", "history", "friction", "front", "spacetime",
-)  # fmt: skip
-FIGURES_STEADY = ("overview", "film", "pressure", "oil", "maps", "midlines", "convergence", "friction")
-FIGURES_OF_MAPS = ("film", "pressure", "oil", "maps")  # which a line contact does not have
 
 
 def names_where(chosen: Callable[[Variable], Any]) -> list[str]:
@@ -292,12 +291,6 @@ def is_steady(dataset: "xr.Dataset") -> bool:
     return "grid" in dataset.dims
 
 
-def figures_of(dataset: "xr.Dataset") -> tuple[str, ...]:
-    """The names of the figures that a run has, see `ertel.plots`."""
-    names = FIGURES_STEADY if is_steady(dataset) else FIGURES_IN_TIME
-    return tuple(name for name in names if not (is_line(dataset.attrs) and name in FIGURES_OF_MAPS))
-
-
 def with_coefficients(values: Mapping[str, Any], scales: Scales | None) -> dict[str, Any]:
     """The values with coefficients of friction as plain numbers in place of units a/R, where the case is physical."""
     unit = scales.a_over_R if scales else 1.0
@@ -335,18 +328,6 @@ def value_in_si(value: Any, attributes: Mapping[str, Any]) -> tuple[str, Any, di
 def shifted(value: Any, attributes: Mapping[str, Any]) -> Any:
     """A value in SI from its own unit, a time from the first touch; as it is where the attributes know no SI."""
     return (value - attributes.get("si_zero", 0.0)) * attributes.get("si_factor", 1.0)
-
-
-def first_touch(T: Any, Delta: Any, start_approach: float) -> float:
-    """T at which the undeformed bodies of an impact touch, Delta = 0.
-
-    Interpolated linearly between the steps.  Until the ball is there, and where the oil stops it before, it is the T at
-    which a ball that keeps its speed would be there.
-    """
-    for n in range(1, len(T)):
-        if Delta[n - 1] < 0.0 <= Delta[n]:
-            return float(T[n] - Delta[n] * (T[n] - T[n - 1]) / (Delta[n] - Delta[n - 1]))
-    return -start_approach
 
 
 def with_clock(dataset: "xr.Dataset") -> "xr.Dataset":

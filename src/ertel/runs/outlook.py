@@ -192,7 +192,12 @@ def with_case_warnings(case: Case, summary: Mapping[str, Any]) -> dict[str, Any]
     """The summary of a run with the warnings of its case before its own."""
     minimum = numbers(summary).get("H_min")
     computed = minimum.value * minimum.factor if minimum and minimum.factor is not None else None
-    return {**summary, "warnings": [*beyond(case, computed), *summary["warnings"]]}
+    stress = (summary.get("si") or {}).get("von_mises_max_Pa")
+    yielding = (
+        next((each.strength for each in _materials((case.contact.E1, case.contact.nu1))), None) if stress else None
+    )
+    ratio = {"yield_ratio": stress / yielding.data.yield_stress} if yielding else {}
+    return {**summary, **ratio, "warnings": [*beyond(case, computed), *summary["warnings"]]}
 
 
 def _sliding(case: Case) -> str:
@@ -253,20 +258,23 @@ def _track(case: Case) -> str:
 def _yielding(case: Case) -> Iterator[str]:
     """A sentence for every body that yields.  A body is of a material of the library if it has its E and nu."""
     p, contact = estimates.largest_pressure(case), case.contact
-    bodies = dict.fromkeys(((contact.E1, contact.nu1), (contact.E2, contact.nu2)))
-    for name in materials.names() if p else ():
-        material = materials.get(name)
-        elastic = material.elasticity.data
-        if material.strength is None or (elastic.E, elastic.nu) not in bodies:
-            continue
+    for material in _materials((contact.E1, contact.nu1), (contact.E2, contact.nu2)) if p else ():
         limit = material.strength.data.first_yield
         if p > limit:
             yield (
-                f"the maximum Hertz pressure is {with_prefix(p, 'Pa')}, and {name} of the hardness "
+                f"the maximum Hertz pressure is {with_prefix(p, 'Pa')}, and {material.name} of the hardness "
                 f"{with_prefix(material.strength.data.hardness, 'Pa')} yields from about {with_prefix(limit, 'Pa')} "
                 "(1.6 times the yield stress): the bodies here are elastic, and pressures and films are not those of "
                 "bodies that yield"
             )
+
+
+def _materials(*bodies: tuple[float | None, float | None]) -> Iterator[Any]:
+    """The materials of the library with a known strength that have the E and nu of one of the bodies."""
+    for material in map(materials.get, materials.names()):
+        elastic = material.elasticity.data
+        if material.strength and (elastic.E, elastic.nu) in bodies:
+            yield material
 
 
 def _pressure_of_the_oil(case: Case) -> str:

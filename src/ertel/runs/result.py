@@ -15,10 +15,12 @@ from ertel.case.status import Status
 from ertel.physics.amplitude_reduction import lambda_ratio
 from ertel.physics.units import RMS, in_si, plain
 from ertel.results.alignment import Comparison
+from ertel.results.figures import FIGURES_IN_TIME, FIGURES_STEADY, figures_of
 from ertel.results.measurements import Measurement
 from ertel.results.numbers import Number, html_image, html_table, lines, numbers, plus_minus, values_of
 from ertel.results.profiles import At, moment_of, profile
-from ertel.results.variables import FIGURES_IN_TIME, FIGURES_STEADY, figures_of, is_line, prefixed, to_si
+from ertel.results.stress import stress
+from ertel.results.variables import is_line, prefixed, to_si
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from matplotlib.figure import Figure
@@ -149,6 +151,34 @@ class Result:
         """Film thickness, pressure and oil along a line through the centre, in SI; see `results.profiles.profile`."""
         return profile(self.dataset, at, along)
 
+    def stress(self, at: At = None, body: int = 1, depths: Any = None, along: str | None = "x") -> xr.Dataset:
+        """The stresses in a body below the film, by its pressure and its shear stress; see the page on stresses.
+
+        Parameters
+        ----------
+        at : float, str or Quantity, optional
+            The moment of a run in time, as for a `profile`.
+        body : 1 or 2
+            Body 1 has the speed u1; in an impact it is the ball.
+        depths : lengths, optional
+            In m or with a unit; without dimensions in a.  Left out: to 1.5 half widths of the contact.
+        along : "x", "y" or None
+            A section through the centre along x or y, or None for all nodes.
+
+        Returns
+        -------
+        xarray.Dataset
+            sigma_xx, ... sigma_yz (tension is positive), von_mises and shear, the largest shear stress of all planes,
+            over depth and place; in SI where the case is, or else in p_h and a.  Without dimensions a/R is not known,
+            and they are those of the pressure alone.
+
+        Raises
+        ------
+        ValueError
+            Another body, direction or depth, or a moment that the run does not have or at which it carries no load.
+        """
+        return stress(self.case, self.dataset, at, body, depths, along)
+
     def compare(self, measurement: Measurement) -> Comparison:
         """The run beside a measurement: aligned values, their difference and its rms; see `Measurement.predicted`."""
         if not isinstance(measurement, Measurement):
@@ -159,8 +189,8 @@ class Result:
         """The lambda ratio of a physical run: its film over the rms roughness of both surfaces together.
 
         With roughness that is given, here or in [surfaces] of the case, the film is the minimum film thickness, the
-        warm and extrapolated one.  Without any the roughness is that of the case, measured maps and rough surfaces by their
-        rms.  The grid of such a run has their valleys and summits, and its film is the (warm) mean, weighted with the
+        warm and extrapolated one.  Without any the roughness is that of the case, measured maps and rough surfaces by
+        their rms.  The grid of such a run has their valleys and summits, and its film is the (warm) mean, weighted with the
         pressure, at maximum approach or at the end.
 
         Parameters

@@ -150,6 +150,8 @@ class GridSolution:
         heat = self.heat
         if heat is not None:
             maps |= {name: np.asarray(self.whole(getattr(heat, name))) for name in ("T_1", "T_2", "T_film")}
+            warm = dict(zip(("tau_x_warm", "tau_y_warm"), heat.stress, strict=True))
+            maps |= {name: np.asarray(self.whole(each, odd=name[4] == "y")) for name, each in warm.items()}
         return maps
 
     def whole(self, field: Any, odd: bool = False) -> Any:
