@@ -213,7 +213,7 @@ RUNS = {  # of a run as a whole, or of a traction curve
 }  # fmt: skip
 MAPS = {
     "P": Variable("pressure", "P", *PRESSURE),
-    "P_asperity": Variable("pressure of asperities, a part of P", "P_c", *PRESSURE, of_touch=True),
+    "P_asperity": Variable("pressure of asperities", "P_asperity", *PRESSURE, comment="a part of P", of_touch=True),
     "H": Variable("film thickness", "H", *FILM),
     "oil": Variable("oil in the gap, H where it is full", "H_oil", *FILM, "h_oil"),
     "tau_x": Variable("shear stress in the middle of the film along x", "tau_x", *SHEAR),

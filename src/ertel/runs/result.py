@@ -190,8 +190,8 @@ class Result:
 
         With roughness that is given, here or in [surfaces] of the case, the film is the minimum film thickness, the
         warm and extrapolated one.  Without any the roughness is that of the case, measured maps and rough surfaces by
-        their rms.  The grid of such a run has their valleys and summits, and its film is the (warm) mean, weighted with the
-        pressure, at maximum approach or at the end.
+        their rms.  The grid of such a run has their valleys and summits, and its film is the (warm) mean, weighted
+        with the pressure, at maximum approach or at the end.
 
         Parameters
         ----------
