@@ -56,6 +56,28 @@ def test_steady_films(M: float, L: float, H_c: float, H_min: float, P_c: float, 
     assert film(M, L).account.terms["inflow"] == pytest.approx(flow, rel=0.01)
 
 
+BARUS_TABLE = {"viscosity": "barus", "density": "incompressible"}
+
+
+@pytest.mark.parametrize(
+    ("M", "L", "oil", "domain", "H_c"),
+    [
+        (3, 8, {}, {"half_width": 1.75, "inlet": 2.25}, 0.6898),
+        pytest.param(10, 15, BARUS_TABLE, {}, 0.2880, marks=pytest.mark.slow),
+    ],
+)
+def test_a_thick_film_is_found_from_a_dry_contact(M: float, L: float, oil: Any, domain: Any, H_c: float):
+    """On each grid in a few iterations: Newton's iteration is not lost where the surfaces overlap.
+
+    The film on the short inlet is 2.4 % above that on the usual one.  The other one is that of the dense program in
+    validation/contacts/line.py, with P = 0 at X = -10.5.
+    """
+    solutions = steady.steady_film(rolling(M, L, 257, oil, solver={"nodes": 257, **domain})).solutions
+    assert all(s.status.ok and s.newton < 20 for s in solutions)
+    coarse, fine = (s.measure()["H_c"] for s in solutions)
+    assert extrapolate(coarse, fine).extrapolated == pytest.approx(H_c, rel=2e-3)
+
+
 @pytest.mark.slow  # four grids and three oils more
 @pytest.mark.parametrize(
     ("M", "L", "oil", "H_c", "H_min"),

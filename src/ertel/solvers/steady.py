@@ -280,13 +280,17 @@ def dry_guess(geometry: Geometry, grid: Grid, load: float) -> tuple[Floats, floa
 
 
 def _rough_guess(case: Case, grid: Grid) -> tuple[Floats, float]:
-    """Pressure and approach: those of the dry contact, or of rigid bodies where the film is far thicker than that."""
+    """Pressure and approach: those of the dry contact, or of rigid bodies where the film is far thicker than that.
+
+    A line has the expected film below the dry pressure.  Without it no oil passes the contact, and none leaks to the
+    sides either: Newton's iteration would push the surfaces through one another, where eps is zero and P goes astray.
+    """
     outside, c, load = discretise.outside_of(case, grid), case.motion.curvature(0.0), case.motion.load(0.0)
     film = case.film_scale * starvation(case)[1]
     if film > THICK * c * case.geometry.dry_approach(load / c):
         return outside.at_first(motion_of(case, -film)), -film
     P, approach = dry_guess(case.geometry, grid, load / c)
-    return c * P + outside.guess(motion_of(case, c * approach)), c * approach
+    return c * P + outside.guess(motion_of(case, c * approach)), c * approach - (film if grid.nodes_y == 1 else 0.0)
 
 
 def motion_of(case: Case, approach: float) -> ContactMotion:
