@@ -118,6 +118,8 @@ def test_cams_that_do_not_work_and_what_follows_from_a_gear() -> None:
         ({"load": "10 N"}, {}, 'contact.load = "10 N": follows from motion.gear'),
         ({}, {"curvature": 2}, "motion.curvature = 2: follows from motion.gear"),
         ({}, {"cam": {}}, "motion.gear: is given together with motion.cam"),
+        ({}, {"gear": GEAR | {"sharing": "abc"}}, 'motion.gear.sharing = "abc": must be an array of .'),
+        ({}, {"gear": GEAR | {"sharing": 3}}, "motion.gear.sharing = 3: must be an array of ."),
     ):
         with pytest.raises(ConfigError, match=wrong):
             parse_case({"contact": contact, "motion": {"gear": GEAR, **motion}})

@@ -7,7 +7,7 @@ guess on the next finer grid (nested iteration), and gives an error estimate of 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from threading import Thread
 from typing import Any, NamedTuple
 
@@ -193,6 +193,7 @@ def steady_film(case: Case) -> Rolling:
     return Rolling(tuple(nested(case)))
 
 
+@lru_cache(maxsize=8)  # a run asks once for each of its parts
 def fed(case: Case) -> Case:
     """The case; with a full inlet where a rolling line contact has a layer of more oil than passes it.
 
