@@ -214,6 +214,14 @@ SECTIONS: Rows = [
     ({"solver": {"method": "radial", "half_width_y": 3.0}}, ["solver.half_width_y = 3"]),
     ({"time": {"until": "never"}}, ['time.until = "never": ', '"max-approach"', '"rebound"', "above zero"]),
     ({"contact": ROLLED, "lubricant": OIL, "solver": IN_TIME, "time": {"until": "5 mm"}}, ["time.until", "5 ms"]),
+    (
+        {"contact": ROLLING, "solver": IN_TIME, "motion": {"load": [[0, 1], [1, 100]]}, "time": {"until": 2}},
+        ["solver.half_width = ", "must be greater than 4.64", "inside the grid at all times"],
+    ),
+    (
+        {"contact": ROLLING | {"radius_ratio": 0}, "solver": IN_TIME, "motion": {"curvature": 0.03}},
+        ["solver.half_width = ", "must be greater than 5.77"],
+    ),
     ({"motion": {"speed": 1}}, ["motion.speed = 1: unknown key", "entrainment"]),
     *[({"roughness": value}, ["roughness = ", "must be an array of tables, [[roughness]]"]) for value in (False, SPOT)],
     ({"roughness": [SPOT, SPOT | {"shape": "dent"}]}, ['roughness[2].shape = "dent"', "waviness, rings, spot"]),

@@ -66,7 +66,7 @@ def test_an_eccentric_circle_is_a_cam_by_hand() -> None:
 
 def test_a_cam_reverses_the_oil_on_its_flanks() -> None:
     """The mean speed omega (r_0 + y + 2 y'')/2 passes through zero, the sliding speed does not."""
-    lift = [(angle, 0.004 * (1 + cos(3 * radians(angle)))) for angle in range(-60, 61, 4)]
+    lift = [(angle, 0.0025 * (1 + cos(3 * radians(angle)))) for angle in range(-60, 61, 4)]
     case = ertel.rolling(**ertel.cams.flat_tappet(lift, **CAM | {"base_radius": "30 mm"}).keywords, **OTHERS)
     T = np.linspace(0.0, case.schedule.until, 50)
     assert case.motion.entrainment.range(1e9)[0] < 0 < case.motion.entrainment(0.0)

@@ -129,9 +129,12 @@ def test_formulas_are_as_near_as_they_say(M: int):
     assert all(film.inside for film in films.values())
 
 
-@pytest.mark.parametrize(("M", "L", "central", "minimum"), [(10, 5, 0.1505, 0.1136), (50, 10, 0.03743, 0.02805)])
+BARUS_FILMS = [(10, 5, 0.1505, 0.1136), (10, 15, 0.2885, 0.219), (50, 5, 0.02446, 0.01832), (50, 15, 0.0491, 0.03684)]
+
+
+@pytest.mark.parametrize(("M", "L", "central", "minimum"), BARUS_FILMS)
 def test_films_of_barus_oil_are_within_their_own_ranges(M: int, L: int, central: float, minimum: float):
-    """Films of validation/contacts/line.md; nothing is said of the law with another density."""
+    """Films of validation/contacts/line_formulas.md; nothing is said of the law with another density."""
     for density, compared in ((Incompressible(), True), (DowsonHigginson(), False)):
         films = formulas_of(M, L, Lubricant(Barus(ALPHA), density))
         assert [film.inside for film in films] == [compared] * 4
