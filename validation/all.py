@@ -57,7 +57,7 @@ PAGES = [
     Page("validation/contacts/line.md", "validation/contacts/line.py", "films", 2),
     *(
         Page(f"validation/contacts/line_{name}.md", "validation/contacts/line.py", name, minutes)
-        for name, minutes in {"impacts": 3, "waves": 2, "formulas": 3, "ellipses": 3}.items()
+        for name, minutes in {"impacts": 3, "waves": 2, "formulas": 2, "ellipses": 3}.items()
     ),
     Page("validation/optics/README.md", "validation/optics/films.py", "", 4),
     Page("validation/friction/README.md", "validation/friction/film_thinning.py", "", 1),
