@@ -24,7 +24,7 @@ SOURCES = {
 }
 
 
-class Comparison(NamedTuple):
+class ComparedFilms(NamedTuple):
     """Films of ertel that the formulas were compared with: the law, the ranges of M and L.
 
     differ: each formula over the film, less one, in the order of `SOURCES`.
@@ -45,13 +45,13 @@ class Comparison(NamedTuple):
 
 
 COMPARED = {  # by the names of the viscosity law and of the density law
-    ("roelands", "dowson-higginson"): Comparison(
+    ("roelands", "dowson-higginson"): ComparedFilms(
         "Roelands' law", (10, 400), (5, 22), ("+4 to +59 %", "-8 to +5 %", "-11 to +1 %", "+7 to +38 %")
     ),
-    ("barus", "incompressible"): Comparison(
+    ("barus", "incompressible"): ComparedFilms(
         "Barus' law, incompressible", (10, 50), (5, 15), ("-9 to +5 %", "-10 to 0 %", "-27 to -19 %", "-7 to +1 %")
     ),
-    ("isoviscous", "incompressible"): Comparison("isoviscous, minimum film", (3, 400), (0, 0), ("-4 to +2 %",)),
+    ("isoviscous", "incompressible"): ComparedFilms("isoviscous, minimum film", (3, 400), (0, 0), ("-4 to +2 %",)),
 }
 
 
