@@ -39,8 +39,9 @@ class ComparedFilms(NamedTuple):
         return self.M[0] <= at.M <= self.M[1] and self.L[0] <= at.L <= self.L[1]
 
     def text(self, name: str) -> str:
-        differ = dict(zip(SOURCES, self.differ, strict=False))[name]
-        where = ", ".join(f"{k} = {low:g} to {high:g}" for k, (low, high) in (("M", self.M), ("L", self.L)))
+        differ = dict(zip(SOURCES, self.differ, strict=False)).get(name, "not compared")
+        (M_0, M_1), (L_0, L_1) = self.M, self.L
+        where = f"M = {M_0:g} to {M_1:g}, L = {L_0:g}" + (f" to {L_1:g}" if L_1 > L_0 else "")
         return f"{self.law}, {where}: over ertel's film, less one, {differ}"
 
 
@@ -112,7 +113,7 @@ def line_films(parameters: LineParameters, lubricant: Lubricant, ugw: HamrockDow
     compared = COMPARED.get(laws)
 
     def film(name: str, central: float | None, minimum: float | None, made_for: str = "") -> FormulaFilm:
-        text = compared.text(name) if compared else f"not compared with films of {' and '.join(laws)} oil"
+        text = compared.text(name) if compared else f"not compared with films of such an oil ({', '.join(laws)})"
         inside = compared is not None and compared.covers(parameters)
         return FormulaFilm(name, central, minimum, SOURCES[name], f"{made_for}{text}", inside)
 

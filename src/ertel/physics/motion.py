@@ -24,9 +24,9 @@ from ertel.physics.units import Amount, Mark, Meaning, Quantity, plain
 Surface = Literal[1, 2]
 Floats = NDArray[np.float64]
 
+SAMPLES = 401  # of a motion in time
 # Gauss points from 0 to 1: exact for the product of two cubics, and to 1e-12 for a sixteenth of a sine's period
 _points, _weights = np.polynomial.legendre.leggauss(4)
-SAMPLES = 401  # of a motion in time
 PLACES, WEIGHTS, PARTS = (_points + 1) / 2, _weights / 2, 16
 
 
