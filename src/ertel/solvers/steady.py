@@ -7,7 +7,7 @@ guess on the next finer grid (nested iteration), and gives an error estimate of 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from threading import Thread
 from typing import Any, NamedTuple
 
@@ -195,6 +195,7 @@ def steady_film(case: Case) -> Rolling:
     return Rolling(tuple(nested(case)))
 
 
+@lru_cache(maxsize=8)  # a run asks once for each of its parts
 def fed(case: Case) -> Case:
     """The case; with a full inlet where a rolling line contact has a layer of more oil than passes it.
 
@@ -282,13 +283,17 @@ def dry_guess(geometry: Geometry, grid: Grid, load: float) -> tuple[Floats, floa
 
 
 def _rough_guess(case: Case, grid: Grid) -> tuple[Floats, float]:
-    """Pressure and approach: those of the dry contact, or of rigid bodies where the film is far thicker than that."""
+    """Pressure and approach: those of the dry contact, or of rigid bodies where the film is far thicker than that.
+
+    A line has the expected film below the dry pressure.  Without it no oil passes the contact, and none leaks to the
+    sides either: Newton's iteration would push the surfaces through one another, where eps is zero and P goes astray.
+    """
     outside, c, load = discretise.outside_of(case, grid), case.motion.curvature(0.0), case.motion.load(0.0)
     film = case.film_scale * starvation(case)[1]
     if film > THICK * c * case.geometry.dry_approach(load / c):
         return outside.at_first(motion_of(case, -film)), -film
     P, approach = dry_guess(case.geometry, grid, load / c)
-    return c * P + outside.guess(motion_of(case, c * approach)), c * approach
+    return c * P + outside.guess(motion_of(case, c * approach)), c * approach - (film if grid.nodes_y == 1 else 0.0)
 
 
 def motion_of(case: Case, approach: float) -> ContactMotion:
