@@ -54,7 +54,11 @@ PAGES = [
     Page("validation/starvation/restitution.md", "validation/starvation/restitution.py", "", 2),
     *_pages("validation/contacts", "validate.py", formula=8, angle=1, mass=8),
     Page("validation/contacts/resistance.md", "validation/contacts/validate.py", "resistance --nodes 65", 4),
-    Page("validation/contacts/line.md", "validation/contacts/line.py", "", 10),
+    Page("validation/contacts/line.md", "validation/contacts/line.py", "films", 2),
+    *(
+        Page(f"validation/contacts/line_{name}.md", "validation/contacts/line.py", name, minutes)
+        for name, minutes in {"impacts": 3, "waves": 2, "formulas": 2, "ellipses": 3}.items()
+    ),
     Page("validation/optics/README.md", "validation/optics/films.py", "", 4),
     Page("validation/friction/README.md", "validation/friction/film_thinning.py", "", 1),
     Page("validation/friction/README.md", "validation/friction/order.py", "", 1),

@@ -144,6 +144,14 @@ def test_what_is_wrong_is_said(tmp_path, table, message) -> None:
         profile(tmp_path, file="stylus.asc", **table)
 
 
+def test_a_file_that_no_reader_knows_is_not_shown(tmp_path, caplog) -> None:
+    """Some readers log all bytes of a file."""
+    (tmp_path / "stylus.txt").write_bytes(bytes(range(256)) * 20)
+    with pytest.raises(ConfigError, match="SurfaceTopography cannot read it"):
+        profile(tmp_path, file="stylus.txt")
+    assert caplog.text == ""
+
+
 def test_a_case_with_a_profile_comes_back_and_its_digest_is_that_of_the_heights(tmp_path) -> None:
     write(tmp_path / "stylus.asc", 1e6 * LENGTH * PLACES, 1e6 * WAVE)
     found = case(tmp_path, file="stylus.asc", unit="um")

@@ -139,6 +139,12 @@ def test_time_tolerance_is_that_of_time():
     assert (case.solver.tolerance, case.schedule.tolerance) == (1e-2, 1e-3)
 
 
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), "a", None])
+def test_a_function_of_time_has_finite_values(value):
+    with pytest.raises(ConfigError, match=r"^function\(0\.5\) = .*must be a"):
+        ertel.sampled(lambda T: value if T == 0.5 else 1.0, until=1.0)
+
+
 def test_laws_scale_themselves():
     p_h = ertel.impact(**IN_SI, oil=OIL).scales.p_h
     given = ertel.Oil(eta0=0.0186, alpha=20e-9, viscosity=Roelands(20e-9, 0.6, 1.96e8))

@@ -66,7 +66,7 @@ def test_an_eccentric_circle_is_a_cam_by_hand() -> None:
 
 def test_a_cam_reverses_the_oil_on_its_flanks() -> None:
     """The mean speed omega (r_0 + y + 2 y'')/2 passes through zero, the sliding speed does not."""
-    lift = [(angle, 0.004 * (1 + cos(3 * radians(angle)))) for angle in range(-60, 61, 4)]
+    lift = [(angle, 0.0025 * (1 + cos(3 * radians(angle)))) for angle in range(-60, 61, 4)]
     case = ertel.rolling(**ertel.cams.flat_tappet(lift, **CAM | {"base_radius": "30 mm"}).keywords, **OTHERS)
     T = np.linspace(0.0, case.schedule.until, 50)
     assert case.motion.entrainment.range(1e9)[0] < 0 < case.motion.entrainment(0.0)
@@ -118,6 +118,8 @@ def test_cams_that_do_not_work_and_what_follows_from_a_gear() -> None:
         ({"load": "10 N"}, {}, 'contact.load = "10 N": follows from motion.gear'),
         ({}, {"curvature": 2}, "motion.curvature = 2: follows from motion.gear"),
         ({}, {"cam": {}}, "motion.gear: is given together with motion.cam"),
+        ({}, {"gear": GEAR | {"sharing": "abc"}}, 'motion.gear.sharing = "abc": must be an array of .'),
+        ({}, {"gear": GEAR | {"sharing": 3}}, "motion.gear.sharing = 3: must be an array of ."),
     ):
         with pytest.raises(ConfigError, match=wrong):
             parse_case({"contact": contact, "motion": {"gear": GEAR, **motion}})

@@ -1,5 +1,6 @@
 """Line contacts: scales and numbers by hand, the dry impact of a cylinder, the oil far out, film formulas."""
 
+import re
 from math import log, pi, sqrt
 
 import numpy as np
@@ -11,9 +12,11 @@ from scipy.integrate import quad, solve_ivp
 from ertel.numerics.halfspace import line_coefficients
 from ertel.physics import line_films
 from ertel.physics.dry_contact import HertzLine
+from ertel.physics.film_formulas import FormulaFilm
 from ertel.physics.geometry import Geometry, LineContact
 from ertel.physics.line_scales import LineParameters, line_impact_scales, line_rolling_scales
-from ertel.physics.scales import hamrock_dowson, parameters
+from ertel.physics.lubricant import Barus, DowsonHigginson, Incompressible, Lubricant, Roelands
+from ertel.physics.scales import HamrockDowson, hamrock_dowson, parameters
 
 ROLLER = line_rolling_scales(R=0.01, load=2000.0, mean_speed=1.0, E_prime=226e9, length=0.01)
 FALLING = line_impact_scales(R=0.01, mass=0.3, speed=1.0, E_prime=226e9, length=0.02)
@@ -108,16 +111,38 @@ FILMS = {  # of an independent dense program, Roelands' oil of 22 /GPa: M, L: H_
 }  # fmt: skip
 
 
+ALPHA = 22e-9
+
+
+def formulas_of(M: float, L: float, oil: Lubricant) -> list[FormulaFilm]:
+    p, U, G = LineParameters.from_moes(M, L), (L / (ALPHA * 226e9)) ** 4 / 2, ALPHA * 226e9
+    return line_films.line_films(p, oil, HamrockDowson(U, G, M * sqrt(2 * U)))
+
+
 @pytest.mark.parametrize("M", [10, 20, 50, 200])
 def test_formulas_are_as_near_as_they_say(M: int):
-    p, U = LineParameters.from_moes(M, 10), (10 / (22e-9 * 226e9)) ** 4 / 2
-    ugw = (U, 22e-9 * 226e9, M * sqrt(2 * U))
     central, minimum = FILMS[M, 10]
-    films = {film.name: film for film in line_films.line_films(p, hamrock_dowson(ROLLER, 1, 1)._make(ugw))}
+    films = {film.name: film for film in formulas_of(M, 10, Lubricant(Roelands(ALPHA, 0.6), DowsonHigginson()))}
     assert films["Dowson-Higginson"].minimum == pytest.approx(minimum, rel=0.035)
     assert -0.08 < films["Masjedi-Khonsari"].central / central - 1 < -0.01
     assert 0.12 < films["Dowson-Toyoda"].central / central - 1 < 0.36
     assert all(film.inside for film in films.values())
+
+
+BARUS_FILMS = [(10, 5, 0.1505, 0.1136), (10, 15, 0.2885, 0.219), (50, 5, 0.02446, 0.01832), (50, 15, 0.0491, 0.03684)]
+
+
+@pytest.mark.parametrize(("M", "L", "central", "minimum"), BARUS_FILMS)
+def test_films_of_barus_oil_are_within_their_own_ranges(M: int, L: int, central: float, minimum: float):
+    """Films of validation/contacts/line_formulas.md; nothing is said of the law with another density."""
+    for density, compared in ((Incompressible(), True), (DowsonHigginson(), False)):
+        films = formulas_of(M, L, Lubricant(Barus(ALPHA), density))
+        assert [film.inside for film in films] == [compared] * 4
+        assert ["not compared" in film.valid for film in films] == [not compared] * 4
+        for film in films if compared else ():
+            low, high = map(float, re.findall(r"([-+]?\d+) to ([-+]?\d+) %", film.valid)[0])
+            known = minimum if film.central is None else central
+            assert low - 0.5 <= 100 * ((film.central or film.minimum or 0.0) / known - 1) <= high + 0.5, film
 
 
 def test_moes_fit_of_isoviscous_films():

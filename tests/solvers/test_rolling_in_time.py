@@ -199,7 +199,10 @@ def test_a_signal_of_many_points_does_not_force_a_step_a_point() -> None:
 
 @pytest.mark.parametrize(("nodes", "most"), [(33, 0.02), pytest.param(65, 0.005, marks=pytest.mark.slow)])
 def test_the_budgets_of_a_gap_that_changes_its_curvature(nodes: int, most: float) -> None:
-    """The work of the gap that bends is part of the energy: without it the budget would not close on the finer grid."""
+    """The work of the gap that bends is part of the energy: without it the budget would not close on the finer grid.
+
+    Mass .41 and .13 %, energy 1.18 and .28 % on 33 and 65 nodes: of second order nearly, as the bounds are.
+    """
     flatter = Smooth(tuple((0.1 * n, 1.0 - 0.015 * n) for n in range(16)))
     time = Time(until=1.5, step=0.05 * 32 / (nodes - 1))
     case = rolling(Drive(curvature=flatter), nodes=nodes, time=time, tolerance=1e-6)

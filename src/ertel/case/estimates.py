@@ -10,11 +10,9 @@ from ertel.physics import hertz, surfaces
 from ertel.physics.film_formulas import IMPACT_EXPONENT, starved_share
 from ertel.physics.line_films import expected_line_film
 from ertel.physics.line_scales import LineParameters
-from ertel.physics.units import plain
 
 CELLS_SHOWN, CELLS_OF_DETAIL = 16.0, 8.0  # least number in the contact's half width, in the finest detail of a surface
 LARGEST_NEWTONIAN_STRESS = 6e6  # Pa: the stress at which squalane begins to thin (Liu et al. 2023, see the library)
-SAMPLES = 401  # of a motion in time
 _PLACES = np.polynomial.legendre.leggauss(64)
 
 
@@ -66,8 +64,7 @@ def largest_film(case: Case) -> float:
     """The largest film of a rolling line contact in time, over that of T = 0, by the formula of the expected film."""
     if case.is_steady:
         return 1.0
-    times = np.linspace(0.0, plain(case.schedule.until), SAMPLES)  # type: ignore[arg-type]
-    moments = [(w, abs(U), c) for w, U, c in map(case.motion.moment, times.tolist()) if w > 0.0 and U]
+    moments = [(w, abs(U), c) for w, U, c in case.motion.moments(case.schedule.duration) if w > 0.0 and U]
     films = []
     for w, U, c in moments:
         at = case.parameters.at(w, U, c)

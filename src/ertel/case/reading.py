@@ -27,6 +27,7 @@ from ertel.physics.units import FINITE, MUST_BE_GIVEN, Amount, Bounds, Field, Ma
 
 T = TypeVar("T")
 Data = Mapping[str, Any]
+MOST_POINTS = 10_000  # of a signal or a table: more take longer to read than to solve
 SIGNAL_TEXT = "a number, an array of [T, value], or a table { smooth } or { mean, amplitude, period, phase }"
 LAWS = {Viscosity: OIL_LAWS["viscosity"], Density: OIL_LAWS["density"], Fluidity: OIL_LAWS["rheology"]}
 LAWS[AsperityLaw] = ASPERITY_LAWS
@@ -177,7 +178,7 @@ class Reader:
                 return self.law(value, law, place, by_name=str in options)
             if Signal in options and not (float in options and is_number(value)):
                 return self.signal(value, place)
-            if (line := records.points_in(options)) and isinstance(value, list | tuple):
+            if (line := records.points_in(options)) and (float not in options or isinstance(value, list | tuple)):
                 return self.polyline(line, value, place)
             return self._plain_value(value, options, mark, names)
 
@@ -216,9 +217,9 @@ class Reader:
 
     def signal(self, data: Any, place: str) -> Signal:
         """A signal from a number, a list of [T, value], or a table { smooth } or { mean, amplitude, period, phase }."""
-        points = data.get("smooth") if isinstance(data, Mapping) and len(data) == 1 else None
-        if isinstance(points, list | tuple) and points:
-            return self.polyline(Smooth, points, f"{place}.smooth")
+        if isinstance(data, Mapping) and [*data] == ["smooth"]:
+            with refusing(f"{place}.smooth", data["smooth"]):
+                return self.polyline(Smooth, data["smooth"], f"{place}.smooth")
         if isinstance(data, Mapping):
             return self.record(Oscillation, data, place)
         if is_number(data):
@@ -227,9 +228,13 @@ class Reader:
             raise ValueError(f"must be {SIGNAL_TEXT}")
         return self.polyline(Polyline, data, place)
 
-    def polyline(self, kind: type[Polyline], data: Sequence[Any], place: str) -> Polyline:
+    def polyline(self, kind: type[Polyline], data: Any, place: str) -> Polyline:
         """A signal, a track or a table from its points."""
         (x, value), points = kind.NAMES, []
+        if not isinstance(data, list | tuple):
+            raise ValueError(f"must be an array of [{x}, {value}]")
+        if len(data) > MOST_POINTS:
+            raise ValueError(f"has {len(data)} points; at most {MOST_POINTS}")
         for number, point in enumerate(data, 1):
             where = f"{place}[{number}]"
             with refusing(where, point):

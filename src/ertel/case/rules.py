@@ -235,8 +235,10 @@ def _geometry(case: Case) -> Complaints:
 
 
 def _grid(case: Case) -> Complaints:
-    """A grid must be large enough, contain the contact, and be one that can be coarsened."""
-    for key, complaint in case.method.space.complaints(case.solver, case.geometry):
+    """A grid must be large enough, contain the contact at all times, and be one that can be coarsened."""
+    moments = case.motion.moments(0.0 if case.is_steady or case.starts_apart else case.schedule.duration)
+    grown = max([1.0, *(case.geometry.grown(w, c)[0] for w, _, c in moments if w > 0.0 < c)])
+    for key, complaint in case.method.space.complaints(case.solver, case.geometry, grown):
         yield f"solver.{key}", complaint
 
 

@@ -46,8 +46,11 @@ class Space(Protocol):
     def wider(self, solver: Solver, factor: float) -> Solver:
         """The domain wider by a factor, at the same spacing: as near as grids allow."""
 
-    def complaints(self, solver: Solver, geometry: Geometry) -> Iterator[tuple[str, str]]:
-        """The fields that are not allowed, and what is wrong: the contact must lie inside the nodes."""
+    def complaints(self, solver: Solver, geometry: Geometry, grown: float) -> Iterator[tuple[str, str]]:
+        """The fields that are not allowed, and what is wrong: the contact must lie inside the nodes.
+
+        grown: its size where it is largest, as on the flat flank of a cam, over that of R and F*.
+        """
 
 
 class OnThePlane(Space):
@@ -105,14 +108,14 @@ class OnThePlane(Space):
         across = solver.half_width_y and factor * solver.half_width_y
         return replace(solver, nodes=nodes, half_width=spacing * (nodes - 1) / 2, half_width_y=across, inlet=inlet)
 
-    def complaints(self, solver: Solver, geometry: Geometry) -> Iterator[tuple[str, str]]:
+    def complaints(self, solver: Solver, geometry: Geometry, grown: float) -> Iterator[tuple[str, str]]:
         try:
             check_coarsening(Grid(solver.nodes, self.across(solver), 1.0))
         except ValueError as error:
             entry, _, complaint = str(error).partition(": ")
             yield entry, complaint
-        along_x, along_y = geometry.extent
-        inside = "so that the contact lies inside the grid"
+        along_x, along_y = (grown * extent for extent in geometry.extent)
+        inside = "so that the contact lies inside the grid" + (" at all times" if grown > 1.0 else "")
         if not solver.half_width > along_x:
             yield "half_width", f"must be greater than {along_x:g}, {inside}"
         if solver.half_width_y is not None and not solver.half_width_y > along_y:
@@ -168,7 +171,7 @@ class AlongTheRadius(Space):
         cells = (solver.nodes - 1) * _extent(width) / _extent(solver.half_width)
         return replace(solver, half_width=width, nodes=round(cells) + 1)
 
-    def complaints(self, solver: Solver, geometry: Geometry) -> Iterator[tuple[str, str]]:
+    def complaints(self, solver: Solver, geometry: Geometry, grown: float) -> Iterator[tuple[str, str]]:
         if solver.half_width < SMALLEST_RADIUS:
             yield "half_width", f"must be at least {SMALLEST_RADIUS}"
 

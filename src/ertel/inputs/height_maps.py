@@ -11,6 +11,7 @@ ertel itself writes into a run directory: that is named by its content, is check
 is.
 """
 
+import logging
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -191,13 +192,17 @@ def _with_gaps(heights: NDArray[np.float64]) -> NDArray[np.float64]:
 
 @contextmanager
 def _reading() -> Iterator[None]:
-    """Any failure of SurfaceTopography, whose readers have their own, as a ValueError."""
+    """Any failure of SurfaceTopography, whose readers have their own, as a ValueError; some log its bytes."""
+    before = logging.root.manager.disable
+    logging.disable()
     try:
         with np.errstate(all="ignore"):
             yield
     except Exception as error:
         reason = shortened(" ".join(str(error).split()) or type(error).__name__)
         raise ValueError(f"SurfaceTopography cannot read it, {reason}") from error
+    finally:
+        logging.disable(before)
 
 
 def _channel(table: Mapping[str, Any], channels: Any) -> Any:

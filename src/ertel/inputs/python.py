@@ -16,7 +16,7 @@ from typing import Any, Literal, TypedDict, Unpack, get_type_hints
 
 from ertel.case.case import Case
 from ertel.case.conditions import FOREIGN, Conditions, Kind
-from ertel.case.reading import hint_for
+from ertel.case.reading import hint_for, parse_number
 from ertel.case.records import ConfigError, law_data, oil_data, refusing, show, with_own_numbers, with_unit
 from ertel.case.sections import Output, Solver, Surfaces, Thermal, Time
 from ertel.inputs.case_files import parse_case, with_all_units
@@ -264,7 +264,7 @@ def quantity(text: str) -> Quantity:
     raise ConfigError(f"text = {show(text)}: must be a length or a time with its unit, such as '20 nm' or '5 ms'")
 
 
-MOST_SAMPLES, SAMPLED_TO = 2000, 1e-4  # of a function; the largest error between the samples, of its largest value
+MOST_CELLS, SAMPLED_TO = 1024, 1e-4  # of a function; the largest error between the samples, of its largest value
 
 
 def sampled(function: Callable[[float], float], until: float | str) -> dict[str, list[tuple[float | str, float]]]:
@@ -282,12 +282,12 @@ def sampled(function: Callable[[float], float], until: float | str) -> dict[str,
     -------
     dict
         The table { smooth = [[T, value], ...] } of a case file; so many samples that the curve is within 1e-4 of the
-        largest value half-way between them, at most 2000.
+        largest value half-way between them, at most 1025.
 
     Raises
     ------
     ConfigError
-        The last time is not above zero.
+        The last time is not above zero, or a value is not a finite number.
 
     Examples
     --------
@@ -298,15 +298,20 @@ def sampled(function: Callable[[float], float], until: float | str) -> dict[str,
         end = READER.amount(until, units.DURATION)
     last, cells = end.value if isinstance(end, Quantity) else end, 8
     error = inf
-    while error > SAMPLED_TO and cells < MOST_SAMPLES // 2:
+    while error > SAMPLED_TO and cells < MOST_CELLS:
         cells *= 2
         times = [last * n / cells for n in range(cells + 1)]
-        points = tuple((time, float(function(time))) for time in times)
+        points = tuple((time, _finite(function(time), time)) for time in times)
         halves = [(early + late) / 2 for early, late in pairwise(times)]
         curve, largest = Smooth(points), max(abs(value) for _, value in points)
-        error = max(abs(curve(time) - function(time)) for time in halves) / (largest or 1.0)
+        error = max(abs(curve(time) - _finite(function(time), time)) for time in halves) / (largest or 1.0)
     unit = " s" if isinstance(end, Quantity) else ""
     return {"smooth": [(f"{time!r}{unit}" if unit else time, value) for time, value in points]}
+
+
+def _finite(value: Any, time: float) -> float:
+    with refusing(f"function({time:g})", value):
+        return parse_number(plain_data(value), units.FINITE)
 
 
 def _case(kind: Kind, given: Mapping[str, Any], keywords: Any) -> Case:

@@ -95,7 +95,7 @@ def flat_tappet(lift: Any, **given: Any) -> Passage:
     Returns
     -------
     Passage
-        Radii, speeds and load in time; its `keywords` are those of `ertel.rolling`.
+        As of `ertel.gears.involute`.
 
     Raises
     ------

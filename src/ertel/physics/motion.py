@@ -24,6 +24,7 @@ from ertel.physics.units import Amount, Mark, Meaning, Quantity, plain
 Surface = Literal[1, 2]
 Floats = NDArray[np.float64]
 
+SAMPLES = 401  # of a motion in time
 # Gauss points from 0 to 1: exact for the product of two cubics, and to 1e-12 for a sixteenth of a sine's period
 _points, _weights = np.polynomial.legendre.leggauss(4)
 PLACES, WEIGHTS, PARTS = (_points + 1) / 2, _weights / 2, 16
@@ -291,6 +292,12 @@ class Motion:
     def moment(self, T: float) -> tuple[float, float, float]:
         """Load, entrainment and curvature at time T, on which the film of that moment depends."""
         return self.load(T), self.entrainment(T), self.curvature(T)
+
+    def moments(self, until: float) -> list[tuple[float, float, float]]:
+        """Those of many times from 0 to `until`."""
+        times = np.linspace(0.0, until, SAMPLES)
+        varied = (self.load.at(times), self.entrainment.at(times), self.curvature.at(times))
+        return [*zip(*(values.tolist() for values in varied), strict=True)]
 
     def flow_at(self, T: float) -> float:
         """U at time T; where the surfaces rest a zero with the sign of U before, whose flow left the rupture."""

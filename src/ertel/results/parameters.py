@@ -134,7 +134,7 @@ def formula_films(case: Case, load: float = 1.0, entrainment: float = 1.0, curva
     ugw = _ugw(case, case.scales) if case.scales else None
     if isinstance(at, LineParameters):
         ugw = ugw and HamrockDowson(ugw.U * speed * curvature, ugw.G, ugw.W * load * curvature)
-        formulas = line_films.line_films(at, ugw)
+        formulas = line_films.line_films(at, case.lubricant, ugw)
     else:
         ugw = ugw and HamrockDowson(ugw.U * speed * curvature, ugw.G, ugw.W * load * curvature**2)
         formulas = film_formulas.films(at, ugw, case.contact.angle)
@@ -145,11 +145,9 @@ def formula_films(case: Case, load: float = 1.0, entrainment: float = 1.0, curva
     ]
     if case.layer is None:
         return flooded
-    oil = case.layer / float(case.lubricant.density(pressure))
-    starved: Callable[[FormulaFilm, float], FormulaFilm] = (
-        line_films.starved if case.geometry.is_line else FormulaFilm.starved
-    )
-    return [*flooded, *(starved(film, oil) for film in flooded if film.central and film.inside)]
+    oil, is_line = case.layer / float(case.lubricant.density(pressure)), case.geometry.is_line
+    starved: Callable[[FormulaFilm, float], FormulaFilm] = line_films.starved if is_line else FormulaFilm.starved
+    return [*flooded, *(starved(film, oil) for film in flooded if film.central and (film.inside or is_line))]
 
 
 def regime(case: Case) -> str:

@@ -43,6 +43,9 @@ def rough_guess(case: Case, grid: Grid, c: Contact) -> tuple[Floats, float, Any]
 
     They are those of the dry contact, or of rigid bodies where the film is far thicker than that.  Asperities carry
     what they would carry of the dry contact, without oil or with half the expected film.
+
+    A line has the expected film below the dry pressure.  Without it no oil passes the contact, and none leaks to the
+    sides either: Newton's iteration would push the surfaces through one another, where eps is zero and P goes astray.
     """
     outside, bend, load = discretise.outside_of(case, grid), case.motion.curvature(0.0), case.motion.load(0.0)
     film = case.film_scale * starvation(case)[1]
@@ -52,9 +55,10 @@ def rough_guess(case: Case, grid: Grid, c: Contact) -> tuple[Floats, float, Any]
     P, approach = dry_guess(case.geometry, grid, load / bend)
     P, approach = bend * P, bend * approach
     whole = P + outside.guess(motion_of(case, approach))
+    below = film if grid.nodes_y == 1 else 0.0
     if c.asperities is None:
-        return whole, approach, whole
-    lift, H = lifted(c, P, approach, load * case.geometry.hertz_load, 0.5 * film)
+        return whole, approach - below, whole
+    lift, H = lifted(c, P, approach, load * case.geometry.hertz_load, max(below, 0.5 * film))
     return whole, approach - float(lift), np.maximum(whole - np.asarray(c.asperities.pressure(H)), 0.0)
 
 

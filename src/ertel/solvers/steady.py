@@ -7,7 +7,7 @@ guess on the next finer grid (nested iteration), and gives an error estimate of 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from threading import Thread
 from typing import Any, NamedTuple
 
@@ -213,14 +213,19 @@ def fed(case: Case) -> Case:
     if case.layer is None or case.starts_apart or not case.geometry.is_line:
         return case
     full = replace(case, oil=replace(case.oil, layer=None, layer_1=None, layer_2=None))
-    flooded = steady_film(full).finest
-    passes = flooded.account.terms["inflow"] / abs(case.motion.entrainment(0.0))
+    passes = _passing(full)
     most = passes * largest_film(case)
     if passes <= case.layer < most:
         layer = f"lubricant.layer = {case.layer:.3g} a^2/R"
         now_and_later = f"is more than passes at T = 0 ({passes:.3g}), and less than what passes later ({most:.3g})"
         raise ValueError(f"{layer}: {now_and_later}; give a layer that is always one or the other, or leave it out")
     return full if case.layer >= most else case
+
+
+@lru_cache(maxsize=8)  # a run asks once for each of its parts
+def _passing(flooded: Case) -> float:
+    """The oil per area that passes a flooded line contact."""
+    return steady_film(flooded).finest.account.terms["inflow"] / abs(flooded.motion.entrainment(0.0))
 
 
 def nested(case: Case, done: Sequence[GridSolution] = ()) -> Iterator[GridSolution]:
