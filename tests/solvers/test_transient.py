@@ -29,7 +29,7 @@ from ertel.runs.compile import compilations
 from ertel.runs.drive import result_of, simulate
 from ertel.runs.result import Result
 from ertel.runs.stepping import TransientRun
-from ertel.solvers import transient
+from ertel.solvers import film_error
 from ertel.solvers.transient import Transient2D
 
 TIGHT = {"tolerance": 1e-8}
@@ -386,10 +386,10 @@ def test_the_time_error_is_that_of_the_film_and_not_of_single_nodes() -> None:
     x = np.linspace(-2, 2, n)
     H, P = 0.1 + x**2 + x[:, None] ** 2, np.maximum(1 - x**2 - x[:, None] ** 2, 0)
     sign = (-1.0) ** (np.arange(n) + np.arange(n)[:, None])
-    film_error = jax.jit(transient.film_error, static_argnums=(4, 5))
+    difference = jax.jit(film_error.film_error, static_argnums=(4, 5))
 
     def error(share: Any, times: int) -> float:
-        return float(film_error(H, H * (1 - share), P, 0.0, NO_SYMMETRY, times))
+        return float(difference(H, H * (1 - share), P, 0.0, NO_SYMMETRY, times))
 
     for times in (0, 1, 2):
         assert error(0.01, times) == pytest.approx(0.01, rel=1e-9)

@@ -27,8 +27,7 @@ LONGEST_RUN = 1e5  # t0; an impact lasts about 3
 MOST_STEPS = 1e7  # of a fixed length
 MOST_MAPS = 1e5
 LARGEST_OUTPUT = 1e11  # bytes of the maps, uncompressed
-AT_FORMULAS = "; ertel check prints the formulas"
-FIELDS = 6  # pressure, film, oil, two components of the shear stress, power loss
+AT_FORMULAS, FIELDS = "; ertel check prints the formulas", 6  # P, H, oil, two shear stresses, power loss
 
 Complaints = Iterator[tuple[str, str]]  # the field, to which its value is added unless it is there; what is wrong
 Rule = Callable[[Case], Complaints]
@@ -397,5 +396,5 @@ COMPLETE = (  # rules for a case with its defaults, in the order in which they a
     _roughness,
     rough_surfaces,
     _thermal,
-    _outside,  # the last: see `TooLight`
+    _outside,  # last: see `TooLight`
 )

@@ -89,9 +89,7 @@ NUMBER = ("a*/R", COEFFICIENT, "1")
 RING = "in an axisymmetric contact the place is a ring: X is its radius, Y is 0"
 AMBIENT = "in SI a volume: that of the oil at ambient pressure"
 PUSHED = "the force of surface 1 on surface 2 over the load of the film, positive along X"
-RESISTANCE = (
-    "of each surface: (1/2) double integral of H dP/dX over the load of the film, positive against motion along X"
-)
+RESISTANCE = "of each surface: (1/2) double integral of H dP/dX over the load of the film, positive against motion"
 LOSS = "heat of sliding and of the pressure-driven flow"
 # where a number is shown
 MOMENT: dict[str, Any] = {"at_moment": True}
@@ -101,7 +99,6 @@ IMPACT: dict[str, Any] = {"of_impact": True, "has_error": True}
 THICKNESS = "Film thickness"  # the panel of films
 FILMS_SHOWN: dict[str, Any] = {**FRICTION, "panel": THICKNESS, "curve_panel": "Film", "is_heated": True}
 TRACTION: dict[str, Any] = {**FRICTION, "panel": "Traction", "curve_panel": "Traction", "is_heated": True}
-
 SOLID: dict[str, Any] = {"panel": "Solid contact", "curve_panel": "Solid contact", "of_touch": True}
 BOUNDARY: dict[str, Any] = {**FRICTION, "curve_panel": "Traction", "of_touch": True}
 

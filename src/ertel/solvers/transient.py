@@ -24,14 +24,14 @@ from ertel.equations.flow import Flow, OilContent, Rate, rate_in_time
 from ertel.equations.outside import UNCHANGED, Surroundings
 from ertel.equations.state import State, Stepper, StepSolution, Work, own_pressure, padded
 from ertel.numerics import bdf, halfspace, multigrid, newton, stencils
-from ertel.numerics.grid import Symmetry, check_coarsening
+from ertel.numerics.grid import check_coarsening
 from ertel.numerics.integrals import Plane
 from ertel.numerics.programs import Compiled, Program
-from ertel.numerics.stencils import FloatLike, shown, total
+from ertel.numerics.stencils import FloatLike, shown
 from ertel.solvers import nonlinear, steady
+from ertel.solvers.film_error import THIN, film_error
 from ertel.solvers.nonlinear import PRECISION, Algorithms, Problem
 
-THIN = 0.1  # of the film scale: below this the time error of a film is not taken relative to itself
 MAX_PRESSURE_DROP = 0.4  # share of the last pressure by which the prediction may fall
 LOAD_TOLERANCE = 0.01  # of the tolerance, is left over in a balanced load (relative)
 # RESIDUAL: largest residual film of a step, in tolerances of time; a larger one would dominate the step size.
@@ -286,9 +286,7 @@ class Transient2D(Stepper):
         """See `Stepper.measure`."""
         values = state.measure(self.grid, level.P, level.H)
         values["F"] = (values.pop("load") + level.outside) / self.geometry.hertz_load
-        P_asperity = level.fields.get("P_asperity")
-        if P_asperity is not None and self.contact.asperities is not None:
-            touch = account.Touch(jnp.asarray(P_asperity), self.contact.asperities)
+        if touch := account.touch_of(self.contact, level.fields.get("P_asperity")):
             found = _touch_terms(self.setting.space, touch, level.P, level.H, self.geometry.hertz_load)
             values |= {name: float(number) for name, number in found.items()}
         return self._on_rings(values)
@@ -312,9 +310,6 @@ class Transient2D(Stepper):
         return shown(np.asarray(field), self.grid.even, odd)  # type: ignore[arg-type]
 
 
-_touch_terms = jax.jit(account.touch_terms)
-
-
 @jax.jit
 def _squeezed(
     c: Contact, P: Array, approach: float, uplift: float, layer: Array | None
@@ -324,18 +319,6 @@ def _squeezed(
     oil = contact.mass(c, P, H)
     oil = oil if layer is None else jnp.minimum(oil, layer)
     return state.fields_of(P, None if c.asperities is None else P, H, oil), contact.pressure_load(c, P)
-
-
-def film_error(film: Array, predicted: Array, P: Array, thin: Array | float, even: Symmetry, coarsenings: int) -> Array:
-    """Relative difference of two films, root mean square over the load that P carries; `thin`: see `THIN`.
-
-    It is taken on a coarser grid: a pressure spike of a few cells that moves has an error at every node that it
-    passes, which does not grow into the film and would make the number of steps that of the nodes.
-    """
-    for _ in range(coarsenings):
-        film, predicted, P = (multigrid.restrict(field, even) for field in (film, predicted, P))
-    relative = (film - predicted) / (jnp.abs(film) + thin)
-    return jnp.sqrt(total(P * relative**2, even) / jnp.maximum(total(P, even), jnp.finfo(P.dtype).tiny))
 
 
 @jax.jit
@@ -379,7 +362,7 @@ def solve_step(p: StepProblem) -> StepSolution:
     return StepSolution(fields, state.packed(_numbers(p, known, rate, solution, fields, approach)))
 
 
-_step_program = Program(solve_step)
+_step_program, _touch_terms = Program(solve_step), jax.jit(account.touch_terms)
 
 
 def _numbers(
