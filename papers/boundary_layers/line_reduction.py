@@ -21,8 +21,8 @@ from ertel import amplitude_reduction, fronts, plots, waves
 Contact = tuple[float, float, str]  # M, L, oil
 
 CURVES: Mapping[str, waves.Reduction] = {
-    "curve of 1997": waves.Reduction(*amplitude_reduction.LINE_1997),
-    "its later fit": waves.Reduction(*amplitude_reduction.LINE_REFIT),
+    "the curve of 1997": waves.Reduction(*amplitude_reduction.LINE_1997),
+    "the later fit": waves.Reduction(*amplitude_reduction.LINE_REFIT),
 }
 RANGE = np.geomspace(0.3, 30.0, 200)  # nabla1 of the curves
 
@@ -40,7 +40,7 @@ def deformed_waves(results: Mapping[Moes, Sequence[xr.Dataset]], plan: Plan) -> 
         f"motion of the front with a crest at the centre, A_i = {HEIGHT} of the trapped film, {nodes} nodes.  The "
         "vertical lines mark the minimum film.  Isotropic waves vary along the cylinder and have no line contact."
     )
-    return reduction.drawn_waves(fine, SHAPE, plan.lines.waves[M, L], edge, caption, f"{nodes} nodes")
+    return reduction.drawn_waves(fine, SHAPE, plan.lines.waves[M, L], edge, caption, f"{nodes} nodes", "b")
 
 
 def _marks(results: Mapping[str, Any], plan: Plan) -> Iterator[dict[str, Any]]:
@@ -95,19 +95,19 @@ def waves_reduced(results: Mapping[str, Any], plan: Plan) -> Drawn:
     deviations = [
         {"": "impact minus rolling at the parameters of the front", "mean, root mean square": reduction.scatter(off)},
         *(
-            {"": f"{kind} minus the {name}", "mean, root mean square": reduction.scatter(twins[column] - curve)}
+            {"": f"{kind} minus {name}", "mean, root mean square": reduction.scatter(twins[column] - curve)}
             for kind, column in (("impact", "limit"), ("rolling", "rolling_limit"))
             for name, curve in by_curve.items()
         ),
         *(
-            {"": f"impact minus the {name}, the paper's local nabla1",
+            {"": f"impact minus {name}, the paper's local nabla1",
              "mean, root mean square": reduction.scatter(twins["limit"] - curve.ratio(twins["local"]))}
             for name, curve in CURVES.items()
         ),
     ]  # fmt: skip
     tables = {
         "Impact and rolling at the parameters of the front": texts(
-            twins.assign(off=off, by_curve=by_curve["curve of 1997"]), cells
+            twins.assign(off=off, by_curve=by_curve["the curve of 1997"]), cells
         ),
         f"The same {len(twins)} waves": DataFrame(deviations),
     }
@@ -165,8 +165,8 @@ def film_left(results: Mapping[str, Any], plan: Plan) -> Drawn:
     left.plot([], [], "o", color="black", markerfacecolor="none", label="steady rolling at the front's speed")
     left.legend(loc="lower left", frameon=False, fontsize="small")
     right.axhline(1.0, color="black", linewidth=0.8)
-    right.set(xlabel="$X$ ($b^*$)", ylabel="impact over rolling", ylim=(0.8, 2.2))
-    right.legend(loc="upper right", frameon=False, fontsize="x-small")
+    right.set(xlabel="$X$ ($b^*$)", ylabel="impact over rolling", ylim=(0.8, 2.6))
+    right.legend(loc="upper left", frameon=False, fontsize="x-small", ncols=2)
     tables = {
         "Oil left by the impact over that of rolling at the speed of the dry front": _by_place(rows, "ratio", "error"),
         "The same, with the speed of the computed front, by half the Hertz pressure, if the film goes as v^0.7":

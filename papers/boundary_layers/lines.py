@@ -120,6 +120,7 @@ def front_speed(results: Mapping[float, xr.Dataset], plan: Plan) -> Drawn:
     figure, (left, right) = new_figure(1, 2)
     _draw_speed(left, every)
     front.draw_share(right, every, dry_speed)
+    right.set_xlabel("position of the front $A$ ($b^*$)")
     caption = (
         f"Speed of the front of a cylinder for M = {min(results):g} to {max(results):g}, L = {LINE_L:g}, length 100 "
         "b*, up to maximum approach.  Left: front defined by the minimum film (solid) and by half the Hertz pressure "
@@ -194,7 +195,7 @@ def film_and_speed(results: Mapping[float, xr.Dataset], plan: Plan) -> Drawn:
     for name, curve in fitted.items():
         front.draw_both_sides(axes, X, curve, name)
     axes.set(xlim=(-1.2, 1.2), ylim=(0, 1.5 * float(H[0])), xlabel="$X$ ($b^*$)", ylabel="film $H$ ($b^{*2}/R$)")
-    axes.legend(loc="lower center", frameon=False, fontsize="small")
+    axes.legend(loc="upper center", frameon=False, fontsize="small")
     caption = (
         f"Film of a cylinder at maximum impact, M = {SHOWN_LINE}, L = {LINE_L:g}, and C v^0.67 with C fitted on "
         f"{INNER} < X < {OUTER}.  C v^0.7 A^-0.26 is Dowson and Higginson's formula in the speed and the load at that "

@@ -159,9 +159,9 @@ def deformed_waves(results: Results, plan: Plan) -> Drawn:
 
 
 def drawn_waves(
-    run: xr.Dataset, shape: str, wavelengths: Sequence[float], edge: float, caption: str, grid: str
+    run: xr.Dataset, shape: str, wavelengths: Sequence[float], edge: float, caption: str, grid: str, unit: str = "a"
 ) -> Drawn:
-    """dH/A_i of an impact along X, a panel for each wavelength; edge: of the contact (a*)."""
+    """dH/A_i of an impact along X, a panel for each wavelength.  edge: of the contact (unit*), a* or b*."""
     figure, panels = new_figure(len(wavelengths), 1)
     figure.set_size_inches(8.0, 2.4 * len(wavelengths))
     columns, rows = {"X": run["X"].values, "H": run["H"].values}, []
@@ -179,8 +179,8 @@ def drawn_waves(
         columns[f"dH/A_i, wavelength {wavelength:g}"] = dH
         rows.append({"wavelength": wavelength, **wave._asdict()})
     panels[0].legend(loc="lower left", frameon=True, fontsize="x-small", ncols=3)
-    panels[-1].set_xlabel("$X$ ($a^*$)")
-    cells = {"wavelength (a*)": "{wavelength:g}", "X": "{X:.3f}", "A_d/A_i": "{amplitude:.3f}"}
+    panels[-1].set_xlabel(f"$X$ (${unit}^*$)")
+    cells = {f"wavelength ({unit}*)": "{wavelength:g}", "X": "{X:.3f}", "A_d/A_i": "{amplitude:.3f}"}
     tables = {f"Last complete waves, {grid}": texts(DataFrame(rows), cells)}
     return Drawn(figure, caption, {"dH": DataFrame(columns)}, tables)
 
