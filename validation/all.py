@@ -55,6 +55,7 @@ PAGES = [
     *_pages("validation/contacts", "validate.py", formula=8, angle=1, mass=8),
     Page("validation/contacts/resistance.md", "validation/contacts/validate.py", "resistance --nodes 65", 4),
     Page("validation/contacts/line.md", "validation/contacts/line.py", "", 10),
+    Page("validation/contacts/classics.md", "validation/contacts/classics.py", "", 3),
     Page("validation/optics/README.md", "validation/optics/films.py", "", 4),
     Page("validation/friction/README.md", "validation/friction/film_thinning.py", "", 1),
     Page("validation/friction/README.md", "validation/friction/order.py", "", 1),
@@ -65,7 +66,7 @@ PAGES = [
     *(
         Page("benchmarks/README.md", f"benchmarks/{name}.py", "", minutes)
         for name, minutes in {"steps": 3, "rebound": 2, "rolling": 2, "thinning": 2, "shares": 5, "scaling": 10,
-                              "time_error": 2, "fft": 1}.items()
+                              "time_error": 2, "fft": 1, "lines": 2}.items()
     ),
 ]  # fmt: skip
 

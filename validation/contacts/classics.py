@@ -45,25 +45,28 @@ SPIKES = (
 HEAD = f"""# Dowson and Higginson's classics
 
 The film and the pressure of a line contact over the speed U and the material G, and the pressure spike on five grids.
-`classics.py` writes this page. W = {W:g}, so that p_h = 0.5 GPa in steel; {NODES} nodes. Films are extrapolated, spikes are
-those of the grid; the width is that at half of the rise over the trough before.
+`classics.py` writes this page. W = {W:g}, so that p_h = 0.5 GPa in steel; {NODES} nodes. Films are extrapolated, spikes
+are those of the grid; the width is that at half of the rise over the trough before.
 
-The minimum film goes as U^0.70, as Dowson and Higginson's formula does, and is within 3 % of it from G = 2000 on with
-both oils; only at G = 6000 Barus' oil is 4 % above it. At G = 1000 the contact is nearly isoviscous, and the formula is
-11 % below. The spike moves inwards and rises with U and with G, and is narrower and higher with Barus' law. At the
-highest speeds there is no trough before it.
+The minimum film goes as U^0.70, as in Dowson and Higginson's formula, which is within 4 % of it from G = 2000 on with
+both oils. It goes as G^0.59 to G^0.62 at the upper end, and more slowly towards the isoviscous contact, where the
+formula is not meant to hold: at G = 1000 it is 11 % below the film. With U the spike rises and moves from the outlet
+to the middle; with G it rises and hardly moves. Barus' law makes it narrower and higher, 2.6 p_h for 1.2 p_h at U =
+1e-11. At the highest speeds the pressure rises to the spike without a trough before it.
 """
 SPIKES_TEXT = """## The spike on grids
 
-The height of the spike converges slowly: it is some cells wide only from 1025 nodes on. A uniform grid cuts it off, and
-the films do not depend on that: those of validation/contacts/line.md are of second order on the same grids. The
-independent program of [that page](line.md), whose nodes crowd there, has 0.82 at X = 0.898 (M = 20, L = 10), 1.05 at
-0.818 (M = 10, L = 10) and 2.4 at 0.860 (Barus, with cells of 0.0025, still rising).
+The films are of second order on these grids, see [line contacts](line.md); the spike is not. It is narrower than two
+cells up to 513 nodes. With Roelands' law its place is known to a cell; its height still grows by 0.05 from 1025 to
+2049 nodes (the observed order is -0.1 to 0.6, so it cannot be extrapolated), and its width falls. With Barus' law the
+height grows by 0.13 to 0.29 from grid to grid, and there is no sign of a limit. An independent program whose nodes
+crowd at the outlet has 0.82 at X = 0.898 (M = 20, L = 10) and 1.05 at 0.818 (M = 10, L = 10); with Barus' law 2.4 at
+0.860, still rising on cells of 0.0025.
 """
 
 
 class Spike(NamedTuple):
-    """A pressure spike: its height (p_h), its place and its width (b), at half of its rise over the trough before it."""
+    """A pressure spike: height (p_h), place and width (b), the width at half of the rise over the trough before it."""
 
     height: float
     place: float
