@@ -39,7 +39,7 @@ def second(case: Any, repeats: int = 2) -> tuple[Any, float]:
 def main() -> None:
     keep_compiled()
     sizes = grids((257, 513, 1025))
-    header(["steady, all grids", "nodes", "Newton, finest", "Krylov, finest", "H_c", "CPU, s"])
+    header(["steady", "nodes", "Newton, all grids", "Krylov, all grids", "H_c", "CPU, s"])
     for nodes in sizes:
         result, cpu = second(line("rolling", nodes))
         s = result.summary

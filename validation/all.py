@@ -66,7 +66,7 @@ PAGES = [
     *(
         Page("benchmarks/README.md", f"benchmarks/{name}.py", "", minutes)
         for name, minutes in {"steps": 3, "rebound": 2, "rolling": 2, "thinning": 2, "shares": 5, "scaling": 10,
-                              "time_error": 2, "fft": 1, "lines": 2}.items()
+                              "time_error": 2, "fft": 1, "lines": 3}.items()
     ),
 ]  # fmt: skip
 

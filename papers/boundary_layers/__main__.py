@@ -1,6 +1,6 @@
 """Reproduce the figures of the paper, with their data, on one page:
 
-    python papers/boundary_layers all --quick          # coarse grids, seven minutes on one core
+    python papers/boundary_layers all --quick          # coarse grids, nine minutes on one core
     python papers/boundary_layers fig4 --out paper     # one figure at full resolution
     python papers/boundary_layers lines --quick        # those for cylinders: line1 to line7
 

@@ -10,7 +10,7 @@ from pandas import DataFrame
 from scipy.interpolate import CubicSpline
 
 from boundary_layers import front, reduction
-from boundary_layers.line_runs import SHAPE, line_case
+from boundary_layers.line_runs import HIGH, SHAPE, line_case
 from boundary_layers.lines import SPEED, dry_speed, profile
 from boundary_layers.pages import Drawn, new_figure, texts
 from boundary_layers.plans import SHOWN_LINE, Moes, Plan
@@ -148,7 +148,7 @@ def film_left(results: Mapping[str, Any], plan: Plan) -> Drawn:
     contacts = list(results["impacts"])
     usual = [contact for contact in contacts if contact[2] == USUAL]
     colours = dict(zip(usual, front.shades(len(usual)), strict=True))
-    others = iter((plots.ORANGE, plots.GREEN))
+    others = iter((plots.ORANGE, "black"))
     for contact in contacts:
         of_contact = rows[rows["contact"] == _name(contact)]
         colour = colours[contact] if contact in colours else next(others)
@@ -173,14 +173,13 @@ def film_left(results: Mapping[str, Any], plan: Plan) -> Drawn:
             _by_place(rows, "ratio, computed front"),
     }  # fmt: skip
     caption = (
-        "Beyond the paper: the oil that the front of an impact leaves at X is that of steady rolling at the "
-        "parameters of the front, rho H(X) = A^2 q(lambda_bar v/A^4, alpha_bar A), with A = X, the speed v = dA/dT of "
-        "the dry impact and the flow q of the steady line contact.  No constant is fitted.  Left: oil at maximum "
-        f"approach, and rolling. Right: their ratio.  The impact is extrapolated from {plan.lines.impact_grids[0]} and "
-        f"{plan.lines.impact_grids[1]} nodes, with the error bar of Fig. 6.  The law is that of a piezoviscous oil at "
-        "high loads.  At low loads and near the centre, where the contact is small and its pressure low, the film "
-        "follows the motion for longer.  An isoviscous oil leaves more than the law says: what the front left is not "
-        "frozen, and the law does not hold."
+        "Beyond the paper: the oil that the front of an impact leaves at X is that of steady rolling at the front, "
+        "rho H(X) = A^2 q(lambda_bar v/A^4, alpha_bar A), with A = X, the speed v = dA/dT of the dry impact and the "
+        "flow q of the steady line contact.  No constant is fitted.  Left: oil at maximum approach, and rolling.  "
+        f"Right: their ratio; the impact is extrapolated as in Fig. 6, from {plan.lines.impact_grids[0]} and "
+        f"{plan.lines.impact_grids[1]} nodes, twice as many cells above M = {HIGH:g}.  The law holds for piezoviscous "
+        "oils at high loads.  At M = 20 the front is slower than the dry one and stops before it reaches b*.  In an "
+        "isoviscous oil nothing holds the oil where the front left it, and the law fails."
     )
     return Drawn(figure, caption, {"left": rows}, tables)
 
