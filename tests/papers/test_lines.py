@@ -1,13 +1,16 @@
 """The figures for cylinders: the film that an impact leaves, the dry law, figures from made-up and from small runs."""
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
 from boundary_layers import figures, line_reduction, line_runs, lines, runs
+from boundary_layers.figures import PaperFigure
 from boundary_layers.plans import QUICK, LinePlan
+from boundary_layers.tasks import Task
 
 from ertel.physics.dry_contact import HertzLine
 
@@ -17,7 +20,7 @@ SMALL = replace(QUICK, lines=LinePlan((60, 150), (129, 257), (129, 257), {(150, 
 
 
 def test_an_impact_leaves_the_film_of_rolling_at_its_front():
-    """Nothing is fitted: rho H(X) = A^2 q(lambda_bar v/A^4, alpha_bar A).  Without A, in speed alone, it fails."""
+    """Nothing is fitted: rho H(X) = A^2 q(lambda_bar v/A^4, alpha_bar A)."""
     impact = line_runs.line_impact(M, L, runs.USUAL, 257, runs.NO_MAPS)
     left = np.interp(PLACES, *lines.profile(impact, "left"))
     ratio = left / line_runs.rolled_oil(M, L, runs.USUAL, PLACES, 257)
@@ -85,6 +88,16 @@ def test_waves_of_impact_and_rolling():
         "H",
         "dH/A_i, wavelength 0.4",
     ]
+
+
+def test_the_figures_for_cylinders_have_a_page_of_their_own(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+    names = figures.names_of("lines")
+    fails = PaperFigure("Title", lambda plan: [Task("bad", int, ("no number",))], line_reduction.film_left)
+    monkeypatch.setattr(figures, "FIGURES", dict.fromkeys(figures.FIGURES, fails))
+    file, missing = figures.make(names, True, tmp_path)
+    assert file.name == "lines.html" and list(missing) == names == [f"line{n}" for n in range(1, 8)]
+    with pytest.raises(ValueError, match="must be all, lines, fig1"):
+        figures.names_of("line8")
 
 
 # -- the figures themselves --------------------------------------------------------------------------------------------
