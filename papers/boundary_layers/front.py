@@ -161,7 +161,7 @@ def share_of(front: fronts.Front, dry: Speed) -> str:
 
 
 def shades(number: int) -> Values:
-    """So many colours, the darkest first."""
+    """So many colours, from light to dark."""
     return np.asarray(plots.ORDERED_COLOURS(np.linspace(1.0, 0.0, number)))
 
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 from pandas import DataFrame
 
@@ -40,44 +41,7 @@ def dry_impact(length: float) -> tuple[Values, Values]:
 
 def dry_cylinders(results: Mapping[float, xr.Dataset], plan: Plan) -> Drawn:
     """Fig. 1: the half width of the dry contact and its rate, for three lengths, and the laws of the paper."""
-    figure, (left, right) = new_figure(1, 2)
-    columns: dict[str, Values] = {}
-    rows = []
-    limit = np.linspace(-1.0, 0.0, 401)
-    for length, colour in zip(LENGTHS, front.shades(len(LENGTHS)), strict=True):
-        T, A = dry_impact(length)
-        fitted = fronts.fit_half_base(T, A)
-        kappa, late = 0.25 + np.log(2 * length) / 2, A > 0.5
-        _draw_dry(left, right, T / -T[0], A, {"color": colour, "label": f"exact, $\\Lambda$ = {length:g}"})
-        off = np.abs(np.sqrt(np.cos(pi * T / (2 * T[0]))) - A)[late].max()
-        cells = {
-            "duration (t0)": -2 * T[0],
-            "over kappa": -2 * T[0] / kappa,
-            "full base of (22), over the duration": -fitted / T[0],
-        }
-        rows.append(
-            {
-                "length (b*)": f"{length:g}",
-                **{name: f"{value:.4f}" for name, value in cells.items()},
-                "largest error of (20)": f"{off:.4f}",
-            }
-        )
-        columns |= {f"T, length {length:g}": T, f"A, length {length:g}": A}
-    _draw_dry(
-        left,
-        right,
-        limit,
-        np.sqrt(np.cos(pi * limit / 2)),
-        {"color": "black", "linestyle": ":", "label": "spring, (20)"},
-    )
-    parabola = np.sqrt(np.maximum(1 - (limit * -T[0] / fitted) ** 2, 0.0))
-    _draw_dry(
-        left, right, limit, parabola, {"color": plots.ORANGE, "linestyle": "--", "label": "parabola (22), fitted"}
-    )
-    left.set(xlabel="time from the maximum, over half of the duration", ylabel="half width $A$ ($b^*$)", ylim=(0, 1.05))
-    right.set(xlabel="time from the maximum, over half of the duration", ylabel="$dA/dT$, times half of the duration")
-    right.set(ylim=(0, 4))
-    left.legend(loc="lower center", frameon=False, fontsize="small")
+    impacts = {length: dry_impact(length) for length in LENGTHS}
     caption = (
         "The dry impact of a cylinder, up to its maximum.  The approach of a cylinder depends on its length, Lambda "
         "b*: delta = kappa b*^2/R with kappa = 1/4 + ln(2 Lambda)/2.  The duration therefore grows with the length, "
@@ -86,7 +50,7 @@ def dry_cylinders(results: Mapping[float, xr.Dataset], plan: Plan) -> Drawn:
         "fitted where a > a*/2.  The second table gives its full base fitted to the front of the lubricated impact, "
         "over the duration of the dry one, for three definitions of the front."
     )
-    duration = -2 * dry_impact(100.0)[0][0]
+    duration = -2 * impacts[100.0][0][0]
     bases = [
         {
             "M": str(M),
@@ -94,8 +58,49 @@ def dry_cylinders(results: Mapping[float, xr.Dataset], plan: Plan) -> Drawn:
         }
         for M, run in results.items()
     ]
-    tables = {"The dry impact": DataFrame(rows), "Full base fitted to the front, over the duration": DataFrame(bases)}
-    return Drawn(figure, caption, {"half_width": side_by_side(columns)}, tables)
+    tables = {
+        "The dry impact": DataFrame(_of_length(length, *each) for length, each in impacts.items()),
+        "Full base fitted to the front, over the duration": DataFrame(bases),
+    }
+    columns = {
+        f"{name}, length {length:g}": values
+        for length, each in impacts.items()
+        for name, values in zip("TA", each, strict=True)
+    }
+    return Drawn(_draw_dry_impacts(impacts), caption, {"half_width": side_by_side(columns)}, tables)
+
+
+def _of_length(length: float, T: Values, A: Values) -> dict[str, str]:
+    """A row of the table."""
+    duration, kappa = -2 * T[0], 0.25 + np.log(2 * length) / 2
+    cells = {
+        "duration (t0)": duration,
+        "over kappa": duration / kappa,
+        "full base of (22), over the duration": 2 * fronts.fit_half_base(T, A) / duration,
+        "largest error of (20)": np.abs(_spring(2 * T / duration) - A)[A > 0.5].max(),
+    }
+    return {"length (b*)": f"{length:g}", **{name: f"{value:.4f}" for name, value in cells.items()}}
+
+
+def _spring(T: Values) -> Values:
+    """Johnson's (20), T in half of the duration."""
+    return np.asarray(np.sqrt(np.cos(pi * T / 2)))
+
+
+def _draw_dry_impacts(impacts: Mapping[float, tuple[Values, Values]]) -> Figure:
+    figure, (left, right) = new_figure(1, 2)
+    for (length, (T, A)), colour in zip(impacts.items(), front.shades(len(impacts)), strict=True):
+        _draw_dry(left, right, T / -T[0], A, {"color": colour, "label": f"exact, $\\Lambda$ = {length:g}"})
+    limit, base = np.linspace(-1.0, 0.0, 401), fronts.fit_half_base(T / -T[0], A)
+    parabola = np.sqrt(np.maximum(1 - (limit / base) ** 2, 0.0))
+    laws = {"spring, (20)": (_spring(limit), "black", ":"), "parabola (22), fitted": (parabola, plots.ORANGE, "--")}
+    for label, (values, colour, line) in laws.items():
+        _draw_dry(left, right, limit, values, {"color": colour, "linestyle": line, "label": label})
+    left.set(xlabel="time from the maximum, over half of the duration", ylabel="half width $A$ ($b^*$)", ylim=(0, 1.05))
+    right.set(xlabel="time from the maximum, over half of the duration", ylabel="$dA/dT$, times half of the duration")
+    right.set(ylim=(0, 4))
+    left.legend(loc="lower center", frameon=False, fontsize="small")
+    return figure
 
 
 def _draw_dry(left: Axes, right: Axes, T: Values, A: Values, look: Mapping[str, Any]) -> None:

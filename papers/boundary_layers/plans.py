@@ -11,18 +11,17 @@ LOADS = (200, 500, 1000, 2000, 5000, 10000)  # M of Figs. 1, 2 and 4
 SHOWN_LOAD = 1000  # M of Fig. 3, and of the run by the 2-D method
 L = 10.0  # of Figs. 1 to 4
 
-SHOWN_LINE = 150  # M of Fig. 3 for cylinders
-LINE_L = 10.0  # of the same figures as L
+SHOWN_LINE = 150  # M of Figs. 3 and 5 for cylinders
+LINE_L = 10.0  # of Figs. 1 to 4 for cylinders
 
 
 @dataclass(frozen=True)
 class LinePlan:
     """The runs of the figures for cylinders.
 
-    loads: M of Figs. 1, 2, 4 and 7.  impact_grids: nodes of the impacts, which are more above `line_runs.HIGH`.
-    rolling_grids: nodes of the rolling contacts.
-    waves: wavelengths (b*) for each M, L of Figs. 5 and 6.  wave_places, law_places: where the rolling contacts of
-    Figs. 6 and 7 are (b*).
+    loads: M of Figs. 1, 2, 4 and 7.  impact_grids: nodes of the impacts, of more cells above M = `line_runs.HIGH`.
+    rolling_grids: nodes of the rolling contacts.  waves: wavelengths (b*) for each M, L of Figs. 5 and 6.
+    wave_places, law_places: places of the front (b*) with whose parameters the contacts of Figs. 6 and 7 roll.
     """
 
     loads: tuple[int, ...]

@@ -75,6 +75,7 @@ def smooth_impact(M: float, L: float, solver: Mapping[str, Any], interval: float
 
 
 def completed(case: Case, name: str) -> ertel.Result:
+    """The result of a run.  Raises RuntimeError with the name where it fails."""
     result = ertel.simulate(case)
     if not result.status.ok:
         raise RuntimeError(f"{name}: {result.status.value}; {result.status.advice}")
