@@ -16,7 +16,7 @@ from ertel.physics.dry_contact import HertzLine
 
 M, L = 60.0, 10.0
 PLACES = (0.7, 0.8, 0.9)
-SMALL = replace(QUICK, lines=LinePlan((60, 150), (129, 257), (129, 257), {(150, 10): (0.4,)}, (0.5, 0.7, 0.9), PLACES))
+SMALL = replace(QUICK, lines=LinePlan((60, 150), (257, 513), (257, 513), {(150, 10): (0.4,)}, (0.5, 0.7, 0.9), PLACES))
 
 
 def test_an_impact_leaves_the_film_of_rolling_at_its_front():
