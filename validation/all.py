@@ -59,6 +59,7 @@ PAGES = [
         Page(f"validation/contacts/line_{name}.md", "validation/contacts/line.py", name, minutes)
         for name, minutes in {"impacts": 3, "waves": 2, "formulas": 2, "ellipses": 3}.items()
     ),
+    Page("validation/contacts/classics.md", "validation/contacts/classics.py", "", 3),
     Page("validation/optics/README.md", "validation/optics/films.py", "", 4),
     Page("validation/friction/README.md", "validation/friction/film_thinning.py", "", 1),
     Page("validation/friction/README.md", "validation/friction/order.py", "", 1),
@@ -69,7 +70,7 @@ PAGES = [
     *(
         Page("benchmarks/README.md", f"benchmarks/{name}.py", "", minutes)
         for name, minutes in {"steps": 3, "rebound": 2, "rolling": 2, "thinning": 2, "shares": 5, "scaling": 10,
-                              "time_error": 2, "fft": 1}.items()
+                              "time_error": 2, "fft": 1, "lines": 3}.items()
     ),
 ]  # fmt: skip
 

@@ -1,7 +1,8 @@
 """Reproduce the figures of the paper, with their data, on one page:
 
-    python papers/boundary_layers all --quick          # coarse grids, seven minutes on one core
+    python papers/boundary_layers all --quick          # coarse grids, nine minutes on one core
     python papers/boundary_layers fig4 --out paper     # one figure at full resolution
+    python papers/boundary_layers lines --quick        # those for cylinders: line1 to line7
 
 After an interruption the same command continues.
 """
@@ -23,7 +24,7 @@ def main(arguments: list[str] | None = None) -> int:
         "boundary_layers", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument(
-        "figure", nargs="?", default="all", choices=["all", *figures.FIGURES], metavar="all|fig1|fig2|..."
+        "figure", nargs="?", default="all", choices=[*figures.GROUPS, *figures.FIGURES], metavar="all|lines|fig1|..."
     )
     parser.add_argument("--quick", action="store_true", help="use coarse grids")
     parser.add_argument("--out", type=Path, default=Path("paper"), help="directory of the page (default: paper)")

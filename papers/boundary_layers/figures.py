@@ -13,7 +13,7 @@ from string import Template
 from typing import Any
 
 import ertel
-from boundary_layers import beyond, front, reduction, runs
+from boundary_layers import beyond, front, line_reduction, line_runs, lines, reduction, runs
 from boundary_layers.pages import Drawn, save
 from boundary_layers.plans import FULL, QUICK, Plan
 from boundary_layers.tasks import Failure, Task, kept, run_tasks
@@ -22,7 +22,8 @@ TITLE = "Boundary layers in impact and rolling EHL point contacts: the figures o
 SETTINGS = (
     "The paper states no grid, time step or initial gap, and no oil data beyond M and L.  Here: Delta_0 = -1, "
     "Roelands' law with alpha = 22 1/GPa, eta_0 = 0.04 Pa s, z = 0.668, and Dowson and Higginson's density.  Lengths "
-    "are in units a*, films in a*^2/R, times in t0 = a*^2/(R v0)."
+    "are in units a*, films in a*^2/R, times in t0 = a*^2/(R v0).  Cylinders: M and L are those of a line contact, "
+    "the length is 100 half widths, and the half width b* takes the place of a*."
 )
 RUNS = "runs"  # directory of the kept results, below the page
 PAGE = Path(__file__).with_name("page.html")
@@ -47,14 +48,29 @@ FIGURES: Mapping[str, PaperFigure] = {
     "fig7": PaperFigure("Beyond the paper: Fig. 7  Waves of other shapes", runs.shape_runs, beyond.other_waves),
     "fig8": PaperFigure("Beyond the paper: Fig. 8  Other lubricants", runs.oil_runs, beyond.other_oils),
     "fig9": PaperFigure("Beyond the paper: Fig. 9  Starved films", runs.starved_runs, beyond.starved),
+    "line1": PaperFigure("Cylinders: Fig. 1  The dry impact", line_runs.smooth_runs, lines.dry_cylinders),
+    "line2": PaperFigure("Cylinders: Fig. 2  Speed of the front", line_runs.smooth_runs, lines.front_speed),
+    "line3": PaperFigure("Cylinders: Fig. 3  Film at maximum impact", line_runs.smooth_runs, lines.film_and_speed),
+    "line4": PaperFigure("Cylinders: Fig. 4  Film behind the front", line_runs.smooth_runs, lines.film_predicted),
+    "line5": PaperFigure("Cylinders: Fig. 5  Waves in an impact", line_runs.wave_runs, line_reduction.deformed_waves),
+    "line6": PaperFigure(
+        "Cylinders: Fig. 6  Amplitude reduction", line_runs.reduction_runs, line_reduction.waves_reduced
+    ),
+    "line7": PaperFigure(
+        "Beyond the paper: the film of rolling, left by an impact", line_runs.law_runs, line_reduction.film_left
+    ),
 }
+GROUPS = {"all": list(FIGURES), "lines": [name for name in FIGURES if name.startswith("line")]}
 
 
 def names_of(figure: str) -> list[str]:
-    """The names of all figures for "all", or the one name.  Raises ValueError for any other."""
-    if figure != "all" and figure not in FIGURES:
-        raise ValueError(f"figure = {figure}: must be all, {', '.join(FIGURES)}")
-    return list(FIGURES) if figure == "all" else [figure]
+    """The names of all figures for "all", of those for cylinders for "lines", or the one name.
+
+    Raises ValueError for any other.
+    """
+    if figure not in GROUPS and figure not in FIGURES:
+        raise ValueError(f"figure = {figure}: must be {', '.join([*GROUPS, *FIGURES])}")
+    return GROUPS.get(figure, [figure])
 
 
 def tasks_of(names: Sequence[str], plan: Plan) -> list[Task]:
@@ -96,7 +112,8 @@ def make(
         sections.append(f"<section>\n<h2>{escape(figure.title)}</h2>\n{content}\n</section>")
     remarks = f"<p>{escape(f'ertel {ertel.__version__}, {plan.resolution}.  {SETTINGS}')}</p>"
     template = Template(PAGE.read_text(encoding="utf-8"))
-    file = directory / ("index.html" if len(names) > 1 else f"{names[0]}.html")
+    page = "lines" if list(names) == GROUPS["lines"] else "index" if len(names) > 1 else names[0]
+    file = directory / f"{page}.html"
     file.write_text(
         template.substitute(title=escape(TITLE), remarks=remarks, sections="\n".join(sections)), encoding="utf-8"
     )

@@ -1,6 +1,6 @@
 """Figures 1 to 4 of the paper: the dry impact, the speed of the front in a lubricated one, and the film behind it."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -52,7 +52,7 @@ def dry_impact(results: Mapping[str, Any], plan: Plan) -> Drawn:
     errors = {name: np.abs(A - exact)[exact > 0.5].max() for name, (A, *_) in laws.items() if name != "exact"}
     largest = "largest error of a/a* where a > a*/2"
     bases = [
-        {"M": str(M), **{f"front by {name}": f"{2 * _half_base(run, by):.3f}" for by, name in FRONTS.items()}}
+        {"M": str(M), **{f"front by {name}": f"{2 * half_base(run, by):.3f}" for by, name in FRONTS.items()}}
         for M, run in results["radial"].items()
     ]
     tables = {
@@ -77,7 +77,8 @@ def _draw_laws(left: Axes, right: Axes, T: Values, laws: Mapping[str, Curve]) ->
     right.text(0.03, 0.03, "colours as on the left", transform=right.transAxes, fontsize="small")
 
 
-def _half_base(run: xr.Dataset, by: fronts.FrontDefinition) -> float:
+def half_base(run: xr.Dataset, by: fronts.FrontDefinition) -> float:
+    """t* of the parabola (22), fitted to the front, its place over the last one."""
     front = fronts.front(run, by)
     maximum = float(fronts.at_max_approach(run)["frame"])
     return fronts.fit_half_base(front.T - maximum, front.A / front.A[-1])
@@ -85,7 +86,8 @@ def _half_base(run: xr.Dataset, by: fronts.FrontDefinition) -> float:
 
 # -- Fig. 2 -----------------------------------------------------------------------------------------------------------
 
-Fronts = Mapping[int, Mapping[fronts.FrontDefinition, fronts.Front]]  # M, definition -> front
+Fronts = Mapping[float, Mapping[fronts.FrontDefinition, fronts.Front]]  # M, definition -> front
+Speed = Callable[[Values], Values]  # speed of the dry contact's edge (a*/t0) where it is at A (a*)
 
 
 def front_speed(results: Mapping[str, Any], plan: Plan) -> Drawn:
@@ -93,7 +95,7 @@ def front_speed(results: Mapping[str, Any], plan: Plan) -> Drawn:
     all_fronts: Fronts = {M: {by: fronts.front(run, by) for by in FRONTS} for M, run in results["radial"].items()}
     figure, (left, right) = new_figure(1, 2)
     _draw_speed(left, all_fronts, fronts.front(results["plane"]))
-    _draw_share(right, all_fronts)
+    draw_share(right, all_fronts, hertz.front_speed)
     caption = (
         f"Speed of the front for M = {LOADS[0]} to {LOADS[-1]}, L = {L:g}, up to maximum approach.  Left: front "
         "defined by the minimum film (solid) and by half the Hertz pressure (dashed).  Right: speed divided by that of "
@@ -110,7 +112,7 @@ def front_speed(results: Mapping[str, Any], plan: Plan) -> Drawn:
     shares = [
         {
             "M": str(M),
-            **{f"front by {name}": _share(by_definition[by]) for by, name in FRONTS.items()},
+            **{f"front by {name}": share_of(by_definition[by], hertz.front_speed) for by, name in FRONTS.items()},
             "last A by minimum film": f"{by_definition['film'].A[-1]:.3f}",
         }
         for M, by_definition in all_fronts.items()
@@ -124,7 +126,7 @@ def _draw_speed(axes: Axes, all_fronts: Fronts, plane: fronts.Front) -> None:
     axes.plot(T, hertz.front_speed(hertz.contact_radius(T)), color="black", label="dry, exact")
     linear = hertz.linear_front_speed(T - hertz.HALF_CONTACT_TIME)
     axes.plot(T, linear, color=plots.GREY, linestyle=":", label="linear (24), $t^*$ = 1.35")
-    for (M, by_definition), colour in zip(all_fronts.items(), _shades(), strict=True):
+    for (M, by_definition), colour in zip(all_fronts.items(), shades(len(LOADS)), strict=True):
         labels: Mapping[fronts.FrontDefinition, str | None] = {"film": f"$M$ = {M}", "half-hertz": None}
         for by, label in labels.items():
             front = by_definition[by]
@@ -137,11 +139,12 @@ def _draw_speed(axes: Axes, all_fronts: Fronts, plane: fronts.Front) -> None:
     axes.legend(loc="upper right", frameon=False, fontsize="small")
 
 
-def _draw_share(axes: Axes, all_fronts: Fronts) -> None:
-    for by_definition, colour in zip(all_fronts.values(), _shades(), strict=True):
+def draw_share(axes: Axes, all_fronts: Fronts, dry: Speed) -> None:
+    """The speed of the front over that of the dry contact at the same place."""
+    for by_definition, colour in zip(all_fronts.values(), shades(len(all_fronts)), strict=True):
         for by, front in by_definition.items():
             late = front.A > FORMED
-            share = front.speed / hertz.front_speed(np.minimum(front.A, 1.0))
+            share = front.speed / dry(np.minimum(front.A, 1.0))
             axes.plot(front.A[late], share[late], LINES[by], color=colour, linewidth=1.0)
     for by, name in FRONTS.items():
         axes.plot([], [], LINES[by], color=plots.GREY, label=name)
@@ -151,13 +154,15 @@ def _draw_share(axes: Axes, all_fronts: Fronts) -> None:
     axes.legend(loc="lower left", frameon=False, fontsize="small")
 
 
-def _share(front: fronts.Front) -> str:
-    share = front.speed_at(COMPARED) / hertz.front_speed(COMPARED)
+def share_of(front: fronts.Front, dry: Speed) -> str:
+    """The same for 0.5 < A < 0.9, as a cell of a table: mean and range."""
+    share = front.speed_at(COMPARED) / dry(COMPARED)
     return f"{np.nanmean(share):.2f} ({np.nanmin(share):.2f} to {np.nanmax(share):.2f})"
 
 
-def _shades() -> Values:
-    return np.asarray(plots.ORDERED_COLOURS(np.linspace(1.0, 0.0, len(LOADS))))
+def shades(number: int) -> Values:
+    """So many colours, from light to dark."""
+    return np.asarray(plots.ORDERED_COLOURS(np.linspace(1.0, 0.0, number)))
 
 
 # -- Fig. 3 -----------------------------------------------------------------------------------------------------------
@@ -169,16 +174,16 @@ def film_and_speed(results: Mapping[str, Any], plan: Plan) -> Drawn:
     plane = fronts.at_max_approach(results["plane"])["H"].sel(Y=0.0, method="nearest")
     X, H = _profile(radial)
     dry = hertz.parabola_front_speed_at(np.where((X > 0) & (X < 1), X, np.nan))
-    computed, by_parabola = (_fitted(X, H, speed) for speed in (fronts.front(radial).speed_at(X), dry))
+    computed, by_parabola = (fitted_power(X, H, speed) for speed in (fronts.front(radial).speed_at(X), dry))
     fitted: dict[str, Curve] = {
         "$C v^{0.67}$, $v$ of the computed front": (computed, plots.ORANGE, "--"),
         "$C v^{0.67}$, $v$ of the parabola (23)": (by_parabola, plots.BLUE, "--"),
     }
     figure, (axes,) = new_figure(1, 1)
-    _draw_both_sides(axes, X, (H, "black", "-"), "computed, radial method")
+    draw_both_sides(axes, X, (H, "black", "-"), "computed, radial method")
     axes.plot(plane["X"], plane, ".", color=plots.GREY, markersize=4, label="computed, 2-D method")
     for name, curve in fitted.items():
-        _draw_both_sides(axes, X, curve, name)
+        draw_both_sides(axes, X, curve, name)
     axes.set(xlim=(-1.2, 1.2), ylim=(0, 1.5 * float(H[0])), xlabel="$X$ ($a^*$)", ylabel="film $H$ ($a^{*2}/R$)")
     axes.legend(loc="lower center", frameon=False, fontsize="small")
     centre = float(plane.sel(X=0.0, method="nearest"))
@@ -191,7 +196,8 @@ def film_and_speed(results: Mapping[str, Any], plan: Plan) -> Drawn:
     return Drawn(figure, caption, {"film": data})
 
 
-def _draw_both_sides(axes: Axes, X: Values, curve: Curve, label: str) -> None:
+def draw_both_sides(axes: Axes, X: Values, curve: Curve, label: str) -> None:
+    """A curve over X >= 0 and its mirror image."""
     H, colour, line = curve
     axes.plot(np.r_[-X[::-1], X], np.r_[H[::-1], H], color=colour, linestyle=line, label=label)
 
@@ -202,7 +208,7 @@ def _profile(run: xr.Dataset) -> tuple[Values, Values]:
     return np.asarray(last["r"].values), np.asarray(last["H"].values)
 
 
-def _fitted(X: Values, H: Values, speed: Values) -> Values:
+def fitted_power(X: Values, H: Values, speed: Values) -> Values:
     """C v^0.67 with C fitted on the range of the paper."""
     near = (X > INNER) & (X < OUTER) & np.isfinite(speed) & (speed > 0)
     C = fronts.fit_power(fronts.Trace(X[near], H[near], speed[near]))
@@ -243,7 +249,7 @@ def _draw_film(axes: Axes, M: int, run: xr.Dataset) -> dict[str, Values]:
     near = (r > 0.6) & (r < 1.02)
     p, speed = Parameters.from_moes(M, L), fronts.front(run).speed_at(r[near])
     curves: dict[str, Curve] = {
-        "$C v^{0.67}$": (_fitted(r[near], H[near], speed), plots.ORANGE, "-"),
+        "$C v^{0.67}$": (fitted_power(r[near], H[near], speed), plots.ORANGE, "-"),
         "formula at $\\bar\\lambda v$": (_predicted(p, speed, np.ones_like(speed)), plots.BLUE, "--"),
         "formula, local Hertz": (_predicted(p, speed, r[near]), plots.GREEN, "-."),
     }

@@ -11,6 +11,26 @@ LOADS = (200, 500, 1000, 2000, 5000, 10000)  # M of Figs. 1, 2 and 4
 SHOWN_LOAD = 1000  # M of Fig. 3, and of the run by the 2-D method
 L = 10.0  # of Figs. 1 to 4
 
+SHOWN_LINE = 150  # M of Figs. 3 and 5 for cylinders
+LINE_L = 10.0  # of Figs. 1 to 4 for cylinders
+
+
+@dataclass(frozen=True)
+class LinePlan:
+    """The runs of the figures for cylinders.
+
+    loads: M of Figs. 1, 2, 4 and 7.  impact_grids: nodes of the impacts, of more cells above M = `line_runs.HIGH`.
+    rolling_grids: nodes of the rolling contacts.  waves: wavelengths (b*) for each M, L of Figs. 5 and 6.
+    wave_places, law_places: places of the front (b*) with whose parameters the contacts of Figs. 6 and 7 roll.
+    """
+
+    loads: tuple[int, ...]
+    impact_grids: Grids
+    rolling_grids: Grids
+    waves: Mapping[Moes, Wavelengths]
+    wave_places: tuple[float, ...] = (0.5, 0.6, 0.7, 0.8, 0.9)
+    law_places: tuple[float, ...] = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9)
+
 
 @dataclass(frozen=True)
 class Plan:
@@ -28,6 +48,8 @@ class Plan:
     contacts.
 
     Contacts on layers of oil, Fig. 9.  starved: M and L by "impact" and "rolling".
+
+    lines: those of cylinders.
     """
 
     resolution: str
@@ -52,6 +74,7 @@ class Plan:
     starved: Mapping[str, tuple[Moes, ...]]
     starved_grids: Grids
     starved_seconds: float
+    lines: LinePlan
     shown: Moes = (1000, 10)
 
 
@@ -78,6 +101,7 @@ QUICK = Plan(
     starved={"impact": ((200, 10), (1000, 10)), "rolling": ((50, 10), (200, 10))},
     starved_grids=(65, 129),
     starved_seconds=20.0,
+    lines=LinePlan((20, 60, 150), (257, 513), (257, 513), {(150, 10): (0.2, 0.4)}),
 )
 FULL = Plan(
     resolution="full resolution",
@@ -137,4 +161,10 @@ FULL = Plan(
     },
     starved_grids=(129, 257),
     starved_seconds=60.0,
+    lines=LinePlan(
+        (20, 60, 150, 400),
+        (513, 1025),
+        (513, 1025),
+        {(60, 10): (0.2, 0.4), (150, 10): (0.1, 0.2, 0.4)},
+    ),
 )

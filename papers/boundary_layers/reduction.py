@@ -149,14 +149,28 @@ def deformed_waves(results: Results, plan: Plan) -> Drawn:
     wavelengths = plan.impacts[M, L]
     _, fine = results["waves"][M, L]
     edge = float(fronts.front(results["smooth"][M, L]).A[-1])
+    caption = (
+        f"dH(X, 0)/A_i at maximum impact, M = {M:g}, L = {L:g}, roughness A_i cos(2 pi X/Lambda) cos(2 pi Y/Lambda) "
+        f"with a crest at the centre, A_i = {HEIGHT} sqrt(L/M), {nodes} nodes per side.  The vertical lines mark the "
+        "minimum film.  The deformation of the waves rises with their distance from the centre and with their "
+        "wavelength, and the waves are shifted outwards.  Outside the contact they keep their amplitude."
+    )
+    return drawn_waves(fine, "isotropic", wavelengths, edge, caption, f"{nodes} nodes per side")
+
+
+def drawn_waves(
+    run: xr.Dataset, shape: str, wavelengths: Sequence[float], edge: float, caption: str, grid: str, unit: str = "a"
+) -> Drawn:
+    """dH/A_i of an impact along X, a panel for each wavelength.  edge: of the contact (unit*), a* or b*."""
     figure, panels = new_figure(len(wavelengths), 1)
     figure.set_size_inches(8.0, 2.4 * len(wavelengths))
-    columns, rows = {"X": fine["X"].values, "H": fine["H"].values}, []
+    columns, rows = {"X": run["X"].values, "H": run["H"].values}, []
     for wavelength, axes in zip(wavelengths, panels, strict=True):
-        X, dH = response(fine, "isotropic", wavelength)
+        X, dH = response(run, shape, wavelength)
         wave = waves.last_wave(X, dH, edge)
-        shape = -fine["shape"].sel(wave=wave_name("isotropic", HEIGHT, wavelength))
-        axes.plot(X, shape, color=plots.GREY, linewidth=0.7, linestyle=":", label="undeformed: $-\\mathcal{R}/A_i$")
+        undeformed = -run["shape"].sel(wave=wave_name(shape, HEIGHT, wavelength))
+        label = "undeformed: $-\\mathcal{R}/A_i$"
+        axes.plot(X, undeformed, color=plots.GREY, linewidth=0.7, linestyle=":", label=label)
         axes.plot(X, dH, color=plots.BLUE, label="$dH/A_i$")
         axes.axvspan(wave.start, wave.end, color=plots.ORANGE, alpha=0.2, label="last complete wave")
         for side in (-edge, edge):
@@ -165,15 +179,9 @@ def deformed_waves(results: Results, plan: Plan) -> Drawn:
         columns[f"dH/A_i, wavelength {wavelength:g}"] = dH
         rows.append({"wavelength": wavelength, **wave._asdict()})
     panels[0].legend(loc="lower left", frameon=True, fontsize="x-small", ncols=3)
-    panels[-1].set_xlabel("$X$ ($a^*$)")
-    caption = (
-        f"dH(X, 0)/A_i at maximum impact, M = {M:g}, L = {L:g}, roughness A_i cos(2 pi X/Lambda) cos(2 pi Y/Lambda) "
-        f"with a crest at the centre, A_i = {HEIGHT} sqrt(L/M), {nodes} nodes per side.  The vertical lines mark the "
-        "minimum film.  The deformation of the waves rises with their distance from the centre and with their "
-        "wavelength, and the waves are shifted outwards.  Outside the contact they keep their amplitude."
-    )
-    cells = {"wavelength (a*)": "{wavelength:g}", "X": "{X:.3f}", "A_d/A_i": "{amplitude:.3f}"}
-    tables = {f"Last complete waves, {nodes} nodes per side": texts(DataFrame(rows), cells)}
+    panels[-1].set_xlabel(f"$X$ (${unit}^*$)")
+    cells = {f"wavelength ({unit}*)": "{wavelength:g}", "X": "{X:.3f}", "A_d/A_i": "{amplitude:.3f}"}
+    tables = {f"Last complete waves, {grid}": texts(DataFrame(rows), cells)}
     return Drawn(figure, caption, {"dH": DataFrame(columns)}, tables)
 
 

@@ -71,10 +71,11 @@ def smooth_impact(M: float, L: float, solver: Mapping[str, Any], interval: float
     solver: the section [solver] of a case file.  interval: between maps (t0).  Raises RuntimeError where the run fails.
     """
     source = {"contact": {"M": M, "L": L}, "solver": dict(solver), "output": {"interval": interval}}
-    return _completed(parse_case(source), f"M = {M}, L = {L}").dataset
+    return completed(parse_case(source), f"M = {M}, L = {L}").dataset
 
 
-def _completed(case: Case, name: str) -> ertel.Result:
+def completed(case: Case, name: str) -> ertel.Result:
+    """The result of a run.  Raises RuntimeError with the name where it fails."""
     result = ertel.simulate(case)
     if not result.status.ok:
         raise RuntimeError(f"{name}: {result.status.value}; {result.status.advice}")
@@ -174,7 +175,7 @@ def marched_rolling(M: float, L: float, wavelength: float, nodes: int) -> float:
     height = HEIGHT * parse_case(source).film_scale
     wave = {"shape": "waviness", "amplitude": height, "wavelength_x": wavelength, "wavelength_y": wavelength}
     rough = parse_case({**source, "roughness": [{**wave, "front": start, "ramp": wavelength}]})
-    data = _completed(rough, f"rolling, M = {M}, L = {L}, wavelength {wavelength}").dataset
+    data = completed(rough, f"rolling, M = {M}, L = {L}, wavelength {wavelength}").dataset
     film = CubicSpline(data["time"].values, data["H_c"].values)
     turns = film.derivative().roots(extrapolate=False)
     extremes = film(turns[turns > until - wavelength])  # those of the last period, between the steps too
@@ -207,7 +208,7 @@ def ridged_rolling(M: float, L: float, wavelength: float, nodes: int) -> float:
     ridges = {"shape": "waviness", "amplitude": height, "wavelength_y": wavelength}
     rough = parse_case({**source, "roughness": [ridges]})
     name = f"rolling over ridges, M = {M:g}, L = {L:g}"
-    on_ridges, without = (_completed(case, name).dataset["H"].squeeze() for case in (rough, smooth))
+    on_ridges, without = (completed(case, name).dataset["H"].squeeze() for case in (rough, smooth))
     change = on_ridges - without
     crest, trough = change.sel(X=0.0, method="nearest").interp(Y=[0.0, wavelength / 2], method="cubic").values
     return float(abs(trough - crest)) / (2 * height)
@@ -223,7 +224,7 @@ def starved_films(kind: str, M: float, L: float, nodes: int) -> tuple[float, ...
 
     def oil_in_centre(layer: Mapping[str, float]) -> float:
         case = parse_case({**data, "lubricant": layer})
-        summary = _completed(case, f"{kind}, M = {M:g}, L = {L:g}, {layer}").summary
+        summary = completed(case, f"{kind}, M = {M:g}, L = {L:g}, {layer}").summary
         return float(case.lubricant.density(summary["P_c"]) * summary["H_c"])
 
     flooded = oil_in_centre({})
@@ -241,7 +242,7 @@ def radial_runs(plan: Plan) -> dict[str, Any]:
 def smooth_runs(plan: Plan) -> dict[str, Any]:
     """The runs of Figs. 2 and 3: the same, and one by the 2-D method."""
     solver = {"nodes": plan.plane_nodes, "half_width": plan.plane_half_width}
-    plane = _task(smooth_impact, (SHOWN_LOAD, L, solver, NO_MAPS), plan.plane_seconds)
+    plane = task(smooth_impact, (SHOWN_LOAD, L, solver, NO_MAPS), plan.plane_seconds)
     return {**radial_runs(plan), "plane": plane}
 
 
@@ -269,7 +270,7 @@ def _checks(plan: Plan) -> dict[str, list[Task]]:
         "heights": _impacts(case, others, grids),
         "linear": _impacts(case, usual[:1], grids, USUAL, True),
         "steps": _impacts(case, usual, grids, USUAL, False, SHORTER**3),
-        "marched": [_task(marched_rolling, plan.marched, seconds)],
+        "marched": [task(marched_rolling, plan.marched, seconds)],
         "not marched": _rolling(marched, (wavelength,), (nodes,)),
     }
 
@@ -306,7 +307,7 @@ def starved_runs(plan: Plan) -> dict[tuple[str, float, float], list[Task]]:
 def _radial(plan: Plan, case: Moes) -> Task:
     """A smooth impact by the radial method."""
     solver = {"method": "radial", "nodes": plan.radial_nodes, "half_width": 4.0}
-    return _task(smooth_impact, (float(case[0]), float(case[1]), solver, INTERVAL), plan.radial_seconds)
+    return task(smooth_impact, (float(case[0]), float(case[1]), solver, INTERVAL), plan.radial_seconds)
 
 
 def _isotropic(wavelengths: Wavelengths) -> tuple[Wave, ...]:
@@ -327,9 +328,9 @@ def _on_grids(
     *options: Any, start: float = 5.0,
 ) -> list[Task]:  # fmt: skip
     """A run on each grid.  seconds: that it takes on 513 nodes after the start (measured, one core)."""
-    return [_task(function, (*arguments, nodes, *options), start + seconds * (nodes / 513) ** 2) for nodes in grids]
+    return [task(function, (*arguments, nodes, *options), start + seconds * (nodes / 513) ** 2) for nodes in grids]
 
 
-def _task(function: Callable[..., Any], arguments: tuple[Any, ...], seconds: float) -> Task:
+def task(function: Callable[..., Any], arguments: tuple[Any, ...], seconds: float) -> Task:
     """A run under the name of its function and arguments: figures share it."""
     return Task(re.sub(r"[^\w.-]+", "_", f"{function.__name__}{arguments}").strip("_"), function, arguments, seconds)

@@ -132,7 +132,7 @@ def _checksum(body: bytes) -> bytes:
 
 
 def _stamp(task: Task) -> str:
-    """A digest of what a result depends on: function, arguments, and the source code of ertel and of `runs`."""
+    """A digest of what a result depends on: function, arguments, and the source code of ertel and of the runs."""
     function = task.function.__module__, task.function.__qualname__
     content = json.dumps(_encoded([*function, task.arguments, _sources()]))
     return hashlib.sha256(content.encode()).hexdigest()
@@ -140,8 +140,8 @@ def _stamp(task: Task) -> str:
 
 @cache
 def _sources() -> str:
-    """A digest of the source code of ertel and of `runs`."""
-    files = [*sorted(Path(ertel.__file__).parent.rglob("*.py")), Path(__file__).with_name("runs.py")]
+    """A digest of the source code of ertel and of the runs."""
+    files = [*sorted(Path(ertel.__file__).parent.rglob("*.py")), *sorted(Path(__file__).parent.glob("*runs.py"))]
     return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
 
 
