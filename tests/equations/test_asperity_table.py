@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 from ertel.equations.touch import STEEP, Asperities
-from ertel.physics.asperities import Exponential, GreenwoodTripp, Persson
+from ertel.physics.asperities import ExponentialTouch, GreenwoodTripp, Persson
 
 LENGTH = 0.05
-EXPONENTIAL = Asperities.of(Exponential(3.0, LENGTH).curve(0.0, 0.0), 1.0, 1.0)
+EXPONENTIAL = Asperities.of(ExponentialTouch(3.0, LENGTH).curve(0.0, 0.0), 1.0, 1.0)
 H = jnp.geomspace(1e-4, 1.5, 40)
 EXACT = 3.0 * jnp.exp(-H / LENGTH)
 
@@ -18,7 +18,7 @@ def test_the_table_is_the_law():
     assert np.allclose(EXPONENTIAL.stored(H)[:30], LENGTH * EXACT[:30], rtol=1e-3, atol=0.0)
 
 
-@pytest.mark.parametrize("law", [Persson(5e-5, 1e-6), GreenwoodTripp(), Exponential(3e9, 4e-8)], ids=str)
+@pytest.mark.parametrize("law", [Persson(5e-5, 1e-6), GreenwoodTripp(), ExponentialTouch(3e9, 4e-8)], ids=str)
 def test_slope_and_energy_are_derivatives(law):
     asperities = Asperities.of(law.curve(1e-7, 1.1e11), 1e9, 1e-6)
     gap = jnp.geomspace(1e-3, 0.4, 30)

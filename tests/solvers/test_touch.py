@@ -17,7 +17,7 @@ from ertel.equations.touch import Asperities
 from ertel.numerics import multigrid
 from ertel.numerics.grid import Grid, Symmetry
 from ertel.numerics.stencils import integral
-from ertel.physics.asperities import Curve, Exponential, summits
+from ertel.physics.asperities import ExponentialTouch, GapCurve, summits
 from ertel.physics.geometry import CIRCLE
 from ertel.physics.lubricant import DowsonHigginson, Lubricant, Roelands, roelands_exponent
 from ertel.physics.scales import Parameters
@@ -30,12 +30,12 @@ ALPHA, ETA0, TOLERANCE = 22e-9, 0.04, 1e-9
 
 
 def exponential(pressure: float, length: float) -> Asperities:
-    return Asperities.of(Exponential(pressure, length).curve(0.0, 0.0), 1.0, 1.0)
+    return Asperities.of(ExponentialTouch(pressure, length).curve(0.0, 0.0), 1.0, 1.0)
 
 
 def greenwood_tripp(pressure: float, sigma: float) -> Asperities:
     k = np.linspace(-9.0, 8.0, 1200)
-    return Asperities.of(Curve(sigma * summits(1.0, -k), pressure * summits(2.5, k)), 1.0, 1.0)
+    return Asperities.of(GapCurve(sigma * summits(1.0, -k), pressure * summits(2.5, k)), 1.0, 1.0)
 
 
 class Touched(NamedTuple):

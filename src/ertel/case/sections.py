@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from ertel.case.conditions import Conditions, Given
 from ertel.physics import thermal, units
-from ertel.physics.asperities import AsperityLaw, Exponential
+from ertel.physics.asperities import AsperityLaw, ExponentialTouch
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import Signal
 from ertel.physics.units import Amount, Bounds, Meaning, Quantity, explained
@@ -217,7 +217,7 @@ class Surfaces:
             for key in ("boundary_friction", "hardness"):
                 if getattr(self, key) is not None:
                     raise ValueError(f"{key} = {getattr(self, key):g}: goes with asperities, which is missing")
-        elif self.rms is None and not isinstance(self.asperities, Exponential):
+        elif self.rms is None and not isinstance(self.asperities, ExponentialTouch):
             raise ValueError('sigma: missing, the law of the asperities needs it, for example "50 nm"')
 
     @property

@@ -1,10 +1,12 @@
-"""The rules for asperities that touch: their sizes are in SI, and no wave counts twice."""
+"""The rules for roughness, in the gap and as asperities that touch: no wave counts twice, and no steady film waits."""
 
 from collections.abc import Iterator
 
 import numpy as np
 
 from ertel.case.case import Case
+from ertel.case.height_map import Measured
+from ertel.case.methods import as_written, of_kind
 from ertel.case.records import show, with_unit
 from ertel.physics.surfaces import has_waves
 from ertel.physics.units import LENGTH
@@ -15,7 +17,7 @@ ROUND_OFF = 1e-4  # of a wavelength that both parts of a spectrum name
 NO_TOUCH = 1e-9  # of p_h: a pressure that does not push
 
 
-def first_touch(case: Case) -> float:
+def touching_gap(case: Case) -> float:
     """The gap (a^2/R) below which asperities carry a pressure; 0 where none touch."""
     given, scales = case.surfaces, case.scales
     if given is None or given.asperities is None or scales is None:
@@ -40,3 +42,25 @@ def rough_surfaces(case: Case) -> Iterator[tuple[str, str]]:
             yield place, f"roughness[{number}] has the waves from {shortest:.4g} m on; must be at most as long"
     if given.asperities and case.layer is not None and given.rms and case.layer * scales.film < given.rms:
         yield "lubricant.layer", f"is below the roughness of the surfaces, {given.rms:.3g} m; must be above it"
+
+
+def roughness_fits(case: Case) -> Iterator[tuple[str, str]]:
+    """A steady film needs roughness that does not change in time, a line contact one that does not change along y."""
+    for number, feature in enumerate(case.features, 1):
+        if case.geometry.is_line and not getattr(feature.shape, "is_uniform_along_y", False):
+            yield f"roughness[{number}]", "varies along y; a line takes a waviness without wavelength_y, or a profile"
+        if not case.geometry.is_line and isinstance(feature.shape, Measured) and feature.shape.is_uniform_along_y:
+            yield f"roughness[{number}]", "is a profile, for line contacts; a point contact needs a map of heights"
+        moves = case.motion.travel(feature.surface, 1.0) != 0
+        if case.is_steady and moves and not getattr(feature.shape, "is_ridges_along_x", False):
+            instead = (
+                f"use {methods_in_time(case)}, or a slide_to_roll at which it is at rest (surface 1: -2, surface 2: 2)"
+            )
+            yield f"roughness[{number}].surface = {feature.surface}", f"moves, so its film is not steady; {instead}"
+
+
+def methods_in_time(case: Case) -> str:
+    """The methods in time of a kind of contact, as they are written, and what none of them supports."""
+    methods = of_kind(case.kind, lambda method: not method.is_steady)
+    heat = case.thermal is None or any(method.supports.thermal for method in methods)
+    return as_written(methods) + ("" if heat else " without [thermal]")

@@ -107,7 +107,7 @@ class Friction(NamedTuple):
 
 
 class Touch(NamedTuple):
-    """What asperities carry of the pressure, shape (n, n), and their law."""
+    """The pressure that asperities carry, shape (n, n), and their law."""
 
     P: Array
     asperities: Asperities

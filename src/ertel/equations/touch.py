@@ -17,7 +17,7 @@ from jax import Array
 from jax.tree_util import register_dataclass
 
 from ertel.numerics.newton import Tangent
-from ertel.physics.asperities import Curve
+from ertel.physics.asperities import GapCurve
 
 POINTS = 2000  # of a table: the cubic between them is exact to 1e-8
 HIGHEST = 60.0  # ln P_c, at which the law ends: nothing is as stiff
@@ -44,7 +44,7 @@ class Asperities:
     area: Array | None = None
 
     @classmethod
-    def of(cls, curve: Curve, pressure_unit: float, film_unit: float, friction: float = 0.0) -> "Asperities":
+    def of(cls, curve: GapCurve, pressure_unit: float, film_unit: float, friction: float = 0.0) -> "Asperities":
         """The law from its points in SI.  pressure_unit: of P (Pa); film_unit: of H (m)."""
         from scipy.interpolate import CubicSpline  # SciPy loads slowly
 

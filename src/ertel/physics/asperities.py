@@ -10,7 +10,7 @@ SI with one method, `curve`, that tabulates p(h).  A user's own law needs a regi
 
         def curve(self, sigma, modulus):
             h = sigma * np.geomspace(1e-4, 10, 500)
-            return Curve(h, self.pressure * (sigma / h) ** 8)
+            return GapCurve(h, self.pressure * (sigma / h) ** 8)
 
 sigma is the rms roughness of both surfaces together.  The modulus is that of contact mechanics, E* = E'/2 with the
 reduced modulus E' of ertel: 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2.
@@ -34,7 +34,7 @@ GAPS = 1200  # of those of the other laws
 DRAG = 0.45  # gamma of Persson's law: the elastic energy of asperities that do not touch over all of their area
 
 
-class Curve(NamedTuple):
+class GapCurve(NamedTuple):
     """A law as points, each of shape (n,): mean gap h (m, rising), pressure p (Pa, falling), share of area in touch.
 
     area: None where a law does not say it.
@@ -44,7 +44,7 @@ class Curve(NamedTuple):
     p: Floats
     area: Floats | None = None
 
-    def capped(self, hardness: float) -> "Curve":
+    def capped(self, hardness: float) -> "GapCurve":
         """The same where the asperities flow at a pressure (Pa) of their own; without an area nothing is known."""
         if self.area is None or hardness == inf:
             return self
@@ -54,7 +54,7 @@ class Curve(NamedTuple):
 class AsperityLaw(Protocol):
     """A law of asperities: p(h) for an rms roughness sigma (m) and the modulus E* (Pa)."""
 
-    def curve(self, sigma: float, modulus: float) -> Curve: ...
+    def curve(self, sigma: float, modulus: float) -> GapCurve: ...
 
 
 @ASPERITY_LAWS.register("persson")
@@ -78,7 +78,7 @@ class Persson:
         if self.shortest >= self.longest:
             raise ValueError(f"shortest = {self.shortest:g} m: must be below longest ({self.longest:g} m)")
 
-    def curve(self, sigma: float, modulus: float) -> Curve:
+    def curve(self, sigma: float, modulus: float) -> GapCurve:
         q = np.geomspace(2 * pi / self.longest, 2 * pi / self.shortest, WAVES)
         return persson_curve(tuple(q), tuple(q ** (-2 * (1 + self.hurst))), sigma, modulus)
 
@@ -100,24 +100,24 @@ class GreenwoodTripp:
         "Greenwood JA, Tripp JH. The contact of two nominally flat rough surfaces. Proc Inst Mech Eng 1970;185:625-633"
     )
 
-    def curve(self, sigma: float, modulus: float) -> Curve:
+    def curve(self, sigma: float, modulus: float) -> GapCurve:
         k = np.linspace(-9.0, 8.0, GAPS)
         p = 16 * sqrt(2) / 15 * pi * self.density**2 * self.sharpness * modulus * summits(2.5, k)
-        return Curve(sigma * summits(1.0, -k), p, np.minimum(pi**2 * self.density**2 * summits(2.0, k), 1.0))
+        return GapCurve(sigma * summits(1.0, -k), p, np.minimum(pi**2 * self.density**2 * summits(2.0, k), 1.0))
 
 
 @ASPERITY_LAWS.register("exponential")
 @dataclass(frozen=True)
-class Exponential:
+class ExponentialTouch:
     """p = pressure e^(-h/length): a fit of any measured curve in its middle."""
 
     pressure: Annotated[float, STRESS, Meaning("pressure at a gap of zero", "1 GPa")]
     length: Annotated[float, LENGTH, Meaning("gap over which the pressure falls by a factor of e", "40 nm")]
     reference: ClassVar[str] = "two numbers"
 
-    def curve(self, sigma: float, modulus: float) -> Curve:
+    def curve(self, sigma: float, modulus: float) -> GapCurve:
         h = self.length * np.geomspace(1e-6, 200.0, GAPS)
-        return Curve(h, self.pressure * np.exp(-h / self.length))
+        return GapCurve(h, self.pressure * np.exp(-h / self.length))
 
 
 def summits(power: float, k: Floats) -> Floats:
@@ -132,7 +132,7 @@ def summits(power: float, k: Floats) -> Floats:
 
 
 @lru_cache(maxsize=8)
-def persson_curve(q: tuple[float, ...], spectrum: tuple[float, ...], sigma: float, modulus: float) -> Curve:
+def persson_curve(q: tuple[float, ...], spectrum: tuple[float, ...], sigma: float, modulus: float) -> GapCurve:
     """Persson's law of a surface whose spectrum C(q), of any scale, gives the shares of its waves q (1/m)."""
     from scipy.special import erf  # SciPy loads slowly
 
@@ -152,4 +152,4 @@ def persson_curve(q: tuple[float, ...], spectrum: tuple[float, ...], sigma: floa
     light = np.linspace(60.0, 0.1, GAPS)  # at a light touch p falls exponentially
     h = np.concatenate([h[0] + rise[0] * light, h[kept]])[::-1]
     p = np.concatenate([p[0] * np.exp(-light), p[kept]])[::-1]
-    return Curve(h, p, erf(p / root[-1]))
+    return GapCurve(h, p, erf(p / root[-1]))

@@ -45,9 +45,8 @@ from ertel.plots.interferograms import animation, interferogram, interferogram_o
 from ertel.plots.measurements import Overlay, measured, measured_view
 from ertel.plots.movies import movie
 from ertel.plots.view import WIDEST, View, of_two
-from ertel.results.figures import FIGURES_OF_MAPS, figures_of
+from ertel.results.figures import FIGURES_OF_MAPS, figures_of, is_line, is_steady
 from ertel.results.profiles import At
-from ertel.results.variables import is_line, is_steady
 
 __all__ = [
     "BLUE", "GREEN", "GREY", "NAMES", "ORANGE", "ORDERED_COLOURS", "NoFigure", "Sheet", "animation", "asperities",

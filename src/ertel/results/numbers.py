@@ -17,6 +17,7 @@ from ertel.case.status import Status
 from ertel.physics.line_scales import LineScales
 from ertel.physics.scales import Scales
 from ertel.physics.temperature_laws import ZERO_CELSIUS
+from ertel.results.figures import is_line
 from ertel.results.parameters import geometry_of
 from ertel.results.variables import (
     COEFFICIENT,
@@ -28,7 +29,6 @@ from ertel.results.variables import (
     Variable,
     along_a_line,
     in_celsius,
-    is_line,
     names_where,
     stored_in,
     unit_of,

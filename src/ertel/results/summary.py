@@ -23,7 +23,7 @@ from ertel.results.numbers import ERRORS
 from ertel.results.parameters import parameters_of, scale_values, values_in_si
 from ertel.results.profiles import moment_of
 from ertel.results.stress import stress_numbers
-from ertel.results.touching import touch_warnings
+from ertel.results.touching import film_over_roughness, touch_warnings
 from ertel.results.variables import (
     COEFFICIENT,
     FILMS,
@@ -166,17 +166,6 @@ def heat_numbers(case: Case, solution: SteadyGrid) -> dict[str, float | None]:
     }
     found = warm if heat.converged else dict.fromkeys(warm)
     return {**films, "L_t": heat.inlet.L_t, "phi_T": heat.inlet.factor, **found}
-
-
-def film_over_roughness(case: Case, values: Mapping[str, Any]) -> dict[str, float]:
-    """Lambda, from the minimum film of a physical case with roughness as a number; the warm one, where there is heat.
-
-    Empty without a film, or without such a roughness.
-    """
-    H, rms = values.get("H_min_warm", values.get("H_min")), case.surfaces.rms if case.surfaces else None
-    if H is None or rms is None or case.scales is None:
-        return {}
-    return {"Lambda": H * case.scales.film / rms}
 
 
 def _stresses(case: Case, data: xr.Dataset, status: Status) -> dict[str, float]:

@@ -1,7 +1,8 @@
-"""Warnings about solid contact: the hardness of the asperities, films of molecules, what the model leaves out."""
+"""The film over the roughness, and warnings about solid contact: hardness, molecules, what the model leaves out."""
 
 from collections.abc import Iterator, Mapping
 from math import inf
+from typing import Any
 
 import numpy as np
 
@@ -47,3 +48,14 @@ def _thin(case: Case, values: Mapping[str, float | None]) -> Iterator[str]:
         )
     if share > NOTABLE and case.thermal:
         yield "the asperities carry their share in the isothermal film; heat thins the film, and more of it would touch"
+
+
+def film_over_roughness(case: Case, values: Mapping[str, Any]) -> dict[str, float]:
+    """Lambda, from the minimum film of a physical case with roughness as a number; the warm one, where there is heat.
+
+    Empty without a film, or without such a roughness.
+    """
+    H, rms = values.get("H_min_warm", values.get("H_min")), case.surfaces.rms if case.surfaces else None
+    if H is None or rms is None or case.scales is None:
+        return {}
+    return {"Lambda": H * case.scales.film / rms}

@@ -258,11 +258,6 @@ def stored_in(there: Container[Any], chosen: Callable[[Variable], Any], cold: bo
     return {each: VARIABLES[name] for name, each in found.items() if cold or f"{name}_warm" not in found}
 
 
-def is_line(about: Mapping[str, Any]) -> bool:
-    """Whether a summary, or the attributes of a Dataset, are those of a line contact."""
-    return about.get("radius_ratio") == 0
-
-
 def along_a_line(unit: str) -> str:
     """A unit of an integral over the surface as that of an integral along a line contact, for each length across."""
     return re.sub(r"(a\*?)\^2(?= p_h|$)", r"\1", re.sub(r"(a\*?)\^4", r"\1^3", unit))
@@ -281,11 +276,6 @@ def unit_of(kind: str, unit: str) -> str:
 def name_in_si(name: str) -> str:
     """The name of a variable in SI; its own where it has no unit."""
     return (name in VARIABLES and VARIABLES[name].si_name) or name
-
-
-def is_steady(dataset: "xr.Dataset") -> bool:
-    """Return whether a Dataset holds a steady contact, on its grids, and not a run in time."""
-    return "grid" in dataset.dims
 
 
 def with_coefficients(values: Mapping[str, Any], scales: Scales | None) -> dict[str, Any]:

@@ -15,12 +15,12 @@ from ertel.case.status import Status
 from ertel.physics.amplitude_reduction import lambda_ratio
 from ertel.physics.units import RMS, in_si, plain
 from ertel.results.alignment import Comparison
-from ertel.results.figures import FIGURES_IN_TIME, FIGURES_STEADY, figures_of
+from ertel.results.figures import FIGURES_IN_TIME, FIGURES_STEADY, figures_of, is_line
 from ertel.results.measurements import Measurement
 from ertel.results.numbers import Number, html_image, html_table, lines, numbers, plus_minus, values_of
 from ertel.results.profiles import At, moment_of, profile
 from ertel.results.stress import stress
-from ertel.results.variables import is_line, prefixed, to_si
+from ertel.results.variables import prefixed, to_si
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from matplotlib.figure import Figure

@@ -31,8 +31,8 @@ from ertel.physics.units import marks
 from ertel.results import diagnostics
 from ertel.results.dataset import provenance
 from ertel.results.study_table import DONE, StudyRun, grouped, study_dataset
-from ertel.results.summary import film_over_roughness, heat_numbers
-from ertel.results.touching import touch_warnings
+from ertel.results.summary import heat_numbers
+from ertel.results.touching import film_over_roughness, touch_warnings
 from ertel.results.variables import names_where, with_coefficients
 from ertel.runs import studies
 from ertel.runs.compile import check_jax

@@ -92,7 +92,7 @@ class Shared(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Touch(newton.Part):
+class SolidPart(newton.Part):
     """The part of the pressure that asperities carry, for Newton's iteration.
 
     unit: of the residual, per pressure of one node.  alone: the deformation of a node by its own pressure.
@@ -122,12 +122,12 @@ class Touch(newton.Part):
         return may * self.unit / (1.0 + self.tangent(P, H).stiffness * self.alone)
 
 
-def _touch(problem: Problem) -> Touch | None:
+def _solid_part(problem: Problem) -> SolidPart | None:
     c, rate = problem.contact, problem.rate
     if c.asperities is None:
         return None
     unit = rate.new * c.spacing + (0.0 if rate.wedge is None else rate.wedge)
-    return Touch(c.asperities, unit, problem.elastic[0].near[0, 0].astype(c.gap.dtype), c.even)
+    return SolidPart(c.asperities, unit, problem.elastic[0].near[0, 0].astype(c.gap.dtype), c.even)
 
 
 @jax.jit
@@ -165,7 +165,7 @@ def solve(problem: Problem, P: Array, approach: FloatLike, P_f: Array | None = N
         closed.border,
         fill,
         shared,
-        _touch(problem),
+        _solid_part(problem),
     )
     solution = system.solve(P, closed.H, P_f)
     fields = {name: turned(getattr(solution, name)) for name in ("P", "Q", "H", "left")}
@@ -284,17 +284,17 @@ def approach_as_unknown(problem: Problem, P: Array, approach: FloatLike) -> Clos
 
 def point_preconditioner(problem: Problem, P_f: Array, H: Array, free: Array, P: Array | None) -> newton.Inverse:
     """V-cycle with the point smoother, for a rate without a wedge: every step in time."""
-    return v_cycle(problem, P_f, H, free, P, problem.rate.new, multigrid.point_smoother)
+    return preconditioned(problem, P_f, H, free, P, problem.rate.new, multigrid.point_smoother)
 
 
 def line_preconditioner(problem: Problem, P_f: Array, H: Array, free: Array, P: Array | None) -> newton.Inverse:
     """V-cycle with the line smoother along the direction of entrainment, for a film with a wedge."""
     drift = 0.0 if problem.rate.wedge is None else problem.rate.wedge
     smoother = partial(line_smoother, rate=problem.rate.new, drift=drift)
-    return v_cycle(problem, P_f, H, free, P, 1.0, smoother)
+    return preconditioned(problem, P_f, H, free, P, 1.0, smoother)
 
 
-def v_cycle(
+def preconditioned(
     problem: Problem,
     P_f: Array,
     H: Array,
@@ -305,7 +305,7 @@ def v_cycle(
 ) -> newton.Inverse:
     """A V-cycle with a smoother; rate: of the mass, where the smoother adds none of its own."""
     levels = multigrid_levels(problem, P_f, H, free, rate, smoother, P)
-    finest, inverse, touch = levels[0].coefficients, partial(multigrid.precondition, levels), _touch(problem)
+    finest, inverse, touch = levels[0].coefficients, partial(multigrid.precondition, levels), _solid_part(problem)
     if finest.springs is None or P is None or touch is None:
         return newton.Inverse(inverse)
     hold, held = finest.hold(problem.elastic[0]), touch.held(P, H, free)
@@ -330,7 +330,7 @@ def multigrid_levels(
     free = single(stencils.inside(free, c.even))
     rate, new, wedge = tree.map(single, (rate, problem.rate.new, problem.rate.wedge))
     zero, in_time, kinked = jnp.zeros_like(film.P), Rate(new, 0.0, wedge), problem.rate.kinked(P_f)
-    springs, active, touch = None, free, _touch(problem)
+    springs, active, touch = None, free, _solid_part(problem)
     if P is not None and touch is not None:
         stiff = single(touch.tangent(P, H).stiffness)
         springs = multigrid.Springs(stiff, free, single(touch.unit) * jnp.ones_like(stiff))

@@ -24,7 +24,7 @@ from ertel.equations import account, contact, discretise
 from ertel.equations.approach import balanced
 from ertel.equations.contact import Contact
 from ertel.equations.flow import OilContent, Rate, steady_rate, wedge
-from ertel.equations.state import SteadySolver, fields_of, measure
+from ertel.equations.state import SteadySolver, level_fields, measure
 from ertel.numerics import multigrid, newton, stencils
 from ertel.numerics.grid import Grid, check_coarsening, expected_next
 from ertel.numerics.integrals import Plane
@@ -96,7 +96,7 @@ class GridSolution:
     @property
     def fields(self) -> dict[str, Array]:
         """P, H and the oil that is there, as mass, as in a `State`."""
-        return fields_of(self.P, None if self.P_asperity is None else self.P_f, self.H, self.content.oil)
+        return level_fields(self.P, None if self.P_asperity is None else self.P_f, self.H, self.content.oil)
 
     @property
     def P_f(self) -> Any:

@@ -29,7 +29,6 @@ from ertel.numerics.integrals import Plane
 from ertel.numerics.programs import Compiled, Program
 from ertel.numerics.stencils import FloatLike, shown
 from ertel.solvers import nonlinear, steady
-from ertel.solvers.film_error import THIN, film_error
 from ertel.solvers.nonlinear import PRECISION, Algorithms, Problem
 
 MAX_PRESSURE_DROP = 0.4  # share of the last pressure by which the prediction may fall
@@ -318,7 +317,7 @@ def _squeezed(
     H = contact.film_thickness(c, P, approach) + uplift
     oil = contact.mass(c, P, H)
     oil = oil if layer is None else jnp.minimum(oil, layer)
-    return state.fields_of(P, None if c.asperities is None else P, H, oil), contact.pressure_load(c, P)
+    return state.level_fields(P, None if c.asperities is None else P, H, oil), contact.pressure_load(c, P)
 
 
 @jax.jit
@@ -358,7 +357,7 @@ def solve_step(p: StepProblem) -> StepSolution:
         load_around=known.load_around + more * known.load_change, uplift=known.uplift + more * known.uplift_change
     )
     oil = contact.oil_there(p.contact, solution.own, solution.H, solution.left, rate)
-    fields = state.fields_of(solution.P, solution.Q, solution.H, oil)
+    fields = state.level_fields(solution.P, solution.Q, solution.H, oil)
     return StepSolution(fields, state.packed(_numbers(p, known, rate, solution, fields, approach)))
 
 
@@ -384,7 +383,7 @@ def _numbers(
     terms, _ = account.account(setting.space, c, s.own, s.H, moment, *changes)
     predicted = _weighted(known.predict, [level["mass"] for level in p.past])
     weight = stencils.inside(s.P, c.even)  # the edge is given
-    error = film_error(mass, predicted, weight, THIN * setting.film_scale, c.even, setting.coarsenings)
+    error = state.film_error(mass, predicted, weight, state.THIN * setting.film_scale, c.even, setting.coarsenings)
     velocity = rate_of_change(known.rates, approach, known.approaches)
     # half a cell around the grid counts as outside
     beyond = Surroundings(p.edge, known.load_around + load - terms["load"], known.uplift)
