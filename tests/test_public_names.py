@@ -11,7 +11,8 @@ import ertel
 
 SHOWN = """
     impact rolling Oil quantity load_case Case Solver Time Output ConfigError simulate run open
-    sweep converge fit traction stribeck cache respond respond_linearly respond_in_rolling Result Measurement to_si plots fronts
+    sweep converge fit traction stribeck cache respond respond_linearly respond_in_rolling Result Measurement to_si
+    plots fronts
     waves formulas hertz gears cams materials oils optics Feature Spot Waviness RingWaviness Measured SelfAffine
 """
 FOR_EXPERTS = """
