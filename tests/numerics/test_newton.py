@@ -18,7 +18,9 @@ def system(residual: Callable[[Array, Array], Array], scale: float = 1.0, **othe
     """The equations with H = P, preconditioned by a number."""
     parts = {"partner_change": lambda d: d, "tolerance": 1e-9, **others}
     return newton.NewtonKrylov(
-        lambda P, H, _: residual(P, H), preconditioner=lambda P, H, free, _: lambda r: r / scale, **parts
+        lambda P, H, _: residual(P, H),
+        preconditioner=lambda P, H, free, whole, _: newton.Inverse(lambda r: r / scale),
+        **parts,
     )
 
 

@@ -21,6 +21,7 @@ from ertel.physics.asperities import ExponentialTouch, GapCurve, summits
 from ertel.physics.geometry import CIRCLE
 from ertel.physics.lubricant import DowsonHigginson, Lubricant, Roelands, roelands_exponent
 from ertel.physics.scales import Parameters
+from ertel.results.figures import figures_of
 from ertel.runs.drive import simulate
 from ertel.solvers import guesses, nonlinear, steady
 
@@ -149,13 +150,16 @@ def test_the_friction_of_asperities_is_a_share_of_the_load():
         and (data["P"] >= data["P_asperity"]).all()
     )
     assert s["budgets"]["energy"]["imbalance"] < 0.02
+    assert "asperities" in figures_of(data)
+    [panel, _] = rolled().plot.asperities().axes
+    assert panel.get_title().startswith("Pressure of asperities")
 
 
 @pytest.mark.filterwarnings("ignore")
 def test_a_starved_film_and_the_mirror_of_a_reversed_flow():
     thin = rolled(speed=0.5).summary
     starved = simulate(rolling(0.5, lubricant={**OIL, "layer": "150 nm"}, nodes=33)).summary
-    assert starved["status"] == "converged" and starved["H_c"] < thin["H_c"]
+    assert starved["status"] == "converged" and 0.3 < starved["asperity_share"] < 1.0
     assert starved["budgets"]["mass"]["imbalance"] < 1e-6
     back = rolled(speed=-0.5).summary
     assert back["H_c"] == pytest.approx(thin["H_c"], rel=1e-9)

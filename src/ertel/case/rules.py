@@ -283,7 +283,7 @@ def _schedule(case: Case) -> Complaints:
         yield "time.step", f"needs {end / step:.3g} steps; {least}"
     maps = end / case.schedule.interval
     nodes = case.solver.nodes ** len(case.method.axes)
-    size = maps * FIELDS * 8 * nodes  # in double precision
+    size = maps * (FIELDS + case.touches) * 8 * nodes  # in double precision
     if maps > MOST_MAPS or size > LARGEST_OUTPUT:
         allowed = f"at most {MOST_MAPS:g} and {LARGEST_OUTPUT / 1e9:g} GB are allowed"
         given = f"gives {maps:.3g} maps with {size / 1e9:.3g} GB"
