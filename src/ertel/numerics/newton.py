@@ -194,8 +194,11 @@ class NewtonKrylov:
         share = jnp.minimum(1.0, self.options.largest_change / jnp.maximum(largest, jnp.finfo(dP.dtype).tiny))
         P, s = jnp.maximum(it.P + share * self.change_of_P((dP, ds)), 0.0), it.s + share * ds
         H = it.H + self.change_of_H((P - it.P, s - it.s))
-        # along the curve C itself: what its tangent misses is the oil's, and Newton's iteration need not follow it
-        Q = None if self.part is None else free * jnp.maximum(P - self.part.pressure(H), 0.0)
+        Q = None
+        if self.part is not None:
+            # along the curve C itself, which Newton's iteration then need not follow; on an edge Q is what P leaves
+            held = self.part.held(it.P, it.H, free) > 0.0
+            Q = jnp.where(held, 0.0, jnp.maximum(P - self.part.pressure(H), 0.0))
         own, count = P if Q is None else Q, it.newton + 1
         shared = self.shared(own, H, it.shared)
         left = self.residual(own, H, shared)
