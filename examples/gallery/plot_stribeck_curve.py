@@ -40,6 +40,8 @@ right.semilogx(speed, curve["asperity_share"], "o-", color="#D55E00", markersize
 right.set(xlabel="mean speed (m/s)", ylabel="share of the load on asperities", ylim=(0.0, 1.02))
 film = right.twinx()
 film.loglog(speed, curve["Lambda"], color="#0072B2")
+film.set_yticks([0.25, 0.5, 1, 2, 4], ["0.25", "0.5", "1", "2", "4"])
+film.minorticks_off()
 film.set_ylabel("minimum film over roughness", color="#0072B2")
 left.figure.suptitle("A ground steel ball, 0.97 GPa, rms roughness 100 nm")
 
