@@ -26,6 +26,8 @@ ball = ertel.rolling(
     name="ground ball",
 )
 curve = ertel.stribeck(ball, "0.001:5:13").dataset
+share = curve["asperity_share"].values
+assert share[0] > 0.99 and share[-1] < 0.01
 
 # %%
 # Friction has a part of the asperities and a part of the oil; the film is shown over the roughness.

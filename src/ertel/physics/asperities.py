@@ -3,7 +3,7 @@
 h is the volume of the space between the rough surfaces per area, above zero always.  A law is a small frozen record in
 SI with one method, `curve`, that tabulates p(h).  A user's own law needs a registered name:
 
-    @ASPERITY_LAWS.register("power")
+    @ertel.asperity_laws.register("power")
     @dataclass(frozen=True)
     class Power:
         pressure: Annotated[float, STRESS]
