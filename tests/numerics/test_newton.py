@@ -159,9 +159,6 @@ class Springs:
     def tangent(self, P: Array, H: Array) -> newton.Tangent:
         return newton.Tangent(self.pressure(H), self.pressure(H) / 0.1)
 
-    def closing(self, H: Array, dH: Array) -> Array:
-        return jnp.zeros(())
-
     def held(self, P: Array, H: Array, free: Array) -> Array:
         return jnp.where(jnp.arange(H.size) == 0, 0.0, 1.0 - free)
 

@@ -191,5 +191,7 @@ def test_a_rough_ball_hits_an_oiled_plate():
     assert s["status"] == "converged" and s["asperity_share"] > 0.3
     assert 0.95 < s["restitution"] < 1.0
     assert all(balance["imbalance"] < 0.01 for balance in s["budgets"].values())
-    assert float(d["asperity_energy"].max()) > 5 * s["budgets"]["energy"]["imbalance"]
+    assert (
+        float(d["asperity_energy"].max()) > 0.01 * 0.4
+    )  # of the ball's energy at the start: without it it would not close
     assert float(d["newton_iterations"].sum()) <= 1.5 * d.sizes["time"]

@@ -1,4 +1,4 @@
-"""The rules for roughness, in the gap and as asperities that touch: no wave counts twice, and no steady film waits."""
+"""The rules for roughness, in the gap and as asperities: no wave counts twice, a steady film has none that moves."""
 
 from collections.abc import Iterator
 
@@ -14,7 +14,7 @@ from ertel.physics.units import LENGTH
 ROUND_OFF = 1e-4  # of a wavelength that both parts of a spectrum name
 
 
-NO_TOUCH = 1e-9  # of p_h: a pressure that does not push
+NO_TOUCH, AT_EDGE = 1e-9, 1e-4  # of p_h: a pressure that does not push, and one that does not count on an edge
 
 
 def touching_gap(case: Case) -> float:
@@ -22,8 +22,15 @@ def touching_gap(case: Case) -> float:
     given, scales = case.surfaces, case.scales
     if given is None or given.asperities is None or scales is None:
         return 0.0
+    return _gap(case, NO_TOUCH)
+
+
+def _gap(case: Case, pressure: float) -> float:
+    """The gap (a^2/R) at which the asperities of a case carry a pressure (p_h)."""
+    given, scales = case.surfaces, case.scales
+    assert given is not None and given.asperities is not None and scales is not None
     curve = given.asperities.curve(given.rms or 0.0, scales.E_prime / 2)
-    return float(np.interp(-NO_TOUCH * scales.p_h, -curve.p, curve.h)) / scales.film
+    return float(np.interp(-pressure * scales.p_h, -np.asarray(curve.p), curve.h)) / scales.film
 
 
 def rough_surfaces(case: Case) -> Iterator[tuple[str, str]]:
@@ -34,6 +41,8 @@ def rough_surfaces(case: Case) -> Iterator[tuple[str, str]]:
     if scales is None:
         yield "surfaces", "needs a contact in SI; give radius, load, ... or leave the section [surfaces] out"
         return
+    if given.asperities is not None:
+        yield from _asperities(case)
     longest = getattr(given.asperities, "longest", 0.0)
     for number, feature in enumerate(case.features, 1):
         shortest = scales.a * getattr(feature.shape, "size", 0.0)
@@ -42,6 +51,25 @@ def rough_surfaces(case: Case) -> Iterator[tuple[str, str]]:
             yield place, f"roughness[{number}] has the waves from {shortest:.4g} m on; must be at most as long"
     if given.asperities and case.layer is not None and given.rms and case.layer * scales.film < given.rms:
         yield "lubricant.layer", f"is below the roughness of the surfaces, {given.rms:.3g} m; must be above it"
+
+
+def _asperities(case: Case) -> Iterator[tuple[str, str]]:
+    """The faults of a law, of its hardness, of a grid and of a fall that begin where asperities touch already."""
+    given, scales = case.surfaces, case.scales
+    assert given is not None and given.asperities is not None and scales is not None
+    curve = given.asperities.curve(given.rms or 0.0, scales.E_prime / 2)
+    if complaint := curve.complaint:
+        yield "surfaces.asperities", f"its curve {complaint}"
+    elif given.hardness is not None and curve.area is None:
+        yield "surfaces.hardness", "needs a law that says the area in touch, such as persson; leave it out"
+    else:
+        edge = case.geometry.gap(case.solver.half_width, 0.0) - case.geometry.dry_approach(1.0)
+        if (gap := _gap(case, AT_EDGE)) > edge:
+            touch = f"asperities touch up to a gap of {gap:.3g} a^2/R, at the edge of the grid there are {edge:.3g}"
+            yield "solver.half_width", f"{touch}; must be larger, or the roughness smaller"
+        if case.starts_apart and case.schedule.start_approach > -touching_gap(case):
+            most = f"must be at most {-touching_gap(case):.4g}, where asperities do not touch yet"
+            yield "time.start_approach", f"{most}; leave it out"
 
 
 def roughness_fits(case: Case) -> Iterator[tuple[str, str]]:

@@ -259,6 +259,7 @@ def account(
     film = Film(P, H, oil, passing, details.mobility, details.heat, deformed, growth, m.U, m.gap_change, touch)
     forces = friction_of_details(space, details, P, H, m.sliding, m.load, m.hertz_load, touch)
     terms = account_terms(space, c.lubricant, film, forces, m.hertz_load)
+    terms |= {} if touch is None else touch_terms(space, touch, H, m.load, m.hertz_load)
     if isinstance(source, Array):  # not the plain zero of surfaces without one
         source = inside(source, c.even)
         terms["inflow"] += space.total(jnp.maximum(source, 0.0))
@@ -276,7 +277,6 @@ def account_terms(
     """
     P, H, eps, U, touch = film.P, film.H, film.eps, film.U, film.touch
     whole = P if touch is None else P + touch.P
-    solid = {} if touch is None else touch_terms(space, touch, whole, H, hertz_load)
     mass, enthalpy, compressed = film.oil, oil.enthalpy(P), oil.compression(P) * H
     squeezed_out = space.flow_out(eps, P)
     out = squeezed_out + U * space.along_x(film.passing)
@@ -294,15 +294,14 @@ def account_terms(
         "outside_power": space.around(energy_out) / hertz_load,
         "load": space.total(whole),
         **numbers_of(friction),
-        **solid,
     }
 
 
-def touch_terms(space: Space, touch: Touch, P: Array, H: Array, hertz_load: FloatLike) -> dict[str, Array]:
-    """The numbers of solid contact by name: its share of the load on the grid, area, pressure and energy."""
+def touch_terms(space: Space, touch: Touch, H: Array, load: FloatLike, hertz_load: FloatLike) -> dict[str, Array]:
+    """The numbers of solid contact by name: its share of the load (in F*), area, pressure and energy."""
     law = touch.asperities
     carried, area = space.total(touch.P), {} if law.area is None else {"contact_area": space.total(law.touching(H))}
-    share = carried / jnp.maximum(space.total(P), jnp.finfo(P.dtype).tiny)
+    share = carried / jnp.maximum(jnp.asarray(load) * hertz_load, jnp.finfo(H.dtype).tiny)
     energy = space.total(law.stored(H)) / hertz_load
     return {"asperity_share": share, "P_asperity_max": touch.P.max(), **area, "asperity_energy": energy}
 

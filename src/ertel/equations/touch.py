@@ -22,7 +22,6 @@ from ertel.physics.asperities import GapCurve
 POINTS = 2000  # of a table: the cubic between them is exact to 1e-8
 HIGHEST = 60.0  # ln P_c, at which the law ends: nothing is as stiff
 TOUCHING = 1e-12  # of p_h, below which asperities do not touch
-AT_ONCE = 0.8  # of the gap, is lost at once at most where asperities carry
 STEEP = 0.3  # of p_h: where P_c exceeds P by more, its tangent is taken at a larger gap
 
 
@@ -70,11 +69,6 @@ class Asperities:
         there = jnp.maximum(H, self._gap(P + STEEP))
         value, slope = self._law(there)
         return Tangent(value + slope * (H - there), -slope)
-
-    def closing(self, H: Array, dH: Array) -> Array:
-        """The largest share of its gap that a change takes where asperities carry, in units of what it may take."""
-        carries = (H > 0.0) & (self.pressure(H) > TOUCHING)
-        return jnp.max(jnp.where(carries, -dH / (AT_ONCE * _open(H)), 0.0))
 
     def stored(self, H: Array) -> Array:
         """The elastic energy that the asperities hold, per area: the integral of P_c from H to infinity."""

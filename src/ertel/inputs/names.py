@@ -65,8 +65,11 @@ def _with_hardness(data: Mapping[str, Any]) -> Mapping[str, Any]:
     """The data with the hardness of the softer named body, for asperities that have none of their own."""
     surfaces, contact = _tables(data, "surfaces", "contact")
     bodies = [oils.material(contact[key]) for key in MATERIAL_KEYS if contact.get(key) in oils.material_names()]
+    asperities = surfaces.get("asperities")
+    if isinstance(asperities, Mapping) and asperities.get("law") == "exponential":
+        return data  # it does not say the area that touches
     known = [body.strength.data.hardness for body in bodies if body.strength]
-    if not known or not surfaces.get("asperities") or surfaces.get("hardness") is not None:
+    if not known or not asperities or surfaces.get("hardness") is not None:
         return data
     return {**data, "surfaces": {**surfaces, "hardness": with_unit(min(known), STRESS)}}
 

@@ -79,9 +79,6 @@ class Part(Protocol):
     def tangent(self, P: Array, H: Array) -> Tangent:
         """The tangent of C, or one that is less steep where C(H) is far above P."""
 
-    def closing(self, H: Array, dH: Array) -> Array:
-        """The largest change of H as a share of what it may change at once."""
-
     def held(self, P: Array, H: Array, free: Array) -> Array:
         """The weight of the equation P = C where P may change but no node is free, zero elsewhere."""
 
@@ -188,9 +185,6 @@ class NewtonKrylov:
         (dP, ds), free, krylov = self.newton_change(it, r, change_of_r)
         # all nodes by the same share: where the few of a spike alone are held back, their neighbours lose their balance
         largest = jnp.maximum(jnp.max(jnp.abs(dP)), jnp.abs(ds) / jnp.maximum(jnp.min(it.H), 1.0))
-        if self.part is not None:
-            closing = self.part.closing(it.H, self.change_of_H((self.change_of_P((dP, ds)), ds)))
-            largest = jnp.maximum(largest, self.options.largest_change * closing)
         share = jnp.minimum(1.0, self.options.largest_change / jnp.maximum(largest, jnp.finfo(dP.dtype).tiny))
         P, s = jnp.maximum(it.P + share * self.change_of_P((dP, ds)), 0.0), it.s + share * ds
         H = it.H + self.change_of_H((P - it.P, s - it.s))
@@ -204,6 +198,9 @@ class NewtonKrylov:
         left = self.residual(own, H, shared)
         new = it._replace(P=P, Q=Q, H=H, s=s, left=left, shared=shared, newton=count, krylov=it.krylov + krylov)
         size, reached = self.size(it, r), self.size(new, left)
+        if self.part is not None:
+            stays = (count > LATE) & (reached < ROUND_OFF) & (reached > 0.5 * size)
+            reached = jnp.where(stays, jnp.minimum(reached, 1.0), reached)
         history = it.history.at[it.newton].set(size).at[count].set(reached)
         return new._replace(residual=reached, history=history, forcing=_forcing(self.options, reached / size, reached))
 
@@ -256,6 +253,8 @@ class NewtonKrylov:
         return lambda dP, dH: rows(dP + line.stiffness * dH, dH), b
 
 
+# with a part C(H): a residual of fewer tolerances that does not fall any more, after so many iterations, is round-off
+ROUND_OFF, LATE = 10.0, 10
 LOOSEST = 0.1  # weakest reduction by the Krylov iteration, while Newton's iteration converges slowly
 
 

@@ -31,6 +31,7 @@ Floats = NDArray[np.float64]
 
 WAVES, PRESSURES = 600, 3000  # of the tables of Persson's law
 GAPS = 1200  # of those of the other laws
+FEWEST = 4  # points of a table
 DRAG = 0.45  # gamma of Persson's law: the elastic energy of asperities that do not touch over all of their area
 
 
@@ -43,6 +44,19 @@ class GapCurve(NamedTuple):
     h: Floats
     p: Floats
     area: Floats | None = None
+
+    @property
+    def complaint(self) -> str:
+        """The fault of a law's table, "" if there is none."""
+        h, p = (np.asarray(part, dtype=np.float64) for part in (self.h, self.p))
+        if h.ndim != 1 or h.shape != p.shape or h.size < FEWEST:
+            return f"must have at least {FEWEST} gaps and as many pressures"
+        if not (np.all(np.isfinite(h) & np.isfinite(p)) and np.all(h > 0) and np.all(p > 0)):
+            return "must have finite gaps and pressures above zero"
+        if not (np.all(np.diff(h) > 0) and np.all(np.diff(p) < 0)):
+            return "must have rising gaps and falling pressures"
+        area = np.ones(1) if self.area is None else np.asarray(self.area)
+        return "" if np.all((area > 0) & (area <= 1)) else "must have shares of the area above zero and at most 1"
 
     def capped(self, hardness: float) -> "GapCurve":
         """The same where the asperities flow at a pressure (Pa) of their own; without an area nothing is known."""

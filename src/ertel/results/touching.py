@@ -18,7 +18,9 @@ def touch_warnings(case: Case, values: Mapping[str, float | None]) -> list[str]:
     """Warnings about asperities that touch, from the values of a run; an empty list if there are none."""
     if not case.touches or values.get("H_min") is None:
         return []
-    return [*_hardness(case, values.get("P_asperity_max") or 0.0), *_thin(case, values)]
+    touches = (values.get("asperity_share") or 0.0) > NOTABLE
+    flows = _hardness(case, values.get("P_asperity_max") or 0.0) if touches else ()
+    return [*flows, *_thin(case, values)]
 
 
 def _hardness(case: Case, P_max: float) -> Iterator[str]:

@@ -143,7 +143,9 @@ def stribeck(
 
 
 def require_touch(case: Case) -> None:
-    """Raise ConfigError for a case without asperities that touch."""
+    """Raise ConfigError for a case without asperities that touch, or without sliding."""
+    if not case.motion.slides:
+        raise ConfigError("contact.slide_to_roll: missing or zero, a Stribeck curve needs surfaces that slide")
     if not case.touches:
         raise ConfigError("surfaces.asperities: missing, a Stribeck curve needs a law of the asperities that touch")
 

@@ -30,6 +30,7 @@ from ertel.numerics.stencils import FloatLike
 PRECISION = "float32"  # of the preconditioner
 INFLOW = 3.0  # weight of what flows into a cavity: a mean around a node counts the cavity on both sides of the node
 HOLDING = 20  # Newton iterations after which a starved film is kinked where it is: it may fill and empty nodes in turns
+NOTABLE = 1e-9  # of p_h: a pressure of asperities outside the middle of a grid
 LOAD_WEIGHT = 200.0  # weight of the load misfit relative to the residual: every search keeps the load
 
 
@@ -108,9 +109,6 @@ class SolidPart(newton.Part):
 
     def tangent(self, P: Array, H: Array) -> newton.Tangent:
         return self.asperities.tangent(P, H)
-
-    def closing(self, H: Array, dH: Array) -> Array:
-        return self.asperities.closing(H, dH)
 
     def active(self, P: Array, H: Array, free: Array) -> Array:
         """1 where the pressure may change."""
@@ -204,6 +202,9 @@ class Middle(NamedTuple):
         flow = c.flow.at(c, solution.own, H)
         left = contact.residual(replace(c, flow=flow), solution.own, H, rate)
         residual = jnp.maximum(solution.residual, newton.largest_residual(solution.own, left, problem.tolerance))
+        if c.asperities is not None:  # they may touch outside too
+            elsewhere = c.asperities.pressure(H).at[middle].set(0.0).max()
+            residual = jnp.where(elsewhere > NOTABLE, jnp.inf, residual)
         return solution._replace(left=left, shared=flow, residual=residual), found
 
 

@@ -286,7 +286,7 @@ class Transient2D(Stepper):
         values = state.measure(self.grid, level.P, level.H)
         values["F"] = (values.pop("load") + level.outside) / self.geometry.hertz_load
         if touch := account.touch_of(self.contact, level.fields.get("P_asperity")):
-            found = _touch_terms(self.setting.space, touch, level.P, level.H, self.geometry.hertz_load)
+            found = _touch_terms(self.setting.space, touch, level.H, values["F"], self.geometry.hertz_load)
             values |= {name: float(number) for name, number in found.items()}
         return self._on_rings(values)
 
@@ -337,7 +337,7 @@ def solve_step(p: StepProblem) -> StepSolution:
     P_f = None
     if p.contact.asperities is not None:
         P_f, carried = P, _weighted(known.predict, [level["P_asperity"] for level in p.past])
-        P = P_f + jnp.maximum(carried, 0.0)
+        P = P_f + stencils.inside(jnp.maximum(carried, 0.0), p.contact.even)
     # a residual r leaves the mass r/rate.new over in this step
     allowed = s.tolerance * rate.new * (s.film_scale + jnp.abs(H_old))
     problem = Problem(
