@@ -76,6 +76,7 @@ def impact(M: float, L: float, nodes: int, **sections: dict[str, Any]) -> Case:
 _OTHERS: dict[str, Any] = {
     **{"nodes": 129, "method": "radial", "half_width_y": 6.0, "until": 2.0, "surface": 2, "inlet_factor": "none"},
     "start": None,  # left out
+    "asperities": {"law": "greenwood-tripp", "density": 0.04, "sharpness": 0.1},
     **{"density": "incompressible", "rheology": {"law": "ree-eyring", "tau0": "5000000.0 Pa"}},
 }
 

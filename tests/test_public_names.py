@@ -11,7 +11,8 @@ import ertel
 
 SHOWN = """
     impact rolling Oil quantity load_case Case Solver Time Output ConfigError simulate run open
-    sweep converge fit traction cache respond respond_linearly respond_in_rolling Result Measurement to_si plots fronts
+    sweep converge fit traction stribeck cache respond respond_linearly respond_in_rolling Result Measurement to_si
+    plots fronts
     waves formulas hertz gears cams materials oils optics Feature Spot Waviness RingWaviness Measured SelfAffine
 """
 FOR_EXPERTS = """
@@ -21,7 +22,7 @@ FOR_EXPERTS = """
 
 
 def test_dir_and_completion():
-    assert set(SHOWN.split()) <= set(dir(ertel)) == {"__version__", *ertel.__all__} and len(dir(ertel)) <= 42
+    assert set(SHOWN.split()) <= set(dir(ertel)) == {"__version__", *ertel.__all__} and len(dir(ertel)) <= 43
     completer = rlcompleter.Completer({"ertel": ertel})
     found = {completer.complete("ertel.", state) for state in range(2 * len(dir(ertel)))}
     assert all(any(str(name).startswith(f"ertel.{shown}") for name in found) for shown in SHOWN.split())

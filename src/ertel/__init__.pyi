@@ -42,6 +42,7 @@ from ertel.runs.store import open_run
 from ertel.runs.store import run as run
 from ertel.runs.studies import converge as converge
 from ertel.runs.studies import sweep as sweep
+from ertel.runs.traction import stribeck as stribeck
 from ertel.runs.traction import traction as traction
 
 formulas = film_formulas
@@ -67,7 +68,7 @@ from ertel.physics import amplitude_reduction as amplitude_reduction
 from ertel.physics import units as units
 from ertel.physics.lubricant import Lubricant as Lubricant
 from ertel.physics.motion import Motion as Motion
-from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, SHAPES, VISCOSITY_LAWS
+from ertel.physics.registry import ASPERITY_LAWS, DENSITY_LAWS, FLUIDITY_LAWS, SHAPES, VISCOSITY_LAWS
 from ertel.physics.scales import Parameters as Parameters
 from ertel.physics.scales import Scales as Scales
 from ertel.runs import result
@@ -78,6 +79,7 @@ from ertel.runs.study_result import StudyResult as StudyResult
 from ertel.runs.study_result import TractionCurve as TractionCurve
 
 accessor = result
+asperity_laws = ASPERITY_LAWS
 density_laws = DENSITY_LAWS
 fluidity_laws = FLUIDITY_LAWS
 shapes = SHAPES

@@ -52,6 +52,11 @@ TWO_SPEEDS = {"E_prime": "2e11 Pa", "load": "40.0 N", "speed_1": "0.6 m/s", "spe
 REDUCED = {"radius_x": "0.01 m", "radius_y": "0.02 m"}
 PAIRS = {"radius_x_1": "0.01 m", "radius_y_1": "0.01 m", "radius_x_2": "0.1 m", "radius_y_2": "-0.02 m"}
 OF_OIL = {"temperature": "313.0 K", "conductivity": "0.15 W/(m*K)", "beta": "0.04 1/K"}
+PERSSON = {"law": "persson", "longest": "5e-05 m", "shortest": "1e-06 m", "hurst": 0.8}
+SURFACES = {
+    **{"sigma_1": "1e-07 m", "sigma_2": "5e-08 m", "asperities": PERSSON},
+    **{"boundary_friction": 0.1, "hardness": "7e9 Pa"},
+}
 THERMAL = OF_OIL | STEEL_BODIES
 
 
@@ -79,6 +84,8 @@ BASES: list[dict[str, Any]] = [  # every field is given in one of them, or has a
         "solver": {"method": "transient"},
         "motion": {"sliding": 0.2, "curvature": 1.1},
     },
+    in_si("rolling", **TWO_SPEEDS, radius="0.01 m") | {"surfaces": {"sigma": "1e-07 m"}},
+    in_si("rolling", **TWO_SPEEDS, radius="0.01 m") | {"surfaces": SURFACES},
 ]
 
 

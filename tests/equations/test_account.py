@@ -14,7 +14,7 @@ from ertel.equations import contact, discretise
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import constant
 from ertel.physics.scales import Parameters
-from ertel.solvers import steady
+from ertel.solvers import guesses, steady
 from ertel.solvers.steady import GridSolution, Rolling
 
 
@@ -42,7 +42,7 @@ def test_the_solids_under_hertz_pressure_store_two_fifths() -> None:
     """Of F delta; the oil stores the integral of its energy of compression over the film, all of thickness 0.1."""
     case = case_of(nodes=129)
     grid = grid_of(case)
-    P, approach = steady.dry_guess(case.geometry, grid, 1.0)
+    P, approach = guesses.dry_guess(case.geometry, grid, 1.0)
     c = discretise.contact_of(case, grid)
     H = contact.film_thickness(c, P, approach)
     solution = steady.steady_film(case_of(nodes=33)).finest

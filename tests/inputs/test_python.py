@@ -41,7 +41,7 @@ def test_keywords_are_the_keys_of_case_files(function, kind):
         expected -= {"start_approach", "start"}  # of an impact
         expected |= {"thermal"}  # of a steady contact
     parameters = inspect.signature(function).parameters
-    beside = {"oil", "temperature", "rheology", "material_1", "material_2", "motion", "roughness", "name"}
+    beside = {"oil", "temperature", "rheology", "material_1", "material_2", "motion", "roughness", "surfaces", "name"}
     beside |= {"layer", "layer_1", "layer_2"}
     assert set(parameters) == expected | beside
     assert all(p.kind is inspect.Parameter.KEYWORD_ONLY for p in parameters.values())

@@ -18,7 +18,9 @@ def system(residual: Callable[[Array, Array], Array], scale: float = 1.0, **othe
     """The equations with H = P, preconditioned by a number."""
     parts = {"partner_change": lambda d: d, "tolerance": 1e-9, **others}
     return newton.NewtonKrylov(
-        lambda P, H, _: residual(P, H), preconditioner=lambda P, H, free, _: lambda r: r / scale, **parts
+        lambda P, H, _: residual(P, H),
+        preconditioner=lambda P, H, free, whole, _: newton.Inverse(lambda r: r / scale),
+        **parts,
     )
 
 
@@ -146,3 +148,38 @@ def test_gcr_with_the_exact_inverse_takes_one_iteration() -> None:
     x, k = gcr(lambda v: 3 * v, lambda k, r: r / 3, b, 1e-10, 9)
     assert int(k) == 1
     np.testing.assert_allclose(np.asarray(x), np.asarray(b) / 3, rtol=1e-12)
+
+
+class Springs:
+    """C(H) = exp(-H/0.1), everywhere but on the first node, which is an edge."""
+
+    def pressure(self, H: Array) -> Array:
+        return jnp.exp(-H / 0.1)
+
+    def tangent(self, P: Array, H: Array) -> newton.Tangent:
+        return newton.Tangent(self.pressure(H), self.pressure(H) / 0.1)
+
+    def held(self, P: Array, H: Array, free: Array) -> Array:
+        return jnp.where(jnp.arange(H.size) == 0, 0.0, 1.0 - free)
+
+
+def test_a_part_that_depends_on_the_partner():
+    """H = 0.2 + P - s; where Q is free its equation is Q = 0.3, elsewhere P = C; on the edge P = s."""
+    wanted = jnp.array([0.0, 0.3, 0.3, -0.1, -0.1])
+    inner = jnp.array([0.0, 1.0, 1.0, 1.0, 1.0])
+    border = newton.Border(-0.5, -1.0, lambda P, s: s - 0.4, 1e-9, 1.0, jnp.array([1.0, 0.0, 0.0, 0.0, 0.0]))
+    equations = newton.NewtonKrylov(
+        lambda Q, H, _: inner * (Q - wanted),
+        partner_change=lambda d: d,
+        preconditioner=lambda Q, H, free, P, _: newton.Inverse(lambda r: inner * r / (1 + 5 * free)),
+        tolerance=1e-9,
+        border=border,
+        part=Springs(),
+    )
+    P = jnp.array([0.0, 0.5, 0.5, 0.5, 0.5])
+    s = equations.solve(P, 0.2 + P + 0.5, jnp.zeros(5))
+    assert s.converged and s.s == pytest.approx(0.4)
+    assert np.allclose(s.H, 0.2 + s.P - 0.4, atol=1e-9)
+    carried = np.exp(-np.asarray(s.H) / 0.1)
+    assert np.allclose(s.Q[1:], [0.3, 0.3, 0.0, 0.0], atol=1e-8) and np.allclose(s.P - s.Q, carried, atol=1e-8)
+    assert s.P[0] == pytest.approx(0.9)  # it was zero for a while, and so was Q

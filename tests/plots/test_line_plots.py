@@ -8,7 +8,7 @@ from drawn import line, panels, right_of, words
 
 import ertel
 from ertel.plots import NoFigure
-from ertel.results.variables import FIGURES_IN_TIME, FIGURES_OF_MAPS, FIGURES_STEADY, figures_of
+from ertel.results.figures import FIGURES_IN_TIME, FIGURES_OF_MAPS, FIGURES_STEADY, figures_of
 
 
 @pytest.fixture(scope="module")

@@ -33,7 +33,11 @@ ROLLING = {  # of reference/rolling.json, M = 20, L = 10
     **{"load": "3.888524 N", "mean_speed": "0.502636 m/s"},
 }
 ROLLING_OIL = {"viscosity": "barus", "density": "incompressible", "eta0": "40 mPa*s", "alpha": "22 / GPa"}
-AT_MAXIMUM = [name for name in names_where(lambda variable: variable.at_moment) if not name.startswith("mu_")]
+AT_MAXIMUM = [
+    name
+    for name in names_where(lambda variable: variable.at_moment and not variable.of_touch)
+    if not name.startswith("mu_")
+]
 WORK = {"steps": 1, "newton_iterations": 1, "krylov_iterations": 1, "wall_s": 1.0}
 
 

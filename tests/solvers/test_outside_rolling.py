@@ -7,7 +7,7 @@ from ertel.case.case import Case
 from ertel.equations import discretise
 from ertel.inputs.case_files import parse_case
 from ertel.physics.scales import Parameters
-from ertel.solvers import steady
+from ertel.solvers import guesses, steady
 from ertel.solvers.transient import Transient2D
 
 
@@ -57,7 +57,7 @@ def test_the_oil_outside_has_the_approach_of_the_contact() -> None:
     """And not that of the first guess, which left the load outside 0.13 % of the load off on 33 nodes."""
     case = case_of(65, 5, 2)
     for s in steady.steady_film(case).solutions:
-        own = discretise.outside_of(case, s.grid).at(steady.motion_of(case, s.approach))
+        own = discretise.outside_of(case, s.grid).at(guesses.motion_of(case, s.approach))
         assert own.load == pytest.approx(s.outside, abs=1e-4 * case.geometry.hertz_load)
 
 

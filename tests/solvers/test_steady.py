@@ -24,7 +24,7 @@ from ertel.physics.geometry import CIRCLE
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import constant
 from ertel.physics.scales import Parameters
-from ertel.solvers import nonlinear, steady
+from ertel.solvers import guesses, nonlinear, steady
 from ertel.solvers.steady import Rolling
 
 pytestmark = pytest.mark.usefixtures("nothing_outside")
@@ -237,7 +237,7 @@ def test_mass_is_conserved_along_the_flow() -> None:
 
 def test_pressure_tends_to_hertz() -> None:
     s = rolling(("roelands", 1000, 10)).finest
-    hertz, _ = steady.dry_guess(CIRCLE, s.grid, 1.0)
+    hertz, _ = guesses.dry_guess(CIRCLE, s.grid, 1.0)
     assert np.sqrt(np.mean((np.asarray(s.P) - hertz) ** 2)) < 0.02
 
 

@@ -15,7 +15,7 @@ from ertel.case.case import Case
 from ertel.case.estimates import coarsenings
 from ertel.case.methods import METHODS
 from ertel.case.sections import Drive, Solver, Time
-from ertel.equations import contact
+from ertel.equations import contact, state
 from ertel.equations.flow import Rate
 from ertel.equations.state import StepSolution
 from ertel.inputs.case_files import parse_case
@@ -29,7 +29,6 @@ from ertel.runs.compile import compilations
 from ertel.runs.drive import result_of, simulate
 from ertel.runs.result import Result
 from ertel.runs.stepping import TransientRun
-from ertel.solvers import transient
 from ertel.solvers.transient import Transient2D
 
 TIGHT = {"tolerance": 1e-8}
@@ -386,10 +385,10 @@ def test_the_time_error_is_that_of_the_film_and_not_of_single_nodes() -> None:
     x = np.linspace(-2, 2, n)
     H, P = 0.1 + x**2 + x[:, None] ** 2, np.maximum(1 - x**2 - x[:, None] ** 2, 0)
     sign = (-1.0) ** (np.arange(n) + np.arange(n)[:, None])
-    film_error = jax.jit(transient.film_error, static_argnums=(4, 5))
+    difference = jax.jit(state.film_error, static_argnums=(4, 5))
 
     def error(share: Any, times: int) -> float:
-        return float(film_error(H, H * (1 - share), P, 0.0, NO_SYMMETRY, times))
+        return float(difference(H, H * (1 - share), P, 0.0, NO_SYMMETRY, times))
 
     for times in (0, 1, 2):
         assert error(0.01, times) == pytest.approx(0.01, rel=1e-9)

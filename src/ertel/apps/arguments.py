@@ -38,7 +38,7 @@ def settings(incomplete: str) -> list[str]:
 
 def figures(incomplete: str) -> list[str]:
     """Names of figures that begin so."""
-    from ertel.results.variables import FIGURES_IN_TIME, FIGURES_STEADY
+    from ertel.results.figures import FIGURES_IN_TIME, FIGURES_STEADY
 
     return [name for name in dict.fromkeys(FIGURES_IN_TIME + FIGURES_STEADY) if name.startswith(incomplete)]
 

@@ -147,6 +147,31 @@ def traction(
 
 @app.command()
 @grouped
+def stribeck(
+    case_file: CaseFile,
+    report: Report,
+    speed: Annotated[str, values_option("mean speed", "0.001 m/s:10 m/s:25")] = "0.001:10:25",
+    set_: Set = None,
+    out: Annotated[Path | None, path_option("Directory of the curve; default stribeck/NAME.")] = None,
+) -> None:
+    """Compute a Stribeck curve: friction against speed, of a steady contact whose asperities touch.
+
+    Speeds are FIRST:LAST:NUMBER with equal ratios, or values with commas between them; without a unit in m/s.
+
+    The case needs a law of asperities, surfaces.asperities. DIR is as for a traction curve.
+    """
+    from ertel.apps import studies
+    from ertel.inputs.case_files import load_case
+    from ertel.runs.traction import in_ratios, require_touch
+
+    case = load_case(case_file, set_ or [])
+    require_touch(case)
+    given = {"mean_speed": str(in_ratios(speed))}
+    studies.traction(case, given, None, out or Path("stribeck").absolute() / (case.name or case.kind), report)
+
+
+@app.command()
+@grouped
 def sweep(
     study_file: Annotated[Path, path_argument("SWEEP.toml", "Case file with lists or ranges of values.", case_files)],
     engine: EngineOptions,

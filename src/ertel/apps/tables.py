@@ -12,9 +12,10 @@ from ertel.case.records import ConfigError, show
 from ertel.inputs import materials, oils
 from ertel.physics.materials import Material, NamedOil, Sourced, celsius
 from ertel.physics.units import COMPLIANCE, KINEMATIC_VISCOSITY, TEMPERATURE, Unit, marks
+from ertel.results.figures import is_line
 from ertel.results.numbers import Number, aligned, duration, moment, more_lines, nodes_in_words, numbers, values_of
 from ertel.results.parameters import domain, formula_films, parameter_summary, rheology_of, values_in_si
-from ertel.results.variables import FILMS, is_line, with_prefix
+from ertel.results.variables import FILMS, with_prefix
 
 if TYPE_CHECKING:
     from ertel.case.case import Case

@@ -107,7 +107,7 @@ def placing(directory: Path, overwrite: bool = False, may_be_link: bool = True) 
 
 def _kind(path: Path) -> tuple[object, ...]:
     """The beginning of a file, of text its first line, and whether it has the mark of pictures, and that of NetCDF."""
-    from ertel.results.variables import MADE_BY
+    from ertel.results.figures import MADE_BY
     from ertel.runs.files import content_of
 
     try:

@@ -18,7 +18,7 @@ from ertel.case.height_map import NO_MAPS, HeightMap
 from ertel.case.methods import METHODS, Method
 from ertel.case.reading import Reader, check_keys
 from ertel.case.records import ConfigError, named, scaled, scaled_all, show, with_unit
-from ertel.case.sections import SECTIONS, START_APPROACH, Drive, Output, Schedule, Solver, Thermal, Time
+from ertel.case.sections import SECTIONS, START_APPROACH, Drive, Output, Schedule, Solver, Surfaces, Thermal, Time
 from ertel.physics import film_formulas, surfaces
 from ertel.physics.far_field import ContactMotion, squeezed_film
 from ertel.physics.geometry import CIRCLE, Geometry
@@ -32,7 +32,19 @@ from ertel.physics.units import marks
 
 SCHEMA = 1  # of the layout of case files
 READER = Reader()
-KEYS = ("schema", "name", "contact", "lubricant", "solver", "motion", "roughness", "time", "output", "thermal")
+KEYS = (
+    "schema",
+    "name",
+    "contact",
+    "lubricant",
+    "solver",
+    "motion",
+    "roughness",
+    "surfaces",
+    "time",
+    "output",
+    "thermal",
+)
 
 # What completes and checks a case in its constructor: `completion`, which knows the rules, puts its function here.
 completions: list[Callable[["Case", Collection[str] | None], None]] = []
@@ -64,6 +76,8 @@ class Case:
         The name, not part of equality or digest.
     thermal : Thermal, optional
         What the temperatures of a steady contact depend on; None if they are not wanted.
+    surfaces : Surfaces, optional
+        Roughness as numbers, and the law of the asperities that touch; None for smooth surfaces.
     written : collection of str, optional
         The keys of the solver that count, where the others follow from the method and the contact; left out: all.
 
@@ -90,6 +104,7 @@ class Case:
     output: Output | None = None
     name: str = field(default="", compare=False)
     thermal: Thermal | None = None
+    surfaces: Surfaces | None = None
     written: InitVar[Collection[str] | None] = None
 
     def __post_init__(self, written: Collection[str] | None) -> None:
@@ -157,6 +172,11 @@ class Case:
     def starts_apart(self) -> bool:
         """Whether the bodies are separated at T = 0, as in an impact; rolling starts from its steady film."""
         return self.kind == "impact"
+
+    @property
+    def touches(self) -> bool:
+        """Whether asperities may carry a part of the load."""
+        return self.surfaces is not None and self.surfaces.asperities is not None
 
     @property
     def is_axisymmetric(self) -> bool:
@@ -281,6 +301,7 @@ class Case:
             "solver": records.data_of(solver),
             "motion": self.drive and records.data_of(self.drive),
             "roughness": roughness,
+            "surfaces": self.surfaces and records.data_of(self.surfaces),
             "time": self.time and records.data_of(self.time),
             "output": self.output and records.data_of(self.output),
             "thermal": self.thermal and records.data_of(self.thermal),

@@ -13,6 +13,7 @@ from ertel.case import records, rules
 from ertel.case.case import Case, completions
 from ertel.case.methods import of_kind
 from ertel.case.sections import START_APPROACH, Output, Solver, Time
+from ertel.case.touching import touching_gap
 from ertel.physics.units import plain
 
 
@@ -82,7 +83,7 @@ def _defaults(case: Case) -> dict[str, Any]:
         return found
     given = case.time or Time()
     layer = case.track.extremes[1] if case.track else 0.0
-    above = min(START_APPROACH, -layer) if case.starts_apart else None
+    above = min(START_APPROACH, -layer, -touching_gap(case)) if case.starts_apart else None
     start = above if given.start_approach is None else given.start_approach
     until = case.method.end if given.until is None else given.until
     time = replace(given, start_approach=start, until=until)

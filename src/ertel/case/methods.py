@@ -20,7 +20,7 @@ class Supports(NamedTuple):
     """The abilities of a method beyond a smooth and circular contact with a Newtonian oil and a uniform layer.
 
     motion: a load and an entrainment.  thinning: an oil that thins under shear.  track: a layer that varies across the
-    track.  thermal: the section [thermal].
+    track.  touch: asperities that touch.  thermal: the section [thermal].
     """
 
     ellipse: bool = True
@@ -28,6 +28,7 @@ class Supports(NamedTuple):
     thinning: bool = True
     track: bool = True
     roughness: bool = True
+    touch: bool = True
     thermal: bool = False
 
 
@@ -181,7 +182,7 @@ register(
         Cost(80, (2e-3, 1.7e-7), is_dense=True),
         401,
         "max-approach",
-        Supports(ellipse=False, motion=False, thinning=False, track=False, roughness=False),
+        Supports(ellipse=False, motion=False, thinning=False, track=False, roughness=False, touch=False),
     )
 )
 STEADY = Method(

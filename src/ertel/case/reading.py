@@ -17,10 +17,11 @@ from ertel.case import records
 from ertel.case.height_map import NO_MAPS, HeightMap
 from ertel.case.records import ConfigError, check_value, is_number, named, refusing, shortened, show
 from ertel.case.sections import SECTIONS
+from ertel.physics.asperities import AsperityLaw
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Density, Viscosity
 from ertel.physics.motion import Oscillation, Polyline, Signal, Smooth, constant
-from ertel.physics.registry import OIL_LAWS, SHAPES
+from ertel.physics.registry import ASPERITY_LAWS, OIL_LAWS, SHAPES
 from ertel.physics.surfaces import Feature
 from ertel.physics.units import FINITE, MUST_BE_GIVEN, Amount, Bounds, Field, Mark, Quantity, Unit, fields_of
 
@@ -29,6 +30,7 @@ Data = Mapping[str, Any]
 MOST_POINTS = 10_000  # of a signal or a table: more take longer to read than to solve
 SIGNAL_TEXT = "a number, an array of [T, value], or a table { smooth } or { mean, amplitude, period, phase }"
 LAWS = {Viscosity: OIL_LAWS["viscosity"], Density: OIL_LAWS["density"], Fluidity: OIL_LAWS["rheology"]}
+LAWS[AsperityLaw] = ASPERITY_LAWS
 UNBOUNDED = {int: Bounds(whole=True, most=inf), float: Bounds(most=inf)}  # numbers of laws of one's own, without a mark
 THINNING = 'shear thinning is written lubricant.rheology = { law = "ree-eyring", tau0 = "5 MPa" }'
 LINE = "a line contact is that of a length: give contact.length, or radius_ratio = 0 without dimensions"

@@ -18,7 +18,7 @@ from ertel.case.height_map import HeightMap
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import Oscillation, Polyline, Smooth
-from ertel.physics.registry import FLUIDITY_LAWS, OIL_LAWS, SHAPES, Registry
+from ertel.physics.registry import ASPERITY_LAWS, FLUIDITY_LAWS, OIL_LAWS, SHAPES, Registry
 from ertel.physics.scales import Scales
 from ertel.physics.surfaces import Feature
 from ertel.physics.units import LARGEST, Bounds, Mark, Quantity, Unit, fields_of
@@ -63,6 +63,8 @@ def _plain(value: Any, mark: object = None) -> Any:
             return value.name
         case _ if hasattr(value, "fluidity"):  # a law inside of another one
             return law_data(value, FLUIDITY_LAWS)
+        case _ if hasattr(value, "curve"):
+            return law_data(value, ASPERITY_LAWS)
     raise ValueError(f"{show(value)}: cannot be written down; allowed: numbers, texts, signals, records with a name")
 
 

@@ -8,10 +8,10 @@ import numpy as np
 
 from ertel.case.case import Case
 from ertel.case.conditions import LENGTH_RATIO, MOES_L, MOES_M, REDUCED
-from ertel.case.height_map import Measured
 from ertel.case.methods import Method, as_written, of_kind
 from ertel.case.records import ConfigError, checked, show
 from ertel.case.sections import SECTIONS, WIDEST_HALF_WIDTH
+from ertel.case.touching import methods_in_time, rough_surfaces, roughness_fits
 from ertel.physics.dry_contact import HERTZ_LOAD
 from ertel.physics.far_field import ContactMotion, far_film
 from ertel.physics.film_formulas import rigid_film
@@ -26,8 +26,7 @@ LONGEST_RUN = 1e5  # t0; an impact lasts about 3
 MOST_STEPS = 1e7  # of a fixed length
 MOST_MAPS = 1e5
 LARGEST_OUTPUT = 1e11  # bytes of the maps, uncompressed
-AT_FORMULAS = "; ertel check prints the formulas"
-FIELDS = 6  # pressure, film, oil, two components of the shear stress, power loss
+AT_FORMULAS, FIELDS = "; ertel check prints the formulas", 6  # P, H, oil, two shear stresses, power loss
 
 Complaints = Iterator[tuple[str, str]]  # the field, to which its value is added unless it is there; what is wrong
 Rule = Callable[[Case], Complaints]
@@ -123,7 +122,7 @@ def _supported(case: Case) -> Complaints:
             instead = f"use {as_written(others)}" if others else f"no method of {case.kind} supports it"
             this = "" if place == "solver.method" else f"{case.entry('solver.method')} "
             joined = ", or" if others else ";"
-            without = f"{joined} leave [{place}] out" if place in ("thermal", "roughness") else ""
+            without = f"{joined} leave [{place}] out" if place in ("thermal", "roughness", "surfaces") else ""
             yield place, f"{this}is for {only}; {instead}{without}"
 
 
@@ -145,6 +144,8 @@ def _asked(case: Case) -> Iterator[tuple[str, str, str]]:
         yield "track", "lubricant.layer", "a uniform layer"
     if case.roughness:
         yield "roughness", "roughness", "smooth surfaces"
+    if case.touches:
+        yield "touch", "surfaces", "surfaces that do not touch"
     if case.thermal is not None:
         yield "thermal", "thermal", "contacts without [thermal]"
 
@@ -173,13 +174,6 @@ def _pressure_scale(case: Case) -> Complaints:
         yield 'lubricant.density = "dowson-higginson"', f"{needs}; {allowed}"
 
 
-def _in_time(case: Case) -> str:
-    """The methods in time of a kind of contact, as they are written, and what none of them supports."""
-    methods = of_kind(case.kind, lambda method: not method.is_steady)
-    heat = case.thermal is None or any(method.supports.thermal for method in methods)
-    return as_written(methods) + ("" if heat else " without [thermal]")
-
-
 def _time(case: Case) -> Complaints:
     """A steady contact has no time.  A rolling contact starts from its steady film and has no events."""
     time = case.time
@@ -187,7 +181,7 @@ def _time(case: Case) -> Complaints:
         if section is not None:
             usual = vars(type(section)())
             other = next((f"{name}.{key}" for key, value in vars(section).items() if value != usual[key]), name)
-            yield other, f"a steady contact has no time; leave [{name}] out or use {_in_time(case)}"
+            yield other, f"a steady contact has no time; leave [{name}] out or use {methods_in_time(case)}"
     if case.starts_apart or time is None:
         return
     if time.start_approach is not None:
@@ -215,7 +209,7 @@ def _drive(case: Case) -> Complaints:
         if getattr(drive, key) is not None:
             yield f"motion.{key}", "is for rolling; leave it out of an impact"
     if drive.curvature is not None and case.is_steady:
-        yield "motion.curvature", f"is a function of time; use {_in_time(case)}, or give the radius itself"
+        yield "motion.curvature", f"is a function of time; use {methods_in_time(case)}, or give the radius itself"
     if drive.inertia is not None and (case.starts_apart or contact.is_physical):
         of_rolling = "give contact.mass or contact.ball_density"
         instead = "for an impact it follows from its scales" if case.starts_apart else of_rolling
@@ -289,7 +283,7 @@ def _schedule(case: Case) -> Complaints:
         yield "time.step", f"needs {end / step:.3g} steps; {least}"
     maps = end / case.schedule.interval
     nodes = case.solver.nodes ** len(case.method.axes)
-    size = maps * FIELDS * 8 * nodes  # in double precision
+    size = maps * (FIELDS + case.touches) * 8 * nodes  # in double precision
     if maps > MOST_MAPS or size > LARGEST_OUTPUT:
         allowed = f"at most {MOST_MAPS:g} and {LARGEST_OUTPUT / 1e9:g} GB are allowed"
         given = f"gives {maps:.3g} maps with {size / 1e9:.3g} GB"
@@ -308,7 +302,7 @@ def _motion(case: Case) -> Complaints:
     for name, signal in varied.items() if case.is_steady else ():
         least, most = signal.range(inf)
         if least != most:
-            yield f"motion.{name}", f"varies in time from {least:g} to {most:g}; use {_in_time(case)}"
+            yield f"motion.{name}", f"varies in time from {least:g} to {most:g}; use {methods_in_time(case)}"
     if entrainment(0.0) == 0:
         needs = "where a rolling contact needs a film; must not be zero there, a small speed will do"
         yield "motion.entrainment", f"is 0 at T = 0, {needs}"
@@ -342,19 +336,6 @@ def _outside(case: Case) -> Complaints:
     if needed > case.solver.half_width:
         least = f"must be at least {needed:.3g} at M = {p.M:.3g}, where the oil far away carries much of the load"
         yield "solver.half_width", f"{least}; leave it out for a domain that is wide enough"
-
-
-def _roughness(case: Case) -> Complaints:
-    """A steady film needs roughness that does not change in time, a line contact one that does not change along y."""
-    for number, feature in enumerate(case.features, 1):
-        if case.geometry.is_line and not getattr(feature.shape, "is_uniform_along_y", False):
-            yield f"roughness[{number}]", "varies along y; a line takes a waviness without wavelength_y, or a profile"
-        if not case.geometry.is_line and isinstance(feature.shape, Measured) and feature.shape.is_uniform_along_y:
-            yield f"roughness[{number}]", "is a profile, for line contacts; a point contact needs a map of heights"
-        moves = case.motion.travel(feature.surface, 1.0) != 0
-        if case.is_steady and moves and not getattr(feature.shape, "is_ridges_along_x", False):
-            instead = f"use {_in_time(case)}, or a slide_to_roll at which it is at rest (surface 1: -2, surface 2: 2)"
-            yield f"roughness[{number}].surface = {feature.surface}", f"moves, so its film is not steady; {instead}"
 
 
 def _thermal(case: Case) -> Complaints:
@@ -391,7 +372,8 @@ COMPLETE = (  # rules for a case with its defaults, in the order in which they a
     _layer,
     _schedule,
     _motion,
-    _roughness,
+    roughness_fits,
+    rough_surfaces,
     _thermal,
-    _outside,  # the last: see `TooLight`
+    _outside,  # last: see `TooLight`
 )

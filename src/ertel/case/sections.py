@@ -1,11 +1,13 @@
-"""The sections solver, time, output, motion and thermal of a case.  All defaults of ertel are here."""
+"""The sections solver, time, output, motion, surfaces and thermal of a case.  All defaults of ertel are here."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from math import hypot
 from typing import Annotated, Any, Literal, NamedTuple
 
 from ertel.case.conditions import Conditions, Given
 from ertel.physics import thermal, units
+from ertel.physics.asperities import AsperityLaw, ExponentialTouch
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import Signal
 from ertel.physics.units import Amount, Bounds, Meaning, Quantity, explained
@@ -174,6 +176,65 @@ class Schedule(NamedTuple):
                 return until
 
 
+# -- asperities -------------------------------------------------------------------------------------------------------
+
+
+@explained
+@dataclass(frozen=True)
+class Surfaces:
+    """The roughness that no grid resolves, as numbers: with a law of asperities the surfaces touch where oil is thin.
+
+    Waves that stand in [[roughness]] are in the gap itself and must not be counted here again.
+    """
+
+    sigma: Annotated[
+        Given, units.LENGTH, Meaning("rms roughness of both surfaces together; or sigma_1 and sigma_2", "50 nm")
+    ] = None
+    sigma_1: Annotated[Given, units.LENGTH, Meaning("rms roughness of surface 1; for a Gaussian 1.25 Ra", "50 nm")] = (
+        None
+    )
+    sigma_2: Annotated[Given, units.LENGTH, Meaning("rms roughness of surface 2", "10 nm")] = None
+    asperities: Annotated[
+        AsperityLaw | None,
+        Meaning(
+            "law of the asperities that touch; left out: they do not touch",
+            {"law": "persson", "longest": "50 um", "shortest": "1 um"},
+        ),
+    ] = None
+    boundary_friction: Annotated[
+        Given, units.NOT_NEGATIVE, Meaning("friction coefficient where they touch; left out: 0.12", 0.12)
+    ] = None
+    hardness: Annotated[
+        Given,
+        units.STRESS,
+        Meaning("of the softer body: asperities carry no more; left out: that of the named materials", "7 GPa"),
+    ] = None
+
+    def __post_init__(self) -> None:
+        if self.sigma is not None and self.sigma != self.rms:
+            raise ValueError(f"sigma = {self.sigma:g} m: goes without sigma_1 and sigma_2; give one or the others")
+        if self.asperities is None:
+            for key in ("boundary_friction", "hardness"):
+                if getattr(self, key) is not None:
+                    raise ValueError(f"{key} = {getattr(self, key):g}: goes with asperities, which is missing")
+        elif self.rms is None and not isinstance(self.asperities, ExponentialTouch):
+            raise ValueError('sigma: missing, the law of the asperities needs it, for example "50 nm"')
+
+    @property
+    def rms(self) -> float | None:
+        """The rms roughness of both surfaces together (m), None where none is given."""
+        if self.sigma_1 is None and self.sigma_2 is None:
+            return self.sigma
+        return hypot(self.sigma_1 or 0.0, self.sigma_2 or 0.0)
+
+    @property
+    def friction(self) -> float:
+        """The friction coefficient where asperities touch."""
+        return BOUNDARY_FRICTION if self.boundary_friction is None else self.boundary_friction
+
+
+BOUNDARY_FRICTION = 0.12  # of steel in mineral oil
+
 # -- temperatures -----------------------------------------------------------------------------------------------------
 
 
@@ -275,5 +336,6 @@ SECTIONS: Mapping[str, Section] = {
     "motion": Section("drive", Drive, "load and speed as functions of time"),
     "time": Section("time", Time, "start, end and steps of a run in time"),
     "output": Section("output", Output, "which maps are kept, besides those at maximum approach and at the end"),
+    "surfaces": Section("surfaces", Surfaces, "roughness as numbers, and the asperities that touch"),
     "thermal": Section("thermal", Thermal, "rolling: temperatures of a steady contact in SI, empty if all is named"),
 }

@@ -17,7 +17,7 @@ Energy: the Reynolds equation times the enthalpy h(P) = integral of dP/rho, inte
 thickness H = -Delta + G + D has the gap G (with the roughness) and the deformation D.  The elastic kernel is
 symmetric, so
 
-    F V = d/dT [E_solids + E_oil] + dissipation - surface power + outside power
+    F V = d/dT [E_solids + E_oil + E_asperities] + dissipation - surface power + outside power
 
 * E_solids = 1/2 integral of P D: elastic energy of the solids.  D has the uplift by the oil outside.  The energy that
   its pressure shares with that on the grid, 1/2 uplift times load, comes on top.
@@ -29,6 +29,8 @@ symmetric, so
 * surface power = - integral of P DG/DT: what the moving surfaces do on the film, by rolling (- U P dG/dX, whose sum is
   the hydrodynamic rolling resistance) and by roughness that moves relative to the flow.  Where the gap closes the film
   takes power from the surfaces, where it opens it gives most of it back.
+* E_asperities = integral of the integral of P_c from H to infinity, where asperities touch.  Their pressure P_c and
+  that of the oil P_f together are P (`touch`): the oil's terms have P_f, those of the solids P.
 * outside power: what goes to the oil outside the grid, V times its load less the uplift times the rate of the load on
   the grid, and with the flow through the edge, integral of h rho q.n + U (rho h - P) H n_x; and
   with oil that leaks into the surfaces, h of its mass.
@@ -57,6 +59,8 @@ surface 1.
 
 Where P = 0 the oil does not fill the gap, and no stress is counted: friction is that of the pressurised film.
 
+Where asperities touch, they add the stress mu_c P_c against the sliding, with a coefficient mu_c that is given.
+
 In a steady contact the power loss is what the surfaces spend, sliding speed times sliding force and rolling speed
 times the resistance of both, less the energy that flows out through the edge of the grid.
 """
@@ -72,7 +76,8 @@ from jax import Array
 from ertel.case.status import Status
 from ertel.equations.contact import Contact, Details
 from ertel.equations.outside import Surroundings
-from ertel.equations.state import State, StepNumbers, StepSolution, Work, unpacked
+from ertel.equations.state import State, StepNumbers, StepSolution, Work, own_pressure, unpacked
+from ertel.equations.touch import Asperities
 from ertel.numerics.integrals import Plane, Space
 from ertel.numerics.programs import ANY_SIZE, Program, exportable
 from ertel.numerics.stencils import FloatLike, Pair, inside
@@ -90,7 +95,7 @@ class Friction(NamedTuple):
     (n_y, n_x); a node without pressure next to the film has its half of the flow between them.  sliding: the force of
     surface 1 on surface 2 over the load, in a/R, along X and Y, shape (2,); times a/R it is the traction coefficient.
     rolling: the resistance of each surface over the load, in the same unit, shape (2,).  power: the double integral of
-    the loss, in F* a^2/(R t0).
+    the loss, in F* a^2/(R t0).  boundary: the part of sliding along X that asperities have, None where none touch.
     """
 
     stress: Array
@@ -98,30 +103,61 @@ class Friction(NamedTuple):
     sliding: Array
     rolling: Array
     power: Array
+    boundary: Array | None = None
+
+
+class Touch(NamedTuple):
+    """The pressure that asperities carry, shape (n, n), and their law."""
+
+    P: Array
+    asperities: Asperities
 
 
 def friction(
-    plane: Plane, contact: Contact, P: Array, H: Array, sliding: FloatLike, load: FloatLike, hertz_load: FloatLike
+    plane: Plane,
+    contact: Contact,
+    P: Array,
+    H: Array,
+    sliding: FloatLike,
+    load: FloatLike,
+    hertz_load: FloatLike,
+    P_asperity: Array | None = None,
 ) -> Friction:
-    """The friction of a film; traceable by JAX.
+    """The friction of a film; traceable by JAX.  P: of the oil; P_asperity: of asperities, where they touch.
 
     sliding: U S = u1 - u2 along X, in a/t0.  It need not be the sliding at which the film was computed.  load: what the
     film carries, in F*; without a load the coefficients are zero.  hertz_load: F* in units of a^2 p_h.
     """
     details = contact.flow.details(contact, P, H, sliding, plane)
-    return friction_of_details(plane, details, P, H, sliding, load, hertz_load)
+    return friction_of_details(plane, details, P, H, sliding, load, hertz_load, touch_of(contact, P_asperity))
+
+
+def touch_of(contact: Contact, P_asperity: Array | None) -> Touch | None:
+    """The solid contact, if there is any."""
+    return None if P_asperity is None or contact.asperities is None else Touch(P_asperity, contact.asperities)
 
 
 def friction_of_details(
-    plane: Plane, details: Details, P: Array, H: Array, sliding: FloatLike, load: FloatLike, hertz_load: FloatLike
+    plane: Plane,
+    details: Details,
+    P: Array,
+    H: Array,
+    sliding: FloatLike,
+    load: FloatLike,
+    hertz_load: FloatLike,
+    touch: Touch | None = None,
 ) -> Friction:
     """The friction from the details of the flow; the other arguments are those of `friction`."""
-    stress = jnp.where(P > 0.0, details.stress, 0.0)
+    stress, boundary = jnp.where(P > 0.0, details.stress, 0.0), None
+    if touch is not None:
+        boundary = jnp.sign(sliding) * touch.asperities.friction * touch.P
+        stress = stress.at[0].add(boundary)
     loss = details.heat + sliding * stress[0]
     force, resistance = shear_force(plane, stress), 0.5 * plane.push(H, P)
     carries = jnp.asarray(load) > 0.0
     per_load = jnp.where(carries, 1.0 / (jnp.where(carries, load, 1.0) * hertz_load), 0.0)
-    return Friction(stress, loss, per_load * force, per_load * resistance, plane.total(loss) / hertz_load)
+    share = None if boundary is None else per_load * plane.total(boundary)
+    return Friction(stress, loss, per_load * force, per_load * resistance, plane.total(loss) / hertz_load, share)
 
 
 def shear_force(plane: Plane, stress: Array) -> Array:
@@ -133,7 +169,10 @@ def numbers_of(friction: Friction) -> dict[str, Array]:
     """The numbers of a friction by name: forces over the load in a/R, the power loss in F* a^2/(R t0)."""
     sliding = friction.sliding
     others = {"mu_rolling": friction.rolling[0], "power_loss": friction.power}
-    return {"mu_sliding": sliding[0], "mu_sliding_y": sliding[1], **others}
+    boundary = {}
+    if friction.boundary is not None:
+        boundary = {"mu_boundary": friction.boundary, "mu_oil": sliding[0] - friction.boundary}
+    return {"mu_sliding": sliding[0], "mu_sliding_y": sliding[1], **boundary, **others}
 
 
 def coefficients(friction: Friction) -> dict[str, float]:
@@ -148,8 +187,9 @@ def whole_maps(whole: Callable[..., Any], level: Mapping[str, Any], friction: Fr
     """
     P, H = level["P"], level["H"]
     tau_x, tau_y = np.asarray(friction.stress)
-    oil = np.where(np.asarray(P) > 0.0, H, level["mass"])
-    fields = {"P": P, "H": H, "oil": oil, "tau_x": tau_x, "tau_y": tau_y, "loss": friction.loss}
+    oil = np.where(np.asarray(own_pressure(level)) > 0.0, H, level["mass"])
+    solid = {name: level[name] for name in ("P_asperity",) if name in level}
+    fields = {"P": P, **solid, "H": H, "oil": oil, "tau_x": tau_x, "tau_y": tau_y, "loss": friction.loss}
     return {name: np.asarray(whole(field, odd=name == "tau_y")) for name, field in fields.items()}
 
 
@@ -162,9 +202,10 @@ friction_program = Program(jax.jit(friction), ANY_SIZE)
 class Film(NamedTuple):
     """The film at one time.
 
-    P, H, eps: pressure, film thickness, mobility.  oil, passing: what is there and what passes with the flow, as mass.
-    heat: - rho q.grad h at the nodes.  deformation: of the solids.  growth: the rate of the oil + div(Poiseuille
-    flux) - source, which vanishes.  U: entrainment.  gap_change: DG/DT.
+    P, H, eps: pressure of the oil, film thickness, mobility.  oil, passing: what is there and what passes with the
+    flow, as mass.  heat: - rho q.grad h at the nodes.  deformation: of the solids.  growth: the rate of the oil +
+    div(Poiseuille flux) - source, which vanishes.  U: entrainment.  gap_change: DG/DT.  touch: None where no asperities
+    touch.
     """
 
     P: Array
@@ -177,6 +218,7 @@ class Film(NamedTuple):
     growth: Array
     U: FloatLike
     gap_change: FloatLike
+    touch: Touch | None = None
 
 
 class Moment(NamedTuple):
@@ -195,18 +237,29 @@ class Moment(NamedTuple):
 
 
 def account(
-    space: Plane, c: Contact, P: Array, H: Array, m: Moment, oil: Array, passing: Array, change: Array
+    space: Plane,
+    c: Contact,
+    P: Array,
+    H: Array,
+    m: Moment,
+    oil: Array,
+    passing: Array,
+    change: Array,
+    P_asperity: Array | None = None,
 ) -> tuple[dict[str, Array], Friction]:
     """The terms of the account of a film on the 2-D grid by name, and its friction.
 
-    oil: what is there, as mass.  passing: what passes with the flow.  change: the rate of the oil, following the flow.
+    P: of the oil; P_asperity: of asperities, where they touch.  oil: what is there, as mass.  passing: what passes with
+    the flow.  change: the rate of the oil, following the flow.
     """
     details = c.flow.details(c, P, H, m.sliding, space)
     source = c.flow.source(c, P, H)
     growth, deformed = change - inside(details.gain + source, c.even), H + m.approach - c.gap
-    film = Film(P, H, oil, passing, details.mobility, details.heat, deformed, growth, m.U, m.gap_change)
-    forces = friction_of_details(space, details, P, H, m.sliding, m.load, m.hertz_load)
+    touch = touch_of(c, P_asperity)
+    film = Film(P, H, oil, passing, details.mobility, details.heat, deformed, growth, m.U, m.gap_change, touch)
+    forces = friction_of_details(space, details, P, H, m.sliding, m.load, m.hertz_load, touch)
     terms = account_terms(space, c.lubricant, film, forces, m.hertz_load)
+    terms |= {} if touch is None else touch_terms(space, touch, H, m.load, m.hertz_load)
     if isinstance(source, Array):  # not the plain zero of surfaces without one
         source = inside(source, c.even)
         terms["inflow"] += space.total(jnp.maximum(source, 0.0))
@@ -222,7 +275,8 @@ def account_terms(
 
     hertz_load: F* in a^2 p_h.
     """
-    P, H, eps, U = film.P, film.H, film.eps, film.U
+    P, H, eps, U, touch = film.P, film.H, film.eps, film.U, film.touch
+    whole = P if touch is None else P + touch.P
     mass, enthalpy, compressed = film.oil, oil.enthalpy(P), oil.compression(P) * H
     squeezed_out = space.flow_out(eps, P)
     out = squeezed_out + U * space.along_x(film.passing)
@@ -232,15 +286,24 @@ def account_terms(
         "inflow": space.around(jnp.maximum(-out, 0.0)),
         "outflow": space.around(jnp.maximum(out, 0.0)),
         "cavity_source": space.total(jnp.where(P > 0.0, 0.0, film.growth)),
-        "elastic_energy": space.total(P * film.deformation) / 2 / hertz_load,
+        "elastic_energy": space.total(whole * film.deformation) / 2 / hertz_load,
         "oil_energy": space.total(compressed) / hertz_load,
         "dissipation": space.total(film.heat) / hertz_load,
-        "power_from_surfaces": space.total(P * jnp.maximum(-film.gap_change, 0.0)) / hertz_load,
-        "power_to_surfaces": space.total(P * jnp.maximum(film.gap_change, 0.0)) / hertz_load,
+        "power_from_surfaces": space.total(whole * jnp.maximum(-film.gap_change, 0.0)) / hertz_load,
+        "power_to_surfaces": space.total(whole * jnp.maximum(film.gap_change, 0.0)) / hertz_load,
         "outside_power": space.around(energy_out) / hertz_load,
-        "load": space.total(P),
+        "load": space.total(whole),
         **numbers_of(friction),
     }
+
+
+def touch_terms(space: Space, touch: Touch, H: Array, load: FloatLike, hertz_load: FloatLike) -> dict[str, Array]:
+    """The numbers of solid contact by name: its share of the load (in F*), area, pressure and energy."""
+    law = touch.asperities
+    carried, area = space.total(touch.P), {} if law.area is None else {"contact_area": space.total(law.touching(H))}
+    share = carried / jnp.maximum(jnp.asarray(load) * hertz_load, jnp.finfo(H.dtype).tiny)
+    energy = space.total(law.stored(H)) / hertz_load
+    return {"asperity_share": share, "P_asperity_max": touch.P.max(), **area, "asperity_energy": energy}
 
 
 def with_outside(

@@ -11,6 +11,10 @@ Poiseuille flux of a Newtonian oil is -eps grad P, so that between tight surface
 D/DT = d/dT + U d/dX is the rate of change following the mean flow (`flow`): squeeze and wedge are one term.  Impact has
 U = 0 (eq. 1) and rolling has U = 1.  Otherwise they differ only in the scales and in the equation for Delta.
 All quantities are dimensionless: X = x/a, H = h R/a^2, P = p/p_h, T = t/t0.  Fields have shape (n, n), index [Y, X].
+
+Where asperities touch they carry a part of the pressure, P = P_f + P_c(H) (`touch`).  The total pressure P deforms the
+bodies and carries the load.  The functions of the oil here (`mass`, `mobility`, `residual`, `steady_oil`, `oil_there`)
+take its own pressure P_f in place of P.
 """
 
 from dataclasses import dataclass, field, fields, is_dataclass
@@ -23,6 +27,7 @@ from jax import Array
 from jax.tree_util import register_dataclass
 
 from ertel.equations.flow import OilContent, Rate, downstream, flow_aligned, upstream_of, void_downstream
+from ertel.equations.touch import Asperities
 from ertel.numerics import halfspace
 from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
 from ertel.numerics.integrals import Plane
@@ -108,6 +113,7 @@ class Contact:
 
     gap: undeformed gap minus roughness, shape (n, n).  kernel: from `halfspace.spectrum`.  flow: how the pressure
     gradient drives the oil.  even: the axes about which fields are even and stored on one side (`stencils`).
+    asperities: None where none touch.
     """
 
     gap: Array
@@ -117,6 +123,7 @@ class Contact:
     lubricant: Lubricant
     even: Symmetry = field(default=NO_SYMMETRY, metadata={"static": True})
     flow: PressureFlow = NEWTONIAN_FLOW
+    asperities: Asperities | None = None
 
 
 def bare_contact(geometry: Geometry, grid: Grid, lambda_bar: float, lubricant: Lubricant) -> Contact:

@@ -11,13 +11,14 @@ from jax import Array
 from numpy.typing import NDArray
 
 from ertel.case.status import Status
-from ertel.numerics import bdf
-from ertel.numerics.grid import Grid
+from ertel.numerics import bdf, multigrid
+from ertel.numerics.grid import Grid, Symmetry
 from ertel.numerics.integrals import Plane
 from ertel.numerics.programs import ANY_SIZE, Program, exportable
-from ertel.numerics.stencils import FloatLike, integral
+from ertel.numerics.stencils import FloatLike, integral, total
 
 Field = Any  # an array of NumPy or of JAX
+THIN = 0.1  # of the film scale: below this the time error of a film is not taken relative to itself
 TIE = 1e-6  # relative difference of two extremes that mirror each other
 
 
@@ -33,10 +34,10 @@ class Work(NamedTuple):
 class State:
     """The contact at one time: T in t0, approach in delta*, velocity dDelta/dT, fields of shape (n, n) or (n,) by name.
 
-    The fields are P, H and others that a method needs to go on.  load, outside: the double integral of P on the grid
-    and outside it.  status, work, error, record: of the step that made this state: its outcome, its work, how far the
-    film is from its prediction (relative), and its numbers by name (those of `Stepper.measure` and of
-    `account`).
+    The fields are P, H and others that a method needs to go on; where asperities touch, P_asperity is their part of P.
+    load, outside: the double integral of P on the grid and outside it.  status, work, error, record: of the step that
+    made this state: its outcome, its work, how far the film is from its prediction (relative), and its numbers by name
+    (those of `Stepper.measure` and of `account`).
     """
 
     T: float
@@ -54,6 +55,11 @@ class State:
     def P(self) -> Field:
         """The pressure."""
         return self.fields["P"]
+
+    @property
+    def P_f(self) -> Field:
+        """The pressure of the oil."""
+        return own_pressure(self.fields)
 
     @property
     def H(self) -> Field:
@@ -74,6 +80,8 @@ def interpolated(levels: Sequence[State], T: float) -> State:
     }
     if "P" in fields:
         fields["P"] = fields["P"].clip(0.0)
+    if "P_asperity" in fields:
+        fields["P_asperity"] = fields["P_asperity"].clip(0.0, fields["P"])
     approach, velocity, outside, load = (
         float(combined(weights, [getattr(level, name) for level in levels]))
         for name in ("approach", "velocity", "outside", "load")
@@ -151,7 +159,29 @@ def unpacked(numbers: Mapping[str, Array]) -> dict[str, float]:
 _numbers = Program(jax.jit(lambda plane, P, H: packed(key_values(plane, P, H))), ANY_SIZE)
 
 
+def film_error(film: Array, predicted: Array, P: Array, thin: Array | float, even: Symmetry, coarsenings: int) -> Array:
+    """Relative difference of two films, root mean square over the load that P carries; `thin`: see `THIN`.
+
+    It is taken on a coarser grid: a pressure spike of a few cells that moves has an error at every node that it
+    passes, which does not grow into the film and would make the number of steps that of the nodes.
+    """
+    for _ in range(coarsenings):
+        film, predicted, P = (multigrid.restrict(field, even) for field in (film, predicted, P))
+    relative = (film - predicted) / (jnp.abs(film) + thin)
+    return jnp.sqrt(total(P * relative**2, even) / jnp.maximum(total(P, even), jnp.finfo(P.dtype).tiny))
+
+
 # -- the interfaces of methods ----------------------------------------------------------------------------------------
+
+
+def level_fields(P: Array, P_f: Array | None, H: Array, mass: Array) -> dict[str, Array]:
+    """The fields of a level.  P_f: the pressure of the oil, where asperities carry the rest of P; otherwise None."""
+    return {"P": P, **({} if P_f is None else {"P_asperity": P - P_f}), "H": H, "mass": mass}
+
+
+def own_pressure(fields: Mapping[str, Field]) -> Field:
+    """The pressure of the oil: P less what asperities carry."""
+    return fields["P"] - fields["P_asperity"] if "P_asperity" in fields else fields["P"]
 
 
 class StepNumbers(NamedTuple):

@@ -21,7 +21,7 @@ from ertel.physics.cams import Cam
 from ertel.physics.gears import Gear
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import Oscillation, Signal, Track
-from ertel.physics.registry import OIL_LAWS, SHAPES, Registry
+from ertel.physics.registry import ASPERITY_LAWS, OIL_LAWS, SHAPES, Registry
 from ertel.physics.units import MUST_BE_GIVEN, Amount, Field, Meaning, Unit, fields_of
 
 # -- keys that name an oil, a material or a file; `names` and `height_maps` replace them by numbers -------------------
@@ -197,6 +197,8 @@ def places() -> Iterator[Place]:
                 for law in laws:
                     if fields(laws[law]):
                         yield _table(f'{field} = {{ law = "{law}" }}', laws[law])
+        if name == "surfaces":
+            yield from (_table(f'asperities = {{ law = "{law}" }}', ASPERITY_LAWS[law]) for law in ASPERITY_LAWS)
         if name == "motion":
             yield _table("load, entrainment, ... = { ... }", Oscillation)
             yield _table("gear = { ... }", Gear)

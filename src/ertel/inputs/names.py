@@ -53,12 +53,25 @@ def without_names(data: Mapping[str, Any], folder: Path = Path()) -> dict[str, A
     (lubricant,) = _tables(data, "lubricant")
     if isinstance(file := lubricant.get("oils"), str):
         data = {**data, "lubricant": {**lubricant, "oils": str(folder / file)}}
-    resolved = _with_thermal_data(data)
+    resolved = _with_thermal_data(_with_hardness(data))
     for section, keys, resolve in (("lubricant", OIL_KEYS, _lubricant), ("contact", MATERIAL_KEYS, _contact)):
         written = data.get(section)
         if isinstance(written, Mapping) and any(key in written for key in keys):
             resolved[section] = named(section, resolve, written, data)
     return resolved
+
+
+def _with_hardness(data: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The data with the hardness of the softer named body, for asperities that have none of their own."""
+    surfaces, contact = _tables(data, "surfaces", "contact")
+    bodies = [oils.material(contact[key]) for key in MATERIAL_KEYS if contact.get(key) in oils.material_names()]
+    asperities = surfaces.get("asperities")
+    if isinstance(asperities, Mapping) and asperities.get("law") == "exponential":
+        return data  # it does not say the area that touches
+    known = [body.strength.data.hardness for body in bodies if body.strength]
+    if not known or not asperities or surfaces.get("hardness") is not None:
+        return data
+    return {**data, "surfaces": {**surfaces, "hardness": with_unit(min(known), STRESS)}}
 
 
 def _with_machine(data: Mapping[str, Any]) -> dict[str, Any]:

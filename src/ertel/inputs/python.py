@@ -18,7 +18,7 @@ from ertel.case.case import Case
 from ertel.case.conditions import FOREIGN, Conditions, Kind
 from ertel.case.reading import hint_for, parse_number
 from ertel.case.records import ConfigError, law_data, oil_data, refusing, show, with_own_numbers, with_unit
-from ertel.case.sections import Output, Solver, Thermal, Time
+from ertel.case.sections import Output, Solver, Surfaces, Thermal, Time
 from ertel.inputs.case_files import parse_case, with_all_units
 from ertel.inputs.layout import READER, Materials, NamedLubricant, field_names
 from ertel.inputs.quantities import NumberOrText, parse_quantity, plain_data
@@ -26,7 +26,7 @@ from ertel.physics import units
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Oil as Oil
 from ertel.physics.motion import Smooth
-from ertel.physics.registry import FLUIDITY_LAWS
+from ertel.physics.registry import ASPERITY_LAWS, FLUIDITY_LAWS
 from ertel.physics.surfaces import Feature, Shape
 from ertel.physics.units import HEIGHT, TEMPERATURE, TIME, Mark, Meaning, Quantity, marks, meanings, parameter_lines
 
@@ -77,6 +77,7 @@ class _Keywords(TypedDict, total=False):
     fold: bool | None
     motion: Mapping[str, Any] | None
     roughness: Sequence[Feature | Shape | Mapping[str, Any]]
+    surfaces: Mapping[str, Any] | None
     until: float | str | None
     step: float | str | None
     time_tolerance: float | None
@@ -119,6 +120,10 @@ SPECIAL: Mapping[str, Meaning] = {  # keywords that are no fields of a record
     "roughness": Meaning(
         "shapes, features (a shape on surface 1 or 2), or tables as [[roughness]] of a case file; heights are added"
     ),
+    "surfaces": Meaning(
+        "roughness as numbers and the asperities that touch, as [surfaces] of a case file; the law is a table, "
+        "{'law': 'persson', 'longest': '50 um', 'shortest': '1 um'}, or a record"
+    ),
     "time_tolerance": meanings(Time)["tolerance"],
     "thermal": Meaning(
         "data for the temperatures of a steady contact, as [thermal] of a case file (`ertel.case.sections.Thermal`); "
@@ -127,13 +132,18 @@ SPECIAL: Mapping[str, Meaning] = {  # keywords that are no fields of a record
     "name": Meaning("for titles and directories"),
 }
 GROUPS: Mapping[str, tuple[tuple[Any, ...], tuple[str, ...]]] = {  # of the keywords: records with them, and others
-    "contact": ((Materials, Conditions), ("roughness",)),
+    "contact": ((Materials, Conditions), ("roughness", "surfaces")),
     "oil": ((NamedLubricant, Oil), ("thermal",)),
     "grid": ((Solver,), ()),
     "time and output": ((Time, Output), ("time_tolerance", "motion", "name")),
 }
 # sections that are one keyword, with a key as it is written
-TABLES = {"lubricant": "oil=Oil({}=...)", "motion": "motion={{'{}': ...}}", "thermal": "thermal={{'{}': ...}}"}
+TABLES = {
+    "lubricant": "oil=Oil({}=...)",
+    "motion": "motion={{'{}': ...}}",
+    "surfaces": "surfaces={{'{}': ...}}",
+    "thermal": "thermal={{'{}': ...}}",
+}
 OFTEN = ("material_1", "material_2", "M", "L", "oil", "temperature", "method", "nodes", "until")  # most cases need
 
 
@@ -332,6 +342,7 @@ def _case(kind: Kind, given: Mapping[str, Any], keywords: Any) -> Case:
         "motion": values.get("motion"),
         "thermal": _with_units(values.get("thermal"), Thermal),
         "roughness": tables,
+        "surfaces": _surfaces(values.get("surfaces")),
         "time": time or None,
         "output": section(Output) or None,
     }
@@ -359,6 +370,14 @@ def _lubricant(values: Mapping[str, Any]) -> dict[str, Any] | None:
         data["rheology"] = law_data(law, FLUIDITY_LAWS) if hasattr(law, "fluidity") else law
     data |= {name: values[name] for name in ("layer", "layer_1", "layer_2") if name in values}
     return data or None
+
+
+def _surfaces(given: Any) -> Any:
+    """The section [surfaces], its law as a table."""
+    section = _with_units(given, Surfaces)
+    if isinstance(section, Mapping) and hasattr(law := section.get("asperities"), "curve"):
+        return {**section, "asperities": law_data(law, ASPERITY_LAWS)}
+    return section
 
 
 def _with_units(section: Any, record: Any) -> Any:

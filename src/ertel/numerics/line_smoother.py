@@ -1,7 +1,8 @@
 """Line smoother along X, for multigrid operators with a derivative along X:
 
-    e  ->  - div(eps grad e) + (rate + drift d/dX)(stretch * (K e) + local * e),     drift >= 0,
+    e  ->  - div(eps grad q) + (rate + drift d/dX)(stretch * (K e) + local * q),     drift >= 0,
 
+with q = e, or e + stiff * (K e) beside springs (`multigrid`),
 second-order upwind, first-order in the matrices of the lines.  For fields that oscillate in time, e exp(i omega T), the
 rate is complex: i omega.  Or the mass upstream is multiplied by a phase, with which waves that ride with the flow pass
 from node to node unchanged.
@@ -144,9 +145,13 @@ def line_smoother(
     flow, size = _Flow(rate, drift / elastic.spacing, phase), jnp.abs(rate)
     # the derivative multiplies short waves by 1/spacing, long ones by one
     short, long = (size + flow.drift_over_spacing) * elastic.near[0, 0], size + drift
-    stiffness = (SHORT_WAVES * short + LONG_WAVES * long) * c.stretch
-    diffusion = face_sum(c.eps, elastic.even) / elastic.spacing**2
-    jacobi = (diffusion > stiffness) & (largest_around(diffusion / c.stretch, elastic.even) > MODERATE * long)
+    stretch = c.stretch if c.springs is None else c.stretch + c.local * c.springs.stiff
+    stiffness = (SHORT_WAVES * short + LONG_WAVES * long) * stretch
+    diffusion = c.diffusion(elastic)
+    jacobi = (diffusion > stiffness) & (largest_around(diffusion / stretch, elastic.even) > MODERATE * long)
+    if c.springs is not None:
+        held_alone = c.springs.stiff < 1.0 + c.springs.stiff * elastic.near[0, 0]
+        jacobi = jnp.where(c.springs.flows > 0.0, jacobi, held_alone)
     by_jacobi, by_spread = jacobi * c.free, ~jacobi * c.free
     return LineSmoother(factorise(*_bands(elastic, c, by_spread, flow)), by_jacobi, by_spread, flow, elastic.even)
 
@@ -178,28 +183,42 @@ def _bands(elastic: DeformationOperator, c: Coefficients, by_spread: Array, flow
     upstream = 0.5 * (c.eps.x + _upstream(c.eps.x)) / elastic.spacing**2
     downstream = _upstream(upstream, -1)
 
+    def carried(k: int, at: int = 0) -> Array:
+        """q by a change k nodes upstream of a node which is `at` nodes downstream of the row's own."""
+        return _upstream(_carried(elastic, c, pattern, k + at), -at) if at else _carried(elastic, c, pattern, k)
+
     def diffused(k: int) -> Array:
         """By a change k nodes upstream."""
-        change, before, after = (_upstream(pattern.at(j) * c.free, k) for j in (k, k - 1, k + 1))
-        return centre * change - upstream * before - downstream * after
+        return centre * carried(k) - upstream * carried(k, -1) - downstream * carried(k, 1)
 
     def coupling(k: int) -> Array:
         """The entry in row i, column i - k: the change is k nodes upstream."""
         # couplings outside the three bands count too: without them the sum over a line can be negative
-        beyond = diffused(2 * k) if k else 0.0
-        return diffused(k) + beyond + _carried(elastic, c, pattern, k, flow)
+        beyond, held = (diffused(2 * k), carried(2 * k)) if k else (0.0, 0.0)
+        flowing = diffused(k) + beyond + _moved(elastic, c, pattern, k, flow)
+        return flowing if c.springs is None else c.with_held(elastic, flowing, carried(k) + held)
 
     across = 0.5 * (faces - upstream - downstream) * pattern.beside  # from the neighbours on other lines
+    if c.springs is not None:
+        across = c.springs.flows * across
     diagonal = jnp.where(c.free > 0.0, coupling(0) - across, 1.0)
     return coupling(1) * c.free, diagonal, coupling(-1) * c.free
 
 
-def _carried(elastic: DeformationOperator, c: Coefficients, pattern: _Pattern, k: int, flow: _Flow) -> Array:
+def _carried(elastic: DeformationOperator, c: Coefficients, pattern: _Pattern, k: int) -> Array:
+    """q, k nodes downstream of a change."""
+    change = _upstream(pattern.at(k) * c.free, k)
+    if c.springs is None:
+        return change
+    return c.carried(change, _upstream(pattern.deformation(elastic.near, k) * c.free, k))
+
+
+def _moved(elastic: DeformationOperator, c: Coefficients, pattern: _Pattern, k: int, flow: _Flow) -> Array:
     """(rate + drift d/dX)(stretch K + local), k nodes downstream of a change."""
 
     def mass(k: int) -> Array:
-        change, deformation = (_upstream(f, k) for f in (pattern.at(k) * c.free, pattern.deformation(elastic.near, k)))
-        return c.stretch * deformation + c.local * change
+        deformation = _upstream(pattern.deformation(elastic.near, k), k)
+        return c.stretch * deformation + c.local * _carried(elastic, c, pattern, k)
 
     def slope(k: int) -> Array:
         return flow.drift_over_spacing * (mass(k) - flow.phase * _upstream(mass(k - 1)))

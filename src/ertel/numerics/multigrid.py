@@ -2,13 +2,15 @@
 
 On every grid the operator is
 
-    e  ->  - div(eps grad e) + stretch * (K e) + local * e        (zero where a node is not free)
+    e  ->  - div(eps grad q) + stretch * (K e) + local * q,    q = e        (zero where a node is not free)
 
 eps has values along X and along Y (`stencils.Pair`).  It is almost zero inside a contact, where the elastic deformation
 K e dominates, and very large outside, where diffusion dominates.  The smoother is chosen node by node: Jacobi where
 diffusion dominates, distributive Jacobi where the deformation dominates.  Distributive Jacobi spreads a change as
 (1; -1/4 to the four neighbours); the deformation of such a change is short-ranged.  Only neighbours that are smoothed
 in the same way take a share: where diffusion dominates, it would leave a residual far larger than the one it removes.
+
+With springs beside the fluid (`Springs`) q = e + stiff * (K e), and a node without flow has the row hold * q.
 
 Source: Venner CH, Lubrecht AA. Multilevel methods in lubrication. Elsevier; 2000, ch. 6 and 7, written here for arrays.
 """
@@ -29,6 +31,7 @@ from ertel.numerics import halfspace
 from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
 from ertel.numerics.stencils import Pair, diffusion, extended, face_sum
 
+NEAR = 6  # coefficients of the nearest nodes that smoothers use
 JACOBI_DAMPING = 0.8
 DISTRIBUTIVE_DAMPING = 0.7
 SPREAD_DIFFUSION = 2.0  # 1.25 is the diagonal, but the shortest wave has 4 and would grow where eps is large
@@ -55,6 +58,14 @@ class DeformationOperator:
         return halfspace.surface_displacement(self.spectrum, e, self.even)
 
 
+class Springs(NamedTuple):
+    """Springs beside the fluid: their stiffness; 1 where the fluid flows; and the size of the fluid's other terms."""
+
+    stiff: Array
+    flows: Array
+    unit: Array
+
+
 class Coefficients(NamedTuple):
     """The operator's coefficients on one grid, each of the grid's shape; free is 1 where e may be non-zero.
 
@@ -66,6 +77,26 @@ class Coefficients(NamedTuple):
     local: Array
     free: Array
     steepening: Array | float = 0.0
+    springs: Springs | None = None
+
+    def diffusion(self, elastic: DeformationOperator) -> Array:
+        """The diagonal of - div(eps grad), shape of the grid."""
+        return face_sum(self.eps, elastic.even) / elastic.spacing**2
+
+    def carried(self, e: Array, Ke: Array) -> Array:
+        """q."""
+        return e if self.springs is None else e + self.springs.stiff * Ke
+
+    def with_held(self, elastic: DeformationOperator, flowing: Array, q: Array) -> Array:
+        """The rows of a grid: those of the nodes with flow are given."""
+        if self.springs is None:
+            return flowing
+        return jnp.where(self.springs.flows > 0.0, flowing, self.hold(elastic) * q)
+
+    def hold(self, elastic: DeformationOperator) -> Array:
+        """The weight of a row without flow beside springs: the size of its neighbours'."""
+        assert self.springs is not None
+        return self.springs.unit + self.diffusion(elastic)
 
 
 class Smoother(Protocol):
@@ -129,7 +160,11 @@ def deformation_operators(
 
 
 def _elasticity(grid: Grid, compliance: float, dtype: str, reach: float) -> DeformationOperator:
-    near = compliance * halfspace.love_coefficients(4, 4, grid.spacing)
+    if grid.nodes_y == 1:
+        near = halfspace.line_coefficients(NEAR, grid.spacing, reach)
+    else:
+        near = halfspace.love_coefficients(NEAR, NEAR, grid.spacing)
+    near = compliance * near
     spectrum = halfspace.spectrum(grid, compliance, dtype, reach)
     spacing = jax.device_put(np.asarray(grid.spacing, dtype))
     return DeformationOperator(spectrum, spacing, jax.device_put(near.astype(dtype)), grid.even)
@@ -137,13 +172,27 @@ def _elasticity(grid: Grid, compliance: float, dtype: str, reach: float) -> Defo
 
 def point_smoother(elastic: DeformationOperator, c: Coefficients) -> PointSmoother:
     """The smoother for an operator without a derivative along X."""
-    K, faces = elastic.near, face_sum(c.eps, elastic.even) / elastic.spacing**2
-    by_jacobi = faces > (SHORT_WAVES * K[0, 0] + LONG_WAVES) * c.stretch
+    K, faces, springs = elastic.near, c.diffusion(elastic), c.springs
+    # q by a change of a node, and by one that is spread
+    one: Array | float = 1.0
+    spread_one: Array | float = 1.0
+    stretch = c.stretch
+    if springs is not None:
+        one, spread_one = 1.0 + springs.stiff * K[0, 0], 1.0 + springs.stiff * (K[0, 0] - K[0, 1])
+        stretch = stretch + c.local * springs.stiff
+    by_jacobi = faces > (SHORT_WAVES * K[0, 0] + LONG_WAVES) * stretch
     diffused = jnp.maximum(faces + c.steepening, LEAST_DIAGONAL * faces)
-    jacobi = JACOBI_DAMPING / (diffused + c.stretch * K[0, 0] + c.local)
-    distributive = DISTRIBUTIVE_DAMPING / (SPREAD_DIFFUSION * diffused + c.stretch * (K[0, 0] - K[0, 1]) + c.local)
+    jacobi = diffused * one + c.stretch * K[0, 0] + c.local * one
+    spread_diffused = (SPREAD_DIFFUSION - 1.0 + spread_one) * diffused
+    distributive = spread_diffused + c.stretch * (K[0, 0] - K[0, 1]) + c.local * spread_one
+    if springs is not None:
+        flows, hold = springs.flows > 0.0, c.hold(elastic)
+        by_jacobi = jnp.where(flows, by_jacobi, springs.stiff < one)
+        jacobi = jnp.where(flows, jacobi, hold * one)
+        distributive = jnp.where(flows, distributive, hold * (spread_one + 0.25))
     alone, together = by_jacobi * c.free, ~by_jacobi * c.free
-    return PointSmoother(alone * jacobi, together * distributive, together, elastic.even)
+    by_one, by_spread = alone * (JACOBI_DAMPING / jacobi), together * (DISTRIBUTIVE_DAMPING / distributive)
+    return PointSmoother(by_one, by_spread, together, elastic.even)
 
 
 def hierarchy(
@@ -167,12 +216,16 @@ def hierarchy(
         levels.append(GridLevel(e, coefficients, smooth, operator or partial(_operate, e, coefficients, smooth)))
         operator = None
         eps = tree.map(partial(restrict, even=e.even, beyond="edge"), coefficients.eps)
-        coefficients = Coefficients(eps, *(c[::2, ::2] for c in coefficients[1:4]))
+        springs = tree.map(lambda c: c[::2, ::2], coefficients.springs)
+        stretch, local, free = (c[::2, ::2] for c in (coefficients.stretch, coefficients.local, coefficients.free))
+        coefficients = Coefficients(eps, stretch, local, free, springs=springs)
     return *levels[:-1], replace(levels[-1], inverse=_inverse(levels[-1]))
 
 
 def _operate(elastic: DeformationOperator, c: Coefficients, smoother: Smoother, e: Array, Ke: Array) -> Array:
-    return smoother.balance(c.stretch * Ke + c.local * e) - diffusion(c.eps, e, elastic.even) / elastic.spacing**2
+    q = c.carried(e, Ke)
+    flowing = smoother.balance(c.stretch * Ke + c.local * q) - diffusion(c.eps, q, elastic.even) / elastic.spacing**2
+    return c.with_held(elastic, flowing, q)
 
 
 def apply(level: GridLevel, e: Array, Ke: Array | None = None) -> Array:

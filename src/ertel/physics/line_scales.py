@@ -169,6 +169,11 @@ class LineScales(Scales):
         return self.length / 2
 
     @property
+    def area(self) -> float:
+        """Unit of an area of the surface (m^2): b over the whole length."""
+        return self.a * self.length
+
+    @property
     def force(self) -> float:
         """Unit of the integral of P (N): b p_h over the whole length."""
         return self.a * self.p_h * self.length

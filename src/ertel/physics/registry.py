@@ -5,8 +5,8 @@
     class Power: ...
 
 Other packages add laws and shapes through entry points in the groups "ertel.viscosity_laws", "ertel.density_laws",
-"ertel.fluidity_laws" and "ertel.shapes".  The name of the entry point is the name of the law; the entry point loads the
-record.
+"ertel.fluidity_laws", "ertel.asperity_laws" and "ertel.shapes".  The name of the entry point is the name of the law;
+the entry point loads the record.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -81,6 +81,7 @@ VISCOSITY_LAWS = Registry("viscosity law", "ertel.viscosity_laws")
 DENSITY_LAWS = Registry("density law", "ertel.density_laws")
 FLUIDITY_LAWS = Registry("fluidity law", "ertel.fluidity_laws")
 OIL_LAWS = {"viscosity": VISCOSITY_LAWS, "density": DENSITY_LAWS, "rheology": FLUIDITY_LAWS}  # by field of an oil
+ASPERITY_LAWS = Registry("law of asperities", "ertel.asperity_laws")
 SHAPES = Registry("shape", "ertel.shapes")
 
 

@@ -211,6 +211,11 @@ class Scales:
         return self.ellipse.approach * self.film
 
     @property
+    def area(self) -> float:
+        """Unit of an area of the surface (m^2): a^2."""
+        return self.a**2
+
+    @property
     def force(self) -> float:
         """Unit of the double integral of P (N): a^2 p_h."""
         return self.a**2 * self.p_h

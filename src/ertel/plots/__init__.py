@@ -45,11 +45,12 @@ from ertel.plots.interferograms import animation, interferogram, interferogram_o
 from ertel.plots.measurements import Overlay, measured, measured_view
 from ertel.plots.movies import movie
 from ertel.plots.view import WIDEST, View, of_two
+from ertel.results.figures import FIGURES_OF_MAPS, figures_of, is_line, is_steady
 from ertel.results.profiles import At
-from ertel.results.variables import FIGURES_OF_MAPS, figures_of, is_line, is_steady
 
 __all__ = [
-    "BLUE", "GREEN", "GREY", "NAMES", "ORANGE", "ORDERED_COLOURS", "NoFigure", "Sheet", "animation", "comparison",
+    "BLUE", "GREEN", "GREY", "NAMES", "ORANGE", "ORDERED_COLOURS", "NoFigure", "Sheet", "animation", "asperities",
+    "comparison",
     "convergence", "draw", "film", "friction", "front", "history", "interferogram", "maps", "measured", "midlines",
     "movie", "names_of", "oil", "overview", "pressure", "profiles", "side_by_side", "spacetime", "stress",
 ]  # fmt: skip
@@ -94,6 +95,7 @@ PANELS: Mapping[str, Rows | Callable[[View], Rows]] = {  # of each figure
     "overview": _overview_rows,
     "film": [[fields.draw_film_map]],
     "pressure": [[fields.draw_pressure_map]],
+    "asperities": [[fields.draw_asperity_map]],
     "oil": [[fields.draw_oil_map]],
     "maps": [[fields.draw_film_map, fields.draw_pressure_map]],
     "profiles": [[fields.draw_film_profiles, fields.draw_pressure_profiles]],
@@ -109,7 +111,7 @@ PANELS: Mapping[str, Rows | Callable[[View], Rows]] = {  # of each figure
     "stress": stresses.rows,
 }
 ASKED = ("stress",)  # it is computed when it is drawn, and drawn when it is asked for
-PARTS_IN_TIME = ("film", "pressure", "oil", "front", "spacetime", *ASKED)  # of another figure
+PARTS_IN_TIME = ("film", "pressure", "asperities", "oil", "front", "spacetime", *ASKED)  # of another figure
 PARTS_STEADY = ("oil", "maps", *ASKED)
 NAMES = tuple(PANELS)
 LOOKS = ((BLUE, "-"), (ORANGE, "--"))  # of two runs
@@ -262,6 +264,11 @@ def film(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> F
 def pressure(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:
     """Pressure over the surface, with contour lines at equal steps."""
     return draw(dataset, "pressure", at, **sheet)
+
+
+def asperities(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:
+    """Pressure of asperities over the surface, where they touch."""
+    return draw(dataset, "asperities", at, **sheet)
 
 
 def oil(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:

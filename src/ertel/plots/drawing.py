@@ -22,7 +22,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 
-from ertel.results.variables import MADE_BY, prefixed, unit_of
+from ertel.results.figures import MADE_BY
+from ertel.results.variables import prefixed, unit_of
 
 Values = NDArray[np.float64]
 Subject = TypeVar("Subject")

@@ -65,6 +65,15 @@ def draw_pressure_map(axes: Axes, view: View) -> None:
     draw_legend(axes, _draw_roughness(axes, view), view.is_turned)
 
 
+def draw_asperity_map(axes: Axes, view: View) -> None:
+    """Pressure of asperities that touch, with contour lines at equal steps."""
+    if "P_asperity" not in view.dataset:
+        raise NoFigure("asperities: none touch in this run; give surfaces.asperities")
+    top = max(view.largest("P_asperity"), 1e-6)  # something to divide where none touch yet
+    z = view.scale("P_asperity", top)
+    _draw_map(axes, view, view.map("P_asperity"), z, levels(top * z.factor), "OrRd")
+
+
 def draw_oil_map(axes: Axes, view: View) -> None:
     """The part of the gap that is filled with oil; the rest is void."""
     if "oil" not in view.dataset:
@@ -277,7 +286,8 @@ def draw_across_the_flow(axes: Axes, view: View) -> None:
 def _draw_section(axes: Axes, view: View, along: str, heading: str) -> None:
     """Draw film and pressure through the centre along "x" or "y", with the Hertz pressure."""
     middle = {} if view.geometry.is_line else {"Y" if along == "x" else "X": 0.0}
-    section = view.dataset[["H", "P"]].sel(middle, method="nearest")
+    section = view.dataset[[name for name in ("H", "P", "P_asperity") if name in view.dataset]]
+    section = section.sel(middle, method="nearest")
     x, H, P = (np.asarray(section[name].values) for name in (along.upper(), "H", "P"))
     central, across = float(view.dataset["H_c"].values[-1]), view.across.factor
     geometry, load = view.geometry, float(view.dataset["load"].values[-1])
@@ -287,6 +297,9 @@ def _draw_section(axes: Axes, view: View, along: str, heading: str) -> None:
     right = axes.twinx()
     right.plot(x * across, dry * p.factor, color=GREY, linewidth=0.8, linestyle="--")
     right.plot(x * across, P * p.factor, color=ORANGE)
+    if "P_asperity" in section:
+        carried = section["P_asperity"].values * p.factor
+        right.fill_between(x * across, carried, color=ORANGE, alpha=0.25, linewidth=0.0, label="of asperities")
     axes.plot(x * across, H * h.factor, color=BLUE)
     _draw_oil_below(axes, view, h)
     draw_measured(axes, view, "H", h, along)

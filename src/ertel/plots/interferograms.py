@@ -60,6 +60,8 @@ def seen_on(view: View, pixels: tuple[Values, Values], film_scale: float) -> xr.
     """
     H = np.maximum(_on_pixels(view, "H", *pixels, smooth=True), 0.0)
     P = np.maximum(_on_pixels(view, "P", *pixels, smooth=False), 0.0)
+    if "P_asperity" in view.dataset:
+        P = np.maximum(P - _on_pixels(view, "P_asperity", *pixels, smooth=False), 0.0)
     void = np.minimum(_on_pixels(view, "void", *pixels, smooth=False), H)
     values = {"film": H * film_scale, "density": view.case.lubricant.density(P), "void": void * film_scale}
     return xr.Dataset({name: field(*pixels, each) for name, each in values.items()})

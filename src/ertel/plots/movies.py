@@ -17,8 +17,8 @@ from matplotlib.axes import Axes
 from ertel.plots.drawing import NoFigure, compose
 from ertel.plots.fields import draw_film_map, draw_pressure_map
 from ertel.plots.view import Limits, View, require_maps
+from ertel.results.figures import MADE_BY, is_steady
 from ertel.results.profiles import between
-from ertel.results.variables import MADE_BY, is_steady
 
 PER_SECOND = 12.0  # frames
 SECONDS = 8.0  # of a movie

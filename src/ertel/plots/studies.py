@@ -16,6 +16,7 @@ from matplotlib.ticker import MaxNLocator, NullFormatter
 
 from ertel.plots.drawing import (
     BLUE,
+    GREEN,
     GREY,
     ORANGE,
     ORDERED_COLOURS,
@@ -175,7 +176,7 @@ def _value_text(value: xr.DataArray) -> str:
 
 # -- traction curves --------------------------------------------------------------------------------------------------
 
-COLOURS = (BLUE, ORANGE, PURPLE)  # of the numbers of a panel; those without heat are grey beside those with it
+COLOURS = (BLUE, ORANGE, PURPLE, GREEN)  # of the numbers of a panel; those without heat are grey beside those with it
 
 
 def _traction_figure(dataset: xr.Dataset, sheet: Sheet) -> Figure:

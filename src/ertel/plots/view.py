@@ -19,18 +19,11 @@ from ertel.physics.geometry import Geometry
 from ertel.plots.drawing import NoFigure, Scale, Values
 from ertel.results.alignment import NOT_FULL, Comparison
 from ertel.results.dataset import maps_of
+from ertel.results.figures import figures_of, is_line
 from ertel.results.numbers import plus_minus
 from ertel.results.parameters import geometry_of
 from ertel.results.profiles import At, is_without_moments, mirrored, moment_of
-from ertel.results.variables import (
-    COEFFICIENT,
-    FILMS,
-    figures_of,
-    is_line,
-    names_where,
-    with_clock,
-    with_prefix,
-)
+from ertel.results.variables import COEFFICIENT, FILMS, names_where, with_clock, with_prefix
 
 MARGIN, WIDEST = 1.3, 2.0  # of what is shown round the contact, at most so many half widths from its centre
 LOADED = 0.02  # of the maximum pressure or load: with less the film carries nothing

@@ -62,6 +62,7 @@ def in_time(case: Case, data: "xr.Dataset") -> dict[str, dict[str, float | None]
         "kinetic": stored["kinetic"],
         "elastic": stored["elastic_energy"],
         "oil": stored["oil_energy"],
+        **({"asperities": stored["asperity_energy"]} if "asperity_energy" in stored else {}),
         "dissipated": sums["dissipation"],
         "outside": sums["outside_power"],
         "work_of_load": float(of_load.sum()),

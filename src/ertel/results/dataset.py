@@ -21,14 +21,9 @@ import xarray as xr
 from ertel.case.case import Case
 from ertel.case.height_map import HeightMap
 from ertel.results import variables
+from ertel.results.figures import is_line, is_steady
 from ertel.results.parameters import parameters_of, scale_values
-from ertel.results.variables import (
-    is_steady,
-    named_with_unit,
-    names_where,
-    variable_attributes,
-    with_coefficients,
-)
+from ertel.results.variables import named_with_unit, names_where, variable_attributes, with_coefficients
 from ertel.version import installed_version
 
 Arrays = dict[str, tuple[tuple[str, ...], Any]]  # dimensions and values by the name of the variable
@@ -46,8 +41,9 @@ class Frame(NamedTuple):
 
 def names_over(case: Case, *over: str) -> list[str]:
     """The names of the variables that the Dataset of a case has over these; of a line contact none across it."""
-    line = case.geometry.is_line
-    return names_where(lambda variable: variable.over in over and not (line and variable.is_across))
+    line, touches = case.geometry.is_line, case.touches
+    there = names_where(lambda variable: variable.over in over and (touches or not variable.of_touch))
+    return [name for name in there if not (line and variables.VARIABLES[name].is_across)]
 
 
 def columns(case: Case, records: Sequence[Mapping[str, float]]) -> dict[str, np.ndarray]:
@@ -244,7 +240,7 @@ def to_vtk(dataset: xr.Dataset, directory: Path) -> list[Path]:
     Y, X = ("Y", "X") if "Y" in dataset.dims else ("y", "x")
     names = [str(name) for name, values in dataset.data_vars.items() if values.dims[-2:] == (Y, X)]
     if not names:
-        run = "line contact" if variables.is_line(dataset.attrs) else f"{dataset.attrs['method']} run"
+        run = "line contact" if is_line(dataset.attrs) else f"{dataset.attrs['method']} run"
         raise ValueError(f"maps for ParaView: a {run} has profiles only; use netcdf or csv")
     x, y = (dataset[axis].values.tolist() for axis in (X, Y))  # of NumPy they would be written as np.float64(...)
     origin, spacing = (x[0], y[0], 0.0), (x[1] - x[0], y[1] - y[0], 1.0)

@@ -77,6 +77,8 @@ def steady_failure(case: Case, solution: "SteadyGrid") -> str:
     if not solution.status.is_solved:
         why = f"residual {solution.residual:.2g}, {case.solver.tolerance:g} is allowed"
         why = why if isfinite(solution.residual) else "the iteration led to values that are not numbers"
+        if case.touches and _cells(case, case.motion.entrainment(0.0))[0] < CELLS_IN_FRONT:
+            return f"the solution failed ({why}): {no_film(case)}"
         return f"the solution failed ({why}), and the run has no result; {solution.status.advice}"
     return "" if solution.measure()["H_min"] > 0.0 else no_film(case)
 

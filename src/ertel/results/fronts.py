@@ -11,9 +11,9 @@ from ertel.physics import film_formulas
 from ertel.physics.line_films import expected_line_film
 from ertel.physics.line_scales import LineParameters
 from ertel.physics.scales import Parameters
+from ertel.results.figures import is_line
 from ertel.results.parameters import geometry_of
 from ertel.results.profiles import events_of
-from ertel.results.variables import is_line
 
 Values = NDArray[np.float64]
 FrontDefinition = Literal["film", "slope", "half-hertz"]

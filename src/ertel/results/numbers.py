@@ -17,6 +17,7 @@ from ertel.case.status import Status
 from ertel.physics.line_scales import LineScales
 from ertel.physics.scales import Scales
 from ertel.physics.temperature_laws import ZERO_CELSIUS
+from ertel.results.figures import is_line
 from ertel.results.parameters import geometry_of
 from ertel.results.variables import (
     COEFFICIENT,
@@ -28,7 +29,6 @@ from ertel.results.variables import (
     Variable,
     along_a_line,
     in_celsius,
-    is_line,
     names_where,
     stored_in,
     unit_of,
@@ -351,7 +351,7 @@ def _stress_line(summary: Outcome) -> Iterator[str]:
         return
     shown = {name: each.text_in_si or each.text for name, each in table.items()}
     place = ", ".join(f"{name[0].lower()} = {shown[name]}" for name in ("X_von_mises", "Y_von_mises") if name in table)
-    of_yield = f", {shown['yield_ratio']} of the yield stress" if "yield_ratio" in table else ""
+    of_yield = f", {shown['yield_ratio']} of the yield stress of hardened steel" if "yield_ratio" in table else ""
     where = f"{shown['Z_von_mises']} deep at {place}"
     shear = f"largest shear stress {shown['shear_max']}, {shown['Z_shear']} deep"
     yield f"largest von Mises stress in body 1: {shown['von_mises_max']}{of_yield}, {where}; {shear}"

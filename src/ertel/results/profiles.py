@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from ertel.case.status import Status
 from ertel.physics.units import TIME, Quantity, in_si, si_numbers
 from ertel.results.dataset import with_units
-from ertel.results.variables import EVENTS, VARIABLES, is_line, is_steady, shifted, to_si, with_clock, with_prefix
+from ertel.results.figures import is_line, is_steady
+from ertel.results.variables import EVENTS, VARIABLES, shifted, to_si, with_clock, with_prefix
 
 Values = NDArray[np.float64]
 # a time in t0 or with its unit, an event, or None: maximum approach, or the last map

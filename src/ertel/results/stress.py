@@ -55,10 +55,12 @@ def shear_on_body(fields: Mapping[str, Values], spacing: float, body: int) -> tu
     """The shear stress that the film exerts on a body along X and Y, in p_h a/R.
 
     -tau_m - (H/2) grad P on body 1, tau_m - (H/2) grad P on body 2, 0 where P = 0; see `equations.account`.  Its
-    integral over the load is minus the friction coefficient of the surface.  fields: P, H, tau_x, tau_y, (n_y, n_x).
+    integral over the load is minus the friction coefficient of the surface.  fields: P, H, tau_x, tau_y, (n_y, n_x),
+    and P_asperity, the part of P that drives no oil; tau_m has the friction of asperities.
     """
     P, sign = fields["P"], -1.0 if body == 1 else 1.0
-    slopes = [np.gradient(P, spacing, axis=axis) if P.shape[axis] > 1 else 0.0 * P for axis in (1, 0)]
+    of_oil = P - fields.get("P_asperity", 0.0)
+    slopes = [np.gradient(of_oil, spacing, axis=axis) if P.shape[axis] > 1 else 0.0 * P for axis in (1, 0)]
     stresses = [sign * fields[f"tau_{n}"] - 0.5 * fields["H"] * each for n, each in zip("xy", slopes, strict=True)]
     return np.where(P > 0.0, stresses[0], 0.0), np.where(P > 0.0, stresses[1], 0.0)
 
@@ -70,7 +72,7 @@ def loads_on(case: Case, maps: Maps, body: int = 1) -> Loads:
     """
     nu = case.contact.nu1 if body == 1 else case.contact.nu2
     unit = case.scales.a_over_R if case.scales else 0.0
-    fields = {name: np.atleast_2d(maps[name]) for name in ("P", "H")}
+    fields = {name: np.atleast_2d(maps[name]) for name in ("P", "P_asperity", "H") if name in maps}
     for name in ("tau_x", "tau_y"):
         fields[name] = np.atleast_2d(maps.get(f"{name}_warm", maps.get(name, 0.0 * fields["P"])))
     if "r" in maps:
@@ -111,7 +113,7 @@ def stress(
         raise ValueError(f"body = {body!r}: must be 1 or 2")
     if along not in (*ALONG, None) or (along == "y" and case.geometry.is_line):
         raise ValueError(f'along = {along!r}: must be "x", "y" (not of a line contact), or None for all nodes')
-    maps, moment = fields_at(dataset, ("P", "H", "tau_x", "tau_y", "tau_x_warm", "tau_y_warm"), at)
+    maps, moment = fields_at(dataset, ("P", "P_asperity", "H", "tau_x", "tau_y", "tau_x_warm", "tau_y_warm"), at)
     loads = loads_on(case, maps, body)
     if not loads.p.any():
         raise ValueError(f"at = {at!r}: the film carries no load there")

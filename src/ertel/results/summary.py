@@ -23,6 +23,7 @@ from ertel.results.numbers import ERRORS
 from ertel.results.parameters import parameters_of, scale_values, values_in_si
 from ertel.results.profiles import moment_of
 from ertel.results.stress import stress_numbers
+from ertel.results.touching import film_over_roughness, touch_warnings
 from ertel.results.variables import (
     COEFFICIENT,
     FILMS,
@@ -188,7 +189,7 @@ def _contact(data: xr.Dataset, status: Status) -> dict[str, float | None]:
     if status.failed or not left:
         return dict.fromkeys(names_where(lambda variable: variable.of_impact))
     above = np.flatnonzero(F > LIGHT * F.max())
-    ends = [max(above[0] - 1, 0), above[0]], [above[-1] + 1, above[-1]]  # the lighter side first
+    ends = [max(above[0] - 1, 0), above[0]], [min(above[-1] + 1, len(T) - 1), above[-1]]  # the lighter side first
     start, end = (float(np.interp(LIGHT * F.max(), F[pair], T[pair])) for pair in ends)
     return {"restitution": -float(V[-1]), "contact_time": end - start, "F_max": float(F.max())}
 
@@ -219,8 +220,10 @@ def _summary(case: Case, content: Mapping[str, Any], status: Status, warnings: l
 
     A traction coefficient along y that is zero is left out: most contacts have the symmetry.
     """
+    warnings = [*warnings, *touch_warnings(case, content)]
     heading = {"kind": case.kind, "method": case.solver.method, **parameters_of(case), **dict.fromkeys(ERRORS)}
     known = {name: value for name, value in content.items() if value or name != "mu_sliding_y"}
+    known |= film_over_roughness(case, content)
     return with_si(case, {**heading, **_finite(known), "status": status.value, "warnings": warnings})
 
 

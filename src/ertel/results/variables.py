@@ -46,6 +46,7 @@ class Variable:
     panel, curve_panel: the panel that draws it in the picture of a study, and of a traction curve.
     is_heated: heat changes it; the number with heat has the name with _warm, and is shown in its place.
     is_across: it is about the direction across the flow, in which nothing of a line contact changes: it has none.
+    of_touch: only a contact whose asperities touch has it.
     """
 
     long_name: str
@@ -64,6 +65,7 @@ class Variable:
     curve_panel: str = ""
     is_heated: bool = False
     is_across: bool = False
+    of_touch: bool = False
 
     def factor(self, scales: Scales) -> float:
         """The value of 1 in SI."""
@@ -75,6 +77,7 @@ TIME = ("t0", "t0", "s")
 LENGTH = ("a*", "a", "m")
 FILM = ("a*^2/R", "film", "m")
 PRESSURE = ("p_h*", "p_h", "Pa")
+AREA = ("a*^2", "area", "m2")
 FORCE = ("F*", "load", "N")
 LOAD = ("a*^2 p_h*", "force", "N")
 ENERGY = ("F* a*^2/R", "energy", "J")
@@ -86,9 +89,7 @@ NUMBER = ("a*/R", COEFFICIENT, "1")
 RING = "in an axisymmetric contact the place is a ring: X is its radius, Y is 0"
 AMBIENT = "in SI a volume: that of the oil at ambient pressure"
 PUSHED = "the force of surface 1 on surface 2 over the load of the film, positive along X"
-RESISTANCE = (
-    "of each surface: (1/2) double integral of H dP/dX over the load of the film, positive against motion along X"
-)
+RESISTANCE = "of each surface: (1/2) double integral of H dP/dX over the load of the film, positive against motion"
 LOSS = "heat of sliding and of the pressure-driven flow"
 # where a number is shown
 MOMENT: dict[str, Any] = {"at_moment": True}
@@ -98,6 +99,8 @@ IMPACT: dict[str, Any] = {"of_impact": True, "has_error": True}
 THICKNESS = "Film thickness"  # the panel of films
 FILMS_SHOWN: dict[str, Any] = {**FRICTION, "panel": THICKNESS, "curve_panel": "Film", "is_heated": True}
 TRACTION: dict[str, Any] = {**FRICTION, "panel": "Traction", "curve_panel": "Traction", "is_heated": True}
+SOLID: dict[str, Any] = {"panel": "Solid contact", "curve_panel": "Solid contact", "of_touch": True}
+BOUNDARY: dict[str, Any] = {**FRICTION, "curve_panel": "Traction", "of_touch": True}
 
 # The one table, and the one order of all numbers.  A new number is a line here, beside the place where it is computed.
 AXES = {
@@ -131,12 +134,19 @@ STEPS = {  # and grids
         "traction coefficient along y", "mu_sliding_y", *NUMBER, comment=PUSHED.replace("X", "Y"),
         **FRICTION, is_heated=True, is_across=True,
     ),
+    "mu_boundary": Variable(
+        "boundary part of the traction coefficient", "mu_boundary", *NUMBER, comment="of asperities", **BOUNDARY
+    ),
+    "mu_oil": Variable("oil's part of the traction coefficient", "mu_oil", *NUMBER, **BOUNDARY),
     "mu_rolling": Variable(
         "rolling resistance coefficient", "mu_rolling", *NUMBER, comment=RESISTANCE, **FRICTION, curve_panel="Traction"
     ),
     "power_loss": Variable(
         "power loss", "power_loss", *POWER, comment=LOSS, **FRICTION, curve_panel="Power loss", is_heated=True
     ),
+    "asperity_share": Variable("share of the load that asperities carry", "share", **FRICTION, **SOLID),
+    "contact_area": Variable("area of solid contact", "A_c", *AREA, **ESTIMATED, of_touch=True),
+    "P_asperity_max": Variable("maximum pressure of asperities", "P_c,max", *PRESSURE, **MOMENT, of_touch=True),
     "V": Variable("approach speed", "dDelta/dT", "a*^2/(R t0)", "speed", "m/s"),
     "X_P_max": Variable("place of the maximum pressure along x", "X_P_max", *LENGTH, comment=RING),
     "Y_P_max": Variable("place of the maximum pressure along y", "Y_P_max", *LENGTH, comment=RING, is_across=True),
@@ -148,6 +158,7 @@ STEPS = {  # and grids
     "cavity_source": Variable("oil that cavities make, zero to round-off", "m_c", *OIL_FLOW, comment=AMBIENT),
     "elastic_energy": Variable("elastic energy of the solids", "E_solids", *ENERGY),
     "oil_energy": Variable("elastic energy of the compressed oil", "E_oil", *ENERGY),
+    "asperity_energy": Variable("elastic energy of asperities", "E_asperities", *ENERGY, of_touch=True),
     "dissipation": Variable("viscous dissipation of the pressure-driven flow", "D", *POWER),
     "power_from_surfaces": Variable("power of the moving surfaces where the gap closes", "S_in", *POWER),
     "power_to_surfaces": Variable("power given back where the gap opens", "S_out", *POWER),
@@ -192,12 +203,14 @@ RUNS = {  # of a run as a whole, or of a traction curve
     "T_1_max": Variable("highest temperature of surface 1", "T_1_max", KELVIN, curve_panel="Temperature"),
     "T_2_max": Variable("highest temperature of surface 2", "T_2_max", KELVIN, curve_panel="Temperature"),
     "T_film_mean": Variable("mean temperature of the film, weighted with the pressure", "T_film_mean", KELVIN),
+    "Lambda": Variable("minimum film over rms roughness", "Lambda", shown=True, curve_panel="Film over roughness"),
     "phi_T": Variable("inlet factor of the film", "phi_T", curve_panel="Inlet factor"),
     "L_t": Variable("thermal loading parameter", "L_t"),
     "wall_time": Variable("time of computing", "t_wall", "s"),
 }  # fmt: skip
 MAPS = {
     "P": Variable("pressure", "P", *PRESSURE),
+    "P_asperity": Variable("pressure of asperities", "P_asperity", *PRESSURE, comment="a part of P", of_touch=True),
     "H": Variable("film thickness", "H", *FILM),
     "oil": Variable("oil in the gap, H where it is full", "H_oil", *FILM, "h_oil"),
     "tau_x": Variable("shear stress in the middle of the film along x", "tau_x", *SHEAR),
@@ -229,12 +242,6 @@ def _all() -> Iterator[tuple[str, Variable]]:
 
 VARIABLES = dict(_all())
 FILMS = ("H_c", "H_min")
-MADE_BY = "ertel, with Matplotlib"  # in the files of pictures and movies: who drew them
-FIGURES_IN_TIME = (
-    "overview", "film", "pressure", "oil", "maps", "profiles", "history", "friction", "front", "spacetime", "stress",
-)  # fmt: skip
-FIGURES_STEADY = ("overview", "film", "pressure", "oil", "maps", "midlines", "convergence", "friction", "stress")
-FIGURES_OF_MAPS = ("film", "pressure", "oil", "maps")  # which a line contact does not have
 
 
 def names_where(chosen: Callable[[Variable], Any]) -> list[str]:
@@ -251,14 +258,9 @@ def stored_in(there: Container[Any], chosen: Callable[[Variable], Any], cold: bo
     return {each: VARIABLES[name] for name, each in found.items() if cold or f"{name}_warm" not in found}
 
 
-def is_line(about: Mapping[str, Any]) -> bool:
-    """Whether a summary, or the attributes of a Dataset, are those of a line contact."""
-    return about.get("radius_ratio") == 0
-
-
 def along_a_line(unit: str) -> str:
     """A unit of an integral over the surface as that of an integral along a line contact, for each length across."""
-    return re.sub(r"(a\*?)\^2 p_h", r"\1 p_h", re.sub(r"(a\*?)\^4", r"\1^3", unit))
+    return re.sub(r"(a\*?)\^2(?= p_h|$)", r"\1", re.sub(r"(a\*?)\^4", r"\1^3", unit))
 
 
 def unit_of(kind: str, unit: str) -> str:
@@ -274,17 +276,6 @@ def unit_of(kind: str, unit: str) -> str:
 def name_in_si(name: str) -> str:
     """The name of a variable in SI; its own where it has no unit."""
     return (name in VARIABLES and VARIABLES[name].si_name) or name
-
-
-def is_steady(dataset: "xr.Dataset") -> bool:
-    """Return whether a Dataset holds a steady contact, on its grids, and not a run in time."""
-    return "grid" in dataset.dims
-
-
-def figures_of(dataset: "xr.Dataset") -> tuple[str, ...]:
-    """The names of the figures that a run has, see `ertel.plots`."""
-    names = FIGURES_STEADY if is_steady(dataset) else FIGURES_IN_TIME
-    return tuple(name for name in names if not (is_line(dataset.attrs) and name in FIGURES_OF_MAPS))
 
 
 def with_coefficients(values: Mapping[str, Any], scales: Scales | None) -> dict[str, Any]:
@@ -376,10 +367,10 @@ def prefixed(unit: str, largest: float) -> tuple[float, str]:
 
     Quotients and temperatures have no prefix, a plain number has no unit.
     """
-    power = 0
+    power, times = 0, {"m2": 2, "m3": 3}.get(unit, 1)  # a prefix of an area counts twice
     if abs(largest) > 0 and "/" not in unit and unit not in ("1", KELVIN, CELSIUS):
-        power = min(max(3 * floor(log10(abs(largest)) / 3 + 0.1), min(PREFIXES)), max(PREFIXES))
-    return 10.0**power, "" if unit == "1" else PREFIXES[power] + unit
+        power = min(max(3 * floor(log10(abs(largest)) / (3 * times) + 0.1), min(PREFIXES)), max(PREFIXES))
+    return 10.0 ** (power * times), "" if unit == "1" else PREFIXES[power] + unit
 
 
 def in_celsius(values: Any, unit: str) -> tuple[Any, str]:

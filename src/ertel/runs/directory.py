@@ -48,8 +48,9 @@ from ertel.case.conditions import Kind
 from ertel.case.status import Status
 from ertel.inputs.case_files import ConfigError, parse_case, read_toml, to_toml
 from ertel.results.earlier import as_now, from_touch
+from ertel.results.figures import FIGURES_IN_TIME, FIGURES_STEADY, MADE_BY
 from ertel.results.numbers import Number, lines, scalars
-from ertel.results.variables import FIGURES_IN_TIME, FIGURES_STEADY, MADE_BY, TOUCH, with_clock
+from ertel.results.variables import TOUCH, with_clock
 from ertel.runs.files import LOCK, StoreError, content_of, is_locked, reading, replace, sync_directory, unsealed, within
 
 if TYPE_CHECKING:  # it brings JAX, which readers do not need

@@ -45,6 +45,7 @@ Observer = Callable[[Any], object]
 
 COUNTED = ("approach", "residual", "newton", "krylov", "convolutions", "outside")  # the plain numbers of a GridSolution
 FIELDS = ("P", "H", "history")
+OPTIONAL = ("kinked", "P_asperity")  # fields that only some films have
 
 
 @dataclass(frozen=True)
@@ -94,7 +95,7 @@ class SteadyRun:
         arrays["status"] = np.asarray(result.status.value)
         for i, s in enumerate(solutions):
             arrays |= {f"{name}_{i}": np.asarray(getattr(s, name)) for name in FIELDS}
-            arrays |= {} if s.kinked is None else {f"kinked_{i}": np.asarray(s.kinked)}
+            arrays |= {f"{n}_{i}": np.asarray(v) for n in OPTIONAL if (v := getattr(s, n)) is not None}
         return arrays
 
     def from_arrays(self, arrays: Arrays) -> GridStep:
@@ -103,7 +104,7 @@ class SteadyRun:
             stored = {name: arrays[name][i].item() for name in COUNTED}
             stored |= {name: jax.device_put(arrays[f"{name}_{i}"]) for name in ("P", "H")}
             stored |= {"history": tuple(arrays[f"history_{i}"].tolist()), "status": Status(status)}
-            stored |= {"kinked": arrays[f"kinked_{i}"]} if f"kinked_{i}" in arrays else {}
+            stored |= {n: arrays[f"{n}_{i}"] for n in OPTIONAL if f"{n}_{i}" in arrays}
             solutions.append(self.solver.restored(i, stored))
         return GridStep(tuple(solutions), Status(str(arrays["status"])))
 

@@ -226,13 +226,15 @@ def roughness_of(case: Case) -> list[dict[str, Any]]:
 
 def _rough(case: Case) -> Iterator[str]:
     """A sentence for every roughness that stands higher than the expected film is thick."""
+    if case.touches:
+        return
     film = case.film_scale * estimates.starvation(case)[1]
     for number, rough in enumerate(roughness_of(case), 1):
         if rough["highest"] > film:
             heights = [_height(case, height) for height in (rough["highest"], film)]
             yield (
                 f"roughness[{number}] stands {heights[0]} high, and the expected film is {heights[1]}: where the "
-                "contact does not flatten it, the film breaks down and solids touch, which ertel does not model"
+                "contact does not flatten it, the film breaks down and solids touch; surfaces.asperities lets them"
             )
 
 

@@ -156,6 +156,8 @@ def respond_linearly(case: CaseLike, roughnesses: Roughnesses, observers: Sequen
 
 def _check_flooded(case: Case) -> None:
     """A meniscus moves with the roughness, which a linear response does not know."""
+    if case.touches:
+        raise ValueError("surfaces.asperities: must be left out for a linear response; asperities touch here")
     if case.layer is not None:
         raise ValueError(f"lubricant.layer: must be left out for a linear response; it is {case.layer:.4g} a^2/R here")
 

@@ -15,11 +15,12 @@ from ertel.case.status import Status
 from ertel.physics.amplitude_reduction import lambda_ratio
 from ertel.physics.units import RMS, in_si, plain
 from ertel.results.alignment import Comparison
+from ertel.results.figures import FIGURES_IN_TIME, FIGURES_STEADY, figures_of, is_line
 from ertel.results.measurements import Measurement
 from ertel.results.numbers import Number, html_image, html_table, lines, numbers, plus_minus, values_of
 from ertel.results.profiles import At, moment_of, profile
 from ertel.results.stress import stress
-from ertel.results.variables import FIGURES_IN_TIME, FIGURES_STEADY, figures_of, is_line, prefixed, to_si
+from ertel.results.variables import prefixed, to_si
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
     from matplotlib.figure import Figure
@@ -187,10 +188,10 @@ class Result:
     def lambda_ratio(self, sigma_1: Sigma = None, sigma_2: Sigma = None) -> float:
         """The lambda ratio of a physical run: its film over the rms roughness of both surfaces together.
 
-        With roughness that is given the film is the minimum film thickness, the warm and extrapolated one.  Without any
-        the roughness is that of the case, measured maps and rough surfaces by their rms.  The grid of such a run has
-        their valleys and summits, and its film is the (warm) mean, weighted with the pressure, at maximum approach or
-        at the end.
+        With roughness that is given, here or in [surfaces] of the case, the film is the minimum film thickness, the
+        warm and extrapolated one.  Without any the roughness is that of the case, measured maps and rough surfaces by
+        their rms.  The grid of such a run has their valleys and summits, and its film is the (warm) mean, weighted
+        with the pressure, at maximum approach or at the end.
 
         Parameters
         ----------
@@ -212,6 +213,8 @@ class Result:
         if scales is None or minimum is None:
             raise ValueError(f"lambda ratio: {'the run has no film' if scales else 'the case is dimensionless'}")
         given = [sigma for sigma in (sigma_1, sigma_2) if sigma is not None]
+        if not given and self.case.surfaces and self.case.surfaces.rms:
+            given = [self.case.surfaces.rms]
         if given:
             if not minimum.known:
                 raise ValueError("lambda ratio: the minimum film is not known, its error is too large; use more nodes")
@@ -265,7 +268,8 @@ def verdict(result: Result, *sigma: Sigma) -> str:
     if not values_of(result.summary):
         return ""
     parts = [f"{'warm ' * ('H_c_warm' in table)}film {_film(table.get('H_c_warm') or table['H_c'])}"]
-    if sigma or (result.case.scales and _rms(result.case)):
+    rough = result.case.surfaces and result.case.surfaces.rms
+    if sigma or (result.case.scales and (rough or _rms(result.case))):
         parts.append(f"Lambda = {result.lambda_ratio(*sigma):.2g}")
     friction = table.get("mu_sliding_warm") or table.get("mu_sliding")
     if friction and friction.unit == "1" and abs(friction.value) > 0:

@@ -32,6 +32,7 @@ from ertel.results import diagnostics
 from ertel.results.dataset import provenance
 from ertel.results.study_table import DONE, StudyRun, grouped, study_dataset
 from ertel.results.summary import heat_numbers
+from ertel.results.touching import film_over_roughness, touch_warnings
 from ertel.results.variables import names_where, with_coefficients
 from ertel.runs import studies
 from ertel.runs.compile import check_jax
@@ -105,6 +106,53 @@ def traction(
     warn(beyond(max(curve.cases, key=newtonian_stress)), frames=1)
     do = curve_in if directory is None else store_curve
     return studies.in_directory(directory, NAME, lambda place: do(curve, place, progress))
+
+
+def stribeck(
+    case: CaseLike,
+    mean_speed: Given = "0.001:10:25",
+    *,
+    directory: str | Path | None = None,
+    progress: bool = False,
+) -> TractionCurve:
+    """The Stribeck curve of a steady contact whose asperities touch: its traction curve over the mean speed.
+
+    Parameters
+    ----------
+    case : Case, str, Path or mapping
+        A steady rolling contact in SI that slides, with a law of asperities, `surfaces`.
+    mean_speed : str or sequence
+        First, last and number of speeds (m/s, or with a unit) with equal ratios between them; or values.
+    directory, progress
+        As for `traction`.
+
+    Returns
+    -------
+    TractionCurve
+        Its `dataset` has the traction coefficient with the parts of the oil and of the asperities, `mu_oil` and
+        `mu_boundary`, the share of the load that asperities carry, and the film over the roughness, `Lambda`.
+
+    Raises
+    ------
+    ConfigError, StoreError
+        As `traction`; or no asperities touch in the case.
+    """
+    case = as_case(case)
+    require_touch(case)
+    return traction(case, mean_speed=in_ratios(mean_speed), directory=directory, progress=progress)
+
+
+def require_touch(case: Case) -> None:
+    """Raise ConfigError for a case without asperities that touch, or without sliding."""
+    if not case.motion.slides:
+        raise ConfigError("contact.slide_to_roll: missing or zero, a Stribeck curve needs surfaces that slide")
+    if not case.touches:
+        raise ConfigError("surfaces.asperities: missing, a Stribeck curve needs a law of the asperities that touch")
+
+
+def in_ratios(values: Given) -> Given:
+    """A range FIRST:LAST:NUMBER with equal ratios, as logarithmic axes need; other values as they are."""
+    return f"{values}:log" if isinstance(values, str) and values.count(":") == 2 else values
 
 
 # -- the curve --------------------------------------------------------------------------------------------------------
@@ -237,6 +285,7 @@ def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyR
     sliding, rolling = values["mu_sliding"], values["mu_rolling"]
     values = {
         **{name: values[name] for name in names_where(lambda variable: variable.at_moment) if name in values},
+        **film_over_roughness(case, values),
         "mu_1": rolling + sliding,
         "mu_2": rolling - sliding,
         "tau_max": float(np.hypot(*np.asarray(solution.account.friction.stress)).max()),
@@ -251,6 +300,7 @@ def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyR
         status = status if warm.converged else Status.NEWTON_STALLED
     if status.ok:
         warnings += diagnostics.friction_warnings(case, values["mu_sliding"])
+        warnings += touch_warnings(case, values)
     return StudyRun(point_numbers(case, values) if status.ok else {}, warnings, status.value, directory)
 
 

@@ -33,7 +33,7 @@ one of two things: an iteration T <- T(q(T)) that jumps to and fro, or two speed
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import isinf, pi
 from typing import Any, NamedTuple
 
@@ -95,7 +95,10 @@ class Heated(NamedTuple):
 @register_dataclass
 @dataclass(frozen=True)
 class _Film:
-    """The film without its temperature.  P: in p_h.  H: phi_T h in m.  speed: u1 - u2 in m/s.  spacing: in m."""
+    """The film without its temperature.  P: of the oil, in p_h.  H: phi_T h in m.  speed: u1 - u2 in m/s.
+
+    spacing: in m.  boundary: the stress of asperities along X, in Pa.
+    """
 
     law: Fluidity
     warm: WarmViscosity
@@ -106,6 +109,7 @@ class _Film:
     H: Array
     speed: float
     spacing: float
+    boundary: Array | float
     even: Symmetry = field(metadata={"static": True})
 
     def stress(self, warmer: Array) -> Array:
@@ -116,7 +120,8 @@ class _Film:
         sliding = viscosity * self.speed / self.H
         pressure = self.p_h * self.P
         sheared = shear(self.law, pressure, jnp.stack([sliding, jnp.zeros_like(sliding)]), gradient)
-        return jnp.where(self.P > 0.0, limited_stress(self.law, sheared.stress, pressure), 0.0)
+        stress = jnp.where(self.P > 0.0, limited_stress(self.law, sheared.stress, pressure), 0.0)
+        return stress.at[0].add(self.boundary)
 
     def __call__(self, warmer: Array) -> tuple[Array, Array]:
         """The heat tau_m.(u1 - u2) in W/m^2, and its derivative by the temperature at the node."""
@@ -127,10 +132,13 @@ class _Film:
 _stress_program = Program(jax.jit(_Film.stress), ANY_SIZE)
 
 
-def heated(case: Case, P: Any, H: Any, heat: Floats | None = None, grid: Grid | None = None) -> Heated:
+def heated(
+    case: Case, P: Any, H: Any, heat: Floats | None = None, grid: Grid | None = None, P_asperity: Any = 0.0
+) -> Heated:
     """The temperatures of a steady contact in SI; raises ValueError if it has no section [thermal].
 
-    P, H: pressure and isothermal film on the grid, that of the case unless another is given.  heat: of sliding per
+    P, H: pressure of the oil and isothermal film on the grid, that of the case unless another is given.  P_asperity:
+    the pressure of asperities, which make heat of their own.  heat: of sliding per
     area (W/m^2), from which the iteration starts, none if it is left out.
     """
     thermal, s, eta0 = case.thermal, case.scales, case.oil.eta0
@@ -142,6 +150,9 @@ def heated(case: Case, P: Any, H: Any, heat: Floats | None = None, grid: Grid | 
     inlet = _of_layer(case, thermal.inlet(eta0, s.p_h * pressure / s.E_prime, mean, S))
     film = opened(inlet.factor * jnp.asarray(H))
     sheared = _sheared(case, grid, thermal.viscosity_of(eta0), P, film, S * mean)
+    if case.surfaces and case.touches:
+        along_x = case.surfaces.friction * np.sign(S * mean)
+        sheared = replace(sheared, boundary=along_x * s.p_h * jnp.asarray(P_asperity))
     moving = list(zip(thermal.bodies, (mean * (1.0 + 0.5 * S), mean * (1.0 - 0.5 * S)), strict=True))
     peclet = tuple(peclet_number(body, speed, half_width) for body, speed in moving)
     at = s.a, grid, case.geometry
@@ -180,7 +191,7 @@ def _sheared(case: Case, grid: Grid, warm: WarmViscosity, P: Any, film: Array, s
     s, eta0 = case.scales, case.oil.eta0
     assert s is not None and eta0 is not None  # `heated`
     law, warm, oil = traceable(case.oil.fluidity_law), traceable(warm), traceable(case.lubricant)
-    return _Film(law, warm, oil, eta0, s.p_h, jnp.asarray(P), film * s.film, speed, grid.spacing * s.a, grid.even)
+    return _Film(law, warm, oil, eta0, s.p_h, jnp.asarray(P), film * s.film, speed, grid.spacing * s.a, 0.0, grid.even)
 
 
 def _rise(body: Solid, speed: float, peclet: float, a: float, grid: Grid, geometry: Geometry) -> "Rise":

@@ -21,14 +21,16 @@ from ertel.equations.contact import Contact, PressureFlow
 from ertel.equations.flow import Rate, downstream, flow_aligned, upstream_of, void_change
 from ertel.equations.linearised import linear_film
 from ertel.equations.outside import UNCHANGED, Surroundings
+from ertel.equations.touch import TOUCHING, Asperities
 from ertel.numerics import multigrid, newton, stencils
-from ertel.numerics.grid import Grid
+from ertel.numerics.grid import Grid, Symmetry
 from ertel.numerics.line_smoother import line_smoother
 from ertel.numerics.stencils import FloatLike
 
 PRECISION = "float32"  # of the preconditioner
 INFLOW = 3.0  # weight of what flows into a cavity: a mean around a node counts the cavity on both sides of the node
 HOLDING = 20  # Newton iterations after which a starved film is kinked where it is: it may fill and empty nodes in turns
+NOTABLE = 1e-9  # of p_h: a pressure of asperities outside the middle of a grid
 LOAD_WEIGHT = 200.0  # weight of the load misfit relative to the residual: every search keeps the load
 
 
@@ -53,7 +55,9 @@ class Problem:
     outside: Surroundings = UNCHANGED
 
 
-Preconditioner = Callable[[Problem, Array, Array, Array], newton.Map]  # from P, H and the free nodes
+# from P_f, H, the free nodes, and P where asperities touch
+Preconditioner = Callable[[Problem, Array, Array, Array, Array | None], newton.Inverse]
+MakeSmoother = Callable[[multigrid.DeformationOperator, multigrid.Coefficients], multigrid.Smoother]
 CloseSystem = Callable[[Problem, Array, FloatLike], "ClosedSystem"]  # from the first guess of P and Delta
 
 
@@ -88,36 +92,81 @@ class Shared(NamedTuple):
     times: Array
 
 
+@dataclass(frozen=True)
+class SolidPart(newton.Part):
+    """The part of the pressure that asperities carry, for Newton's iteration.
+
+    unit: of the residual, per pressure of one node.  alone: the deformation of a node by its own pressure.
+    """
+
+    asperities: Asperities
+    unit: FloatLike
+    alone: FloatLike
+    even: Symmetry
+
+    def pressure(self, H: Array) -> Array:
+        return self.asperities.pressure(H)
+
+    def tangent(self, P: Array, H: Array) -> newton.Tangent:
+        return self.asperities.tangent(P, H)
+
+    def active(self, P: Array, H: Array, free: Array) -> Array:
+        """1 where the pressure may change."""
+        may = (free > 0.0) | (P > 0.0) | (self.pressure(H) > TOUCHING)
+        return stencils.inside(jnp.where(may, 1.0, 0.0), self.even)
+
+    def held(self, P: Array, H: Array, free: Array) -> Array:
+        may = self.active(P, H, free) * (1.0 - free)
+        return may * self.unit / (1.0 + self.tangent(P, H).stiffness * self.alone)
+
+
+def _solid_part(problem: Problem) -> SolidPart | None:
+    c, rate = problem.contact, problem.rate
+    if c.asperities is None:
+        return None
+    unit = rate.new * c.spacing + (0.0 if rate.wedge is None else rate.wedge)
+    return SolidPart(c.asperities, unit, problem.elastic[0].near[0, 0].astype(c.gap.dtype), c.even)
+
+
 @jax.jit
-def solve(problem: Problem, P: Array, approach: FloatLike) -> tuple[newton.Solution, Array]:
+def solve(problem: Problem, P: Array, approach: FloatLike, P_f: Array | None = None) -> tuple[newton.Solution, Array]:
     """P, H and Delta from a first guess of P and Delta (which is not used where Delta follows from P).
 
-    `shared` of the solution is the flow in its film; of a steady film, whose program is exported, where it is kinked.
+    P_f: the pressure of the oil, where asperities touch.  `shared` of the solution is the flow in its film; of a steady
+    film, whose program is exported, where it is kinked.
     """
     turned = partial(flow_aligned, problem.rate)
-    problem, P = _flow_aligned(problem), turned(P)
+    problem, P, P_f = _flow_aligned(problem), turned(P), turned(P_f)
     how, c = problem.algorithms, problem.contact
     closed = how.close(problem, P, approach)
 
-    def residual(P: Array, H: Array, at: Shared) -> Array:
-        return contact.residual(replace(c, flow=at.flow), P, H, problem.rate._replace(held=at.kinked))
+    def residual(P_f: Array, H: Array, at: Shared) -> Array:
+        return contact.residual(replace(c, flow=at.flow), P_f, H, problem.rate._replace(held=at.kinked))
 
-    def inverse(P: Array, H: Array, free: Array, at: Shared) -> newton.Map:
+    def inverse(P_f: Array, H: Array, free: Array, P: Array | None, at: Shared) -> newton.Inverse:
         now = replace(problem, contact=replace(c, flow=at.flow), rate=problem.rate._replace(held=at.kinked))
-        return how.preconditioner(now, P, H, free)
+        return how.preconditioner(now, P_f, H, free, P)
 
-    def shared(P: Array, H: Array, last: Shared | None) -> Shared:
-        flow, kinked = (last.flow if last else c.flow).at(c, P, H), problem.rate.kinked(P)
+    def shared(P_f: Array, H: Array, last: Shared | None) -> Shared:
+        flow, kinked = (last.flow if last else c.flow).at(c, P_f, H), problem.rate.kinked(P_f)
         if last is None or kinked is None:
             return Shared(flow, kinked, jnp.zeros((), int))
         return Shared(flow, jnp.where(last.times < HOLDING, kinked, last.kinked), last.times + 1)
 
     fill = partial(filled, problem)
     system = newton.NewtonKrylov(
-        residual, closed.film_change, inverse, problem.tolerance, how.options, closed.border, fill, shared
+        residual,
+        closed.film_change,
+        inverse,
+        problem.tolerance,
+        how.options,
+        closed.border,
+        fill,
+        shared,
+        _solid_part(problem),
     )
-    solution = system.solve(P, closed.H)
-    fields = {name: turned(getattr(solution, name)) for name in ("P", "H", "left")}
+    solution = system.solve(P, closed.H, P_f)
+    fields = {name: turned(getattr(solution, name)) for name in ("P", "Q", "H", "left")}
     flow_there = solution.shared.flow if problem.rate.wedge is None else turned(solution.shared.kinked)
     return solution._replace(**fields, shared=flow_there), closed.approach(solution)
 
@@ -128,7 +177,9 @@ class Middle(NamedTuple):
     kernel: Array
     elastic: tuple[multigrid.DeformationOperator, ...]
 
-    def solve(self, problem: Problem, P: Array, approach: FloatLike) -> tuple[newton.Solution, Array]:
+    def solve(
+        self, problem: Problem, P: Array, approach: FloatLike, P_f: Array | None = None
+    ) -> tuple[newton.Solution, Array]:
         """As the function `solve`, for a film with P = 0 outside the middle, at a quarter of the cost.
 
         A residual outside that asks for pressure there counts as one that is left.
@@ -143,13 +194,18 @@ class Middle(NamedTuple):
             tolerance=jnp.asarray(problem.tolerance)[middle],
             outside=problem.outside._replace(edge=0.0),  # P = 0 there
         )
-        solution, found = solve(inner, P[middle], approach)
-        P = jnp.zeros_like(P).at[middle].set(solution.P)
+        solution, found = solve(inner, P[middle], approach, None if P_f is None else P_f[middle])
+        zero, Q = jnp.zeros_like(P), solution.Q
+        P = zero.at[middle].set(solution.P)
         H = contact.film_thickness(c, P, found)
-        flow = c.flow.at(c, P, H)
-        left = contact.residual(replace(c, flow=flow), P, H, rate)
-        residual = jnp.maximum(solution.residual, newton.largest_residual(P, left, problem.tolerance))
-        return solution._replace(P=P, H=H, left=left, shared=flow, residual=residual), found
+        solution = solution._replace(P=P, Q=None if Q is None else zero.at[middle].set(Q), H=H)
+        flow = c.flow.at(c, solution.own, H)
+        left = contact.residual(replace(c, flow=flow), solution.own, H, rate)
+        residual = jnp.maximum(solution.residual, newton.largest_residual(solution.own, left, problem.tolerance))
+        if c.asperities is not None:  # they may touch outside too
+            elsewhere = c.asperities.pressure(H).at[middle].set(0.0).max()
+            residual = jnp.where(elsewhere > NOTABLE, jnp.inf, residual)
+        return solution._replace(left=left, shared=flow, residual=residual), found
 
 
 def filled(problem: Problem, r: Array) -> Array:
@@ -227,48 +283,72 @@ def approach_as_unknown(problem: Problem, P: Array, approach: FloatLike) -> Clos
 # because the Krylov iteration keeps its residual in double precision (`newton.gcr`).
 
 
-def point_preconditioner(problem: Problem, P: Array, H: Array, free: Array) -> newton.Map:
+def point_preconditioner(problem: Problem, P_f: Array, H: Array, free: Array, P: Array | None) -> newton.Inverse:
     """V-cycle with the point smoother, for a rate without a wedge: every step in time."""
-    return partial(
-        multigrid.precondition, multigrid_levels(problem, P, H, free, problem.rate.new, multigrid.point_smoother)
-    )
+    return preconditioned(problem, P_f, H, free, P, problem.rate.new, multigrid.point_smoother)
 
 
-def line_preconditioner(problem: Problem, P: Array, H: Array, free: Array) -> newton.Map:
+def line_preconditioner(problem: Problem, P_f: Array, H: Array, free: Array, P: Array | None) -> newton.Inverse:
     """V-cycle with the line smoother along the direction of entrainment, for a film with a wedge."""
     drift = 0.0 if problem.rate.wedge is None else problem.rate.wedge
     smoother = partial(line_smoother, rate=problem.rate.new, drift=drift)
-    return partial(multigrid.precondition, multigrid_levels(problem, P, H, free, 1.0, smoother))
+    return preconditioned(problem, P_f, H, free, P, 1.0, smoother)
+
+
+def preconditioned(
+    problem: Problem,
+    P_f: Array,
+    H: Array,
+    free: Array,
+    P: Array | None,
+    rate: Array | float,
+    smoother: MakeSmoother,
+) -> newton.Inverse:
+    """A V-cycle with a smoother; rate: of the mass, where the smoother adds none of its own."""
+    levels = multigrid_levels(problem, P_f, H, free, rate, smoother, P)
+    finest, inverse, touch = levels[0].coefficients, partial(multigrid.precondition, levels), _solid_part(problem)
+    if finest.springs is None or P is None or touch is None:
+        return newton.Inverse(inverse)
+    hold, held = finest.hold(problem.elastic[0]), touch.held(P, H, free)
+    weight = finest.springs.unit / hold
+    rows = jnp.where(held > 0.0, held / hold, weight)
+    return newton.Inverse(lambda r: inverse(r / rows), weight)
 
 
 def multigrid_levels(
     problem: Problem,
-    P: Array,
+    P_f: Array,
     H: Array,
     free: Array,
     rate: Array | float,
-    smoother: Callable[[multigrid.DeformationOperator, multigrid.Coefficients], multigrid.Smoother],
+    smoother: MakeSmoother,
+    P: Array | None = None,
 ) -> tuple[multigrid.GridLevel, ...]:
-    """The V-cycle's grids for the Jacobian, on the finest grid the exact one.
-
-    rate: of the mass, where the smoother adds none of its own.
-    """
+    """The V-cycle's grids for the Jacobian, on the finest grid the exact one."""
     precision, c = problem.elastic[0].spectrum.dtype, problem.contact
-    film = linear_film(c, P, H).in_precision(precision)
+    film = linear_film(c, P_f, H).in_precision(precision)
     single = partial(jnp.asarray, dtype=precision)
     free = single(stencils.inside(free, c.even))
     rate, new, wedge = tree.map(single, (rate, problem.rate.new, problem.rate.wedge))
-    zero, in_time, kinked = jnp.zeros_like(film.P), Rate(new, 0.0, wedge), problem.rate.kinked(P)
+    zero, in_time, kinked = jnp.zeros_like(film.P), Rate(new, 0.0, wedge), problem.rate.kinked(P_f)
+    springs, active, touch = None, free, _solid_part(problem)
+    if P is not None and touch is not None:
+        stiff = single(touch.tangent(P, H).stiffness)
+        springs = multigrid.Springs(stiff, free, single(touch.unit) * jnp.ones_like(stiff))
+        active = single(touch.active(P, H, free))
+    mass = film.by_H.mass, film.by_P.mass
+    finest = multigrid.Coefficients(film.eps, rate * mass[0], rate * mass[1], active, film.steepening, springs)
 
     # what does not depend on the change is computed once
     def change(e: Array, Ke: Array) -> Array:
-        r = film.residual(e, Ke, lambda m: in_time.of(m, film.spacing, kinked))
-        if kinked is None:
-            return r
-        first = downstream(film.change(e, Ke).mass[:, :2], kinked[:, :2])[:, 0]
-        void = void_change(1.0 - free, r * film.spacing / wedge, first)
-        return stencils.inside(r + wedge * upstream_of(void) / film.spacing, c.even)
+        q = finest.carried(e, Ke)
+        dP = q if springs is None else free * q
+        r = film.residual(dP, Ke, lambda m: in_time.of(m, film.spacing, kinked))
+        if kinked is not None:
+            first = downstream(film.change(dP, Ke).mass[:, :2], kinked[:, :2])[:, 0]
+            void = void_change(1.0 - free, r * film.spacing / wedge, first)
+            r = stencils.inside(r + wedge * upstream_of(void) / film.spacing, c.even)
+        return finest.with_held(problem.elastic[0], r, q)
 
     _, jacobian = jax.linearize(change, zero, zero)
-    finest = multigrid.Coefficients(film.eps, rate * film.by_H.mass, rate * film.by_P.mass, free, film.steepening)
     return multigrid.hierarchy(problem.elastic, finest, smoother, jacobian)

@@ -242,7 +242,7 @@ _step_program = Program(solve_ring_step)
 
 
 def ring_film_error(ring: Array, volume: Array, oil: Array, predicted: Array, P: Array) -> Array:
-    """Relative difference of the oil and its prediction, see `transient.film_error`, by means over rings of nodes."""
+    """Relative difference of the oil and its prediction, see `state.film_error`, by means over rings of nodes."""
     pressed, film, expected = (jax.ops.segment_sum(field * volume, ring, RINGS) for field in (P, oil, predicted))
     errors = jnp.where(film > 0.0, 1 - expected / film, 0.0)  # there may be fewer rings
     return jnp.sqrt(jnp.sum(pressed * errors**2) / jnp.maximum(pressed.sum(), jnp.finfo(P.dtype).tiny))

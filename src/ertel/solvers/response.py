@@ -111,7 +111,7 @@ def _solve_step(
 
     _, change_of_r = jax.linearize(residual, P, H, jnp.zeros_like(P))
     closed = nonlinear.eliminate_approach(problem, P, 0.0)
-    inverse = nonlinear.point_preconditioner(problem, P, H, free)
+    inverse = nonlinear.point_preconditioner(problem, P, H, free, None).of
     given = -line.value / line.approach_weight - shape  # the part of dH that no pressure makes
     dP, iterations = gcr(
         lambda d: free * change_of_r(d, closed.film_change(d), jnp.zeros_like(d)),

@@ -18,20 +18,19 @@ from jax import Array
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
-from ertel.case.estimates import grid_of, largest_film, starvation
+from ertel.case.estimates import grid_of, largest_film
 from ertel.case.status import Status
 from ertel.equations import account, contact, discretise
 from ertel.equations.approach import balanced
 from ertel.equations.contact import Contact
 from ertel.equations.flow import OilContent, Rate, steady_rate, wedge
-from ertel.equations.state import SteadySolver, measure
+from ertel.equations.state import SteadySolver, level_fields, measure
 from ertel.numerics import multigrid, newton, stencils
 from ertel.numerics.grid import Grid, check_coarsening, expected_next
 from ertel.numerics.integrals import Plane
 from ertel.numerics.programs import ANY_SIZE, Program, double_precision
-from ertel.physics.far_field import ContactMotion
-from ertel.physics.geometry import Geometry
 from ertel.solvers import nonlinear
+from ertel.solvers.guesses import motion_of, refined, rough_guess
 from ertel.solvers.heat import Heated, heated
 
 Floats = NDArray[np.float64]
@@ -39,7 +38,6 @@ Floats = NDArray[np.float64]
 FIRST_GRID = 33  # nodes a side from which nested iteration starts, or the next that the finest grid allows
 FIRST_ROW = 129  # nodes of a line contact from which it starts: each grid is a program
 LEAST_FILM = 0.5  # a first guess keeps this fraction of the coarse grid's minimum film thickness
-THICK = 3.0  # film in units of the dry approach, from which the first guess is that of rigid bodies
 TOLERANCE = 1e-8  # of the residual of the steady film from which a transient run starts
 SETTLING = 5  # solves at most until the film and the oil outside agree; each leaves a hundredth, a tenth at low M
 OUTSIDE = 1e-4  # of the load: a change of the load outside that leaves the film as it is (H_c by as much at most)
@@ -69,6 +67,7 @@ class GridSolution:
     The account of the film and its temperatures are computed once, when they are first asked for.
     history: maximum residual before the first and after each Newton iteration.  convolutions: work on this grid.
     outside: the load that the oil outside the grid carries (double integral of P).  kinked: where a starved film is.
+    P_asperity: what asperities carry of P, None where none touch.
     """
 
     case: Case
@@ -84,6 +83,7 @@ class GridSolution:
     history: tuple[float, ...] = ()
     outside: float = 0.0
     kinked: Any = None
+    P_asperity: Any = None
 
     def measure(self) -> dict[str, float]:
         """Films, pressures and load, see `state.measure`, and Delta."""
@@ -96,7 +96,12 @@ class GridSolution:
     @property
     def fields(self) -> dict[str, Array]:
         """P, H and the oil that is there, as mass, as in a `State`."""
-        return {"P": self.P, "H": self.H, "mass": self.content.oil}
+        return level_fields(self.P, None if self.P_asperity is None else self.P_f, self.H, self.content.oil)
+
+    @property
+    def P_f(self) -> Any:
+        """The pressure of the oil."""
+        return self.P if self.P_asperity is None else self.P - self.P_asperity
 
     @property
     def content(self) -> OilContent:
@@ -117,7 +122,8 @@ class GridSolution:
         moment = account.Moment(self.approach, U, m.sliding(0.0), gap_change, load, scale)
         c, rate = discretise.contact_of(self.case, self.grid), steady_rate(U, discretise.layer_of(self.case, self.grid))
         rate = rate._replace(held=self.kinked)
-        terms, friction, content = _account_program(Plane.of(self.grid), c, self.P, self.H, rate, moment)
+        fields = self.P_f, self.H, self.P_asperity
+        terms, friction, content = _account_program(Plane.of(self.grid), c, *fields, rate, moment)
         around = discretise.outside_of(self.case, self.grid).at(motion_of(self.case, self.approach))
         around = around._replace(load=self.outside)
         terms = account.with_outside(jax.tree.map(float, jax.device_get(terms)), 0.0, around, scale)
@@ -126,7 +132,10 @@ class GridSolution:
     @cached_property
     def heat(self) -> Heated | None:
         """Its temperatures; None without a section [thermal]."""
-        return None if self.case.thermal is None else heated(self.case, self.P, self.H, grid=self.grid)
+        if self.case.thermal is None:
+            return None
+        solid = {} if self.P_asperity is None else {"P_asperity": self.P_asperity}
+        return heated(self.case, self.P_f, self.H, grid=self.grid, **solid)
 
     @property
     def record(self) -> dict[str, float]:
@@ -195,7 +204,6 @@ def steady_film(case: Case) -> Rolling:
     return Rolling(tuple(nested(case)))
 
 
-@lru_cache(maxsize=8)  # a run asks once for each of its parts
 def fed(case: Case) -> Case:
     """The case; with a full inlet where a rolling line contact has a layer of more oil than passes it.
 
@@ -205,14 +213,19 @@ def fed(case: Case) -> Case:
     if case.layer is None or case.starts_apart or not case.geometry.is_line:
         return case
     full = replace(case, oil=replace(case.oil, layer=None, layer_1=None, layer_2=None))
-    flooded = steady_film(full).finest
-    passes = flooded.account.terms["inflow"] / abs(case.motion.entrainment(0.0))
+    passes = _passing(full)
     most = passes * largest_film(case)
     if passes <= case.layer < most:
         layer = f"lubricant.layer = {case.layer:.3g} a^2/R"
         now_and_later = f"is more than passes at T = 0 ({passes:.3g}), and less than what passes later ({most:.3g})"
         raise ValueError(f"{layer}: {now_and_later}; give a layer that is always one or the other, or leave it out")
     return full if case.layer >= most else case
+
+
+@lru_cache(maxsize=8)  # a run asks once for each of its parts
+def _passing(flooded: Case) -> float:
+    """The oil per area that passes a flooded line contact."""
+    return steady_film(flooded).finest.account.terms["inflow"] / abs(flooded.motion.entrainment(0.0))
 
 
 def nested(case: Case, done: Sequence[GridSolution] = ()) -> Iterator[GridSolution]:
@@ -225,8 +238,8 @@ def nested(case: Case, done: Sequence[GridSolution] = ()) -> Iterator[GridSoluti
         if solutions:
             guess = first_guess(c, solutions[-1], expected_next([s.approach for s in solutions]))
         else:
-            first = solve_on_grid(case, grid, c, *_rough_guess(case, grid))
-            guess = first.P, first.approach  # with the oil outside of the lubricated contact
+            first = solve_on_grid(case, grid, c, *rough_guess(case, grid, c))
+            guess = first.P, first.approach, first.P_f  # with the oil outside of the lubricated contact
         solution = _agreeing(c, solve_on_grid(case, grid, c, *guess), OUTSIDE)
         solutions.append(_judged(solution) if grid is grids[0] else solution)
         yield solutions[-1]
@@ -268,78 +281,46 @@ def _agreeing(c: Contact, s: GridSolution, allowed: float) -> GridSolution:
     for _ in range(SETTLING):
         if not s.status.ok or abs(outside.at(motion_of(s.case, s.approach)).load - s.outside) <= allowed * load:
             break
-        again = solve_on_grid(s.case, s.grid, c, s.P, s.approach)
+        again = solve_on_grid(s.case, s.grid, c, s.P, s.approach, s.P_f)
         work = s.newton + again.newton, s.krylov + again.krylov, s.convolutions + again.convolutions
         history = s.history + again.history[1:]
         s = replace(again, newton=work[0], krylov=work[1], convolutions=work[2], history=history)
     return s
 
 
-def dry_guess(geometry: Geometry, grid: Grid, load: float) -> tuple[Floats, float]:
-    """Pressure and approach of the dry contact under a load in units F*; the pressure is scaled to carry it exactly."""
-    P = geometry.dry_pressure(load, grid.kept_x[None, :], grid.kept_y[:, None])
-    needed = load * geometry.hertz_load / grid.spacing ** (1 if grid.nodes_y == 1 else 2)
-    return P * (needed / stencils.unfolded(P, grid.even).sum()), geometry.dry_approach(load)
-
-
-def _rough_guess(case: Case, grid: Grid) -> tuple[Floats, float]:
-    """Pressure and approach: those of the dry contact, or of rigid bodies where the film is far thicker than that.
-
-    A line has the expected film below the dry pressure.  Without it no oil passes the contact, and none leaks to the
-    sides either: Newton's iteration would push the surfaces through one another, where eps is zero and P goes astray.
-    """
-    outside, c, load = discretise.outside_of(case, grid), case.motion.curvature(0.0), case.motion.load(0.0)
-    film = case.film_scale * starvation(case)[1]
-    if film > THICK * c * case.geometry.dry_approach(load / c):
-        return outside.at_first(motion_of(case, -film)), -film
-    P, approach = dry_guess(case.geometry, grid, load / c)
-    return c * P + outside.guess(motion_of(case, c * approach)), c * approach - (film if grid.nodes_y == 1 else 0.0)
-
-
-def motion_of(case: Case, approach: float) -> ContactMotion:
-    """The motion of the steady contact, for the oil outside."""
-    m = case.motion
-    return ContactMotion(approach, 0.0, m.load(0.0), m.entrainment(0.0), curvature=m.curvature(0.0))
-
-
-def first_guess(c: Contact, coarse: GridSolution, approach: float) -> tuple[Array, float]:
-    """Pressure from the coarser grid, and the approach, reduced if the surfaces would overlap."""
+def first_guess(c: Contact, coarse: GridSolution, approach: float) -> tuple[Array, float, Array]:
+    """Pressure, approach and pressure of the oil from the coarser grid; reduced if the surfaces would overlap."""
     H_min = coarse.measure()["H_min"]
     least, thinnest = LEAST_FILM * max(H_min, 0.0), H_min + coarse.approach - approach
-    return _refined(c, coarse.P, np.asarray(coarse.case.layer is not None)), approach - max(least - thinnest, 0.0)
+    P = P_f = refined(c, coarse.P_f, np.asarray(coarse.case.layer is not None))
+    if coarse.P_asperity is not None:
+        P = P_f + refined(c, coarse.P_asperity, np.asarray(False))
+    return P, approach - max(least - thinnest, 0.0), P_f
 
 
-def _from_coarse(c: Contact, coarse: Array, starved: Array) -> Array:
-    """Pressure on the finer grid; starved: only where it is above zero at all nodes around.
+def solve_on_grid(
+    case: Case, grid: Grid, c: Contact, P: Array | Floats, approach: float, P_f: Array | Floats | None = None
+) -> GridSolution:
+    """The steady solution on one grid from a first guess of P and the approach; the latter fixes the oil outside.
 
-    Newton's iteration moves a meniscus upstream in fewer steps than it takes to correct one that lies too far upstream.
+    P_f: the first guess of the pressure of the oil, where asperities touch.
     """
-    coarse = stencils.unfolded(coarse, c.even)
-    full = multigrid.prolong(jnp.where(coarse > 0.0, 1.0, 0.0)) == 1.0
-    # linear interpolation has steps in the slope, which cause a large residual in the inlet
-    P = jnp.where(full | ~starved, multigrid.prolong_smooth(coarse), 0.0)
-    return stencils.inside(stencils.folded(jnp.maximum(P, 0.0), c.even), c.even)
-
-
-_refined = Program(jax.jit(_from_coarse), ANY_SIZE)
-
-
-def solve_on_grid(case: Case, grid: Grid, c: Contact, P: Array | Floats, approach: float) -> GridSolution:
-    """The steady solution on one grid from a first guess of P and the approach; the latter fixes the oil outside."""
     outside = discretise.outside_of(case, grid)
     around = outside.at(motion_of(case, approach))
     gap = jax.device_put(np.asarray(c.gap) + around.uplift)  # NumPy has nothing to compile
     problem, P = problem_of(case, grid, replace(c, gap=gap), around.load), np.where(outside.is_edge, around.edge, P)
-    s, Delta = _program(problem, P, float(approach))
+    P_f = None if c.asperities is None else np.where(outside.is_edge, around.edge, P if P_f is None else P_f)
+    s, Delta = _program(problem, P, float(approach), P_f)
     s = s._replace(residual=np.asarray(s.residual))  # NumPy has nothing to compile
     if not np.isfinite(s.residual):  # the first guess is left, for the next grid and for what is stored
-        s, Delta = s._replace(P=P, H=contact.film_thickness(problem.contact, jnp.asarray(P), approach)), approach
+        H = contact.film_thickness(problem.contact, jnp.asarray(P), approach)
+        s, Delta = s._replace(P=P, Q=P_f, H=H), approach
     status = Status.CONVERGED if s.converged else Status.NEWTON_STALLED
     n, k = int(s.newton), int(s.krylov)
     work = nonlinear.convolutions(grid, n, k)
     history = tuple((np.asarray(s.history)[: n + 1] * problem.tolerance).tolist())
     numbers = float(Delta), history[-1], status, n, k, work, history, around.load
-    return GridSolution(case, grid, s.P, s.H, *numbers, s.shared)
+    return GridSolution(case, grid, s.P, s.H, *numbers, s.shared, None if s.Q is None else s.P - s.Q)
 
 
 def problem_of(case: Case, grid: Grid, c: Contact, outside: float) -> nonlinear.Problem:
@@ -357,11 +338,11 @@ def problem_of(case: Case, grid: Grid, c: Contact, outside: float) -> nonlinear.
 
 
 def _account(
-    space: Plane, c: Contact, P: Array, H: Array, rate: Rate, m: account.Moment
+    space: Plane, c: Contact, P: Array, H: Array, P_asperity: Array | None, rate: Rate, m: account.Moment
 ) -> tuple[dict[str, Array], account.Friction, OilContent]:
     content = contact.steady_oil(c, P, H, rate)
     change = wedge(content, m.U, c.spacing)
-    return *account.account(space, c, P, H, m, content.oil, content.passing, change), content
+    return *account.account(space, c, P, H, m, content.oil, content.passing, change, P_asperity), content
 
 
 _account_program = Program(jax.jit(_account), ANY_SIZE)
@@ -375,6 +356,7 @@ def compile_ahead(case: Case) -> None:
         with suppress(Exception):  # the run itself meets the error, and says so
             for grid in grids_of(case)[:-1]:  # the coarsest one's is needed at once
                 problem = problem_of(case, grid, discretise.contact_of(case, grid), 0.0)
-                _program.ready(problem, np.zeros(grid.shape), 0.0)
+                zero = np.zeros(grid.shape)
+                _program.ready(problem, zero, 0.0, zero if case.touches else None)
 
     Thread(target=compile_all).start()

@@ -22,16 +22,15 @@ from ertel.equations.approach import ClosureLine, NewtonsLaw, rate_of_change
 from ertel.equations.contact import Contact
 from ertel.equations.flow import Flow, OilContent, Rate, rate_in_time
 from ertel.equations.outside import UNCHANGED, Surroundings
-from ertel.equations.state import State, Stepper, StepSolution, Work, padded
+from ertel.equations.state import State, Stepper, StepSolution, Work, own_pressure, padded
 from ertel.numerics import bdf, halfspace, multigrid, newton, stencils
-from ertel.numerics.grid import Symmetry, check_coarsening
+from ertel.numerics.grid import check_coarsening
 from ertel.numerics.integrals import Plane
 from ertel.numerics.programs import Compiled, Program
-from ertel.numerics.stencils import FloatLike, shown, total
+from ertel.numerics.stencils import FloatLike, shown
 from ertel.solvers import nonlinear, steady
 from ertel.solvers.nonlinear import PRECISION, Algorithms, Problem
 
-THIN = 0.1  # of the film scale: below this the time error of a film is not taken relative to itself
 MAX_PRESSURE_DROP = 0.4  # share of the last pressure by which the prediction may fall
 LOAD_TOLERANCE = 0.01  # of the tolerance, is left over in a balanced load (relative)
 # RESIDUAL: largest residual film of a step, in tolerances of time; a larger one would dominate the step size.
@@ -286,6 +285,9 @@ class Transient2D(Stepper):
         """See `Stepper.measure`."""
         values = state.measure(self.grid, level.P, level.H)
         values["F"] = (values.pop("load") + level.outside) / self.geometry.hertz_load
+        if touch := account.touch_of(self.contact, level.fields.get("P_asperity")):
+            found = _touch_terms(self.setting.space, touch, level.H, values["F"], self.geometry.hertz_load)
+            values |= {name: float(number) for name, number in found.items()}
         return self._on_rings(values)
 
     def _on_rings(self, values: dict[str, float]) -> dict[str, float]:
@@ -299,8 +301,8 @@ class Transient2D(Stepper):
         """See `Stepper.friction`."""
         c, sliding, scale = self.contact_at(level.T), self.case.motion.sliding(level.T), self.geometry.hertz_load
         load = (level.load + level.outside) / scale
-        P, H = jax.device_put((level.P, level.H))
-        return account.friction_program(self.setting.space, c, P, H, sliding, load, scale)
+        P_f, H, P_asperity = jax.device_put((level.P_f, level.H, level.fields.get("P_asperity")))
+        return account.friction_program(self.setting.space, c, P_f, H, sliding, load, scale, P_asperity)
 
     def whole(self, field: Array, odd: bool = False) -> Array:
         """A field of a level on the whole plane, or along a line."""
@@ -315,31 +317,27 @@ def _squeezed(
     H = contact.film_thickness(c, P, approach) + uplift
     oil = contact.mass(c, P, H)
     oil = oil if layer is None else jnp.minimum(oil, layer)
-    return {"P": P, "H": H, "mass": oil}, contact.pressure_load(c, P)
-
-
-def film_error(film: Array, predicted: Array, P: Array, thin: Array | float, even: Symmetry, coarsenings: int) -> Array:
-    """Relative difference of two films, root mean square over the load that P carries; `thin`: see `THIN`.
-
-    It is taken on a coarser grid: a pressure spike of a few cells that moves has an error at every node that it
-    passes, which does not grow into the film and would make the number of steps that of the nodes.
-    """
-    for _ in range(coarsenings):
-        film, predicted, P = (multigrid.restrict(field, even) for field in (film, predicted, P))
-    relative = (film - predicted) / (jnp.abs(film) + thin)
-    return jnp.sqrt(total(P * relative**2, even) / jnp.maximum(total(P, even), jnp.finfo(P.dtype).tiny))
+    return state.level_fields(P, None if c.asperities is None else P, H, oil), contact.pressure_load(c, P)
 
 
 @jax.jit
 def solve_step(p: StepProblem) -> StepSolution:
     """The fields and the numbers after one step."""
     s, known, masses = p.setting, Known.of(p.known), [level["mass"] for level in p.past[:2]]
-    pressures, bent = [level["P"] for level in p.past[:2]], (s.gap, known.curvatures[1:3] - known.curvatures[3])
+    pressures, bent = (
+        [own_pressure(level) for level in p.past[:2]],
+        (s.gap, known.curvatures[1:3] - known.curvatures[3]),
+    )
     rate = rate_in_time(known.rates, masses, p.flow, p.contact.spacing, pressures, bent)
-    P, P_old, H_old = _weighted(known.predict, [level["P"] for level in p.past]), p.past[0]["P"], p.past[0]["H"]
+    P = _weighted(known.predict, [own_pressure(level) for level in p.past])
+    P_old, H_old = own_pressure(p.past[0]), p.past[0]["H"]
     # The viscosity is exponential, so Newton needs few iterations to lower a pressure and many to raise it from zero.
     # So the prediction limits the fall.
     P = stencils.inside(jnp.maximum(P, (1.0 - MAX_PRESSURE_DROP) * P_old), p.contact.even) + jnp.asarray(p.edge)
+    P_f = None
+    if p.contact.asperities is not None:
+        P_f, carried = P, _weighted(known.predict, [level["P_asperity"] for level in p.past])
+        P = P_f + stencils.inside(jnp.maximum(carried, 0.0), p.contact.even)
     # a residual r leaves the mass r/rate.new over in this step
     allowed = s.tolerance * rate.new * (s.film_scale + jnp.abs(H_old))
     problem = Problem(
@@ -353,17 +351,17 @@ def solve_step(p: StepProblem) -> StepSolution:
         Surroundings(p.edge_change, known.load_change, known.uplift_change),
     )
     predicted = known.predict @ known.approaches
-    solution, approach = (p.middle.solve if p.middle else nonlinear.solve)(problem, P, predicted)
+    solution, approach = (p.middle.solve if p.middle else nonlinear.solve)(problem, P, predicted, P_f)
     more = approach - predicted
     known = known._replace(
         load_around=known.load_around + more * known.load_change, uplift=known.uplift + more * known.uplift_change
     )
-    P, H = solution.P, solution.H
-    fields = {"P": P, "H": H, "mass": contact.oil_there(p.contact, P, H, solution.left, rate)}
+    oil = contact.oil_there(p.contact, solution.own, solution.H, solution.left, rate)
+    fields = state.level_fields(solution.P, solution.Q, solution.H, oil)
     return StepSolution(fields, state.packed(_numbers(p, known, rate, solution, fields, approach)))
 
 
-_step_program = Program(solve_step)
+_step_program, _touch_terms = Program(solve_step), jax.jit(account.touch_terms)
 
 
 def _numbers(
@@ -381,10 +379,11 @@ def _numbers(
         gap_change += U * (new - 1.0) * setting.gap_slope + rate_of_change(known.rates, new, earlier) * setting.gap
     passing = mass if p.flow is None else p.flow.passing(mass)
     moment = Moment(approach, U, known.sliding, gap_change, F, setting.hertz_load)
-    terms, _ = account.account(setting.space, c, s.P, s.H, moment, mass, passing, rate.of(mass, c.spacing))
+    changes = mass, passing, rate.of(mass, c.spacing), fields.get("P_asperity")
+    terms, _ = account.account(setting.space, c, s.own, s.H, moment, *changes)
     predicted = _weighted(known.predict, [level["mass"] for level in p.past])
     weight = stencils.inside(s.P, c.even)  # the edge is given
-    error = film_error(mass, predicted, weight, THIN * setting.film_scale, c.even, setting.coarsenings)
+    error = state.film_error(mass, predicted, weight, state.THIN * setting.film_scale, c.even, setting.coarsenings)
     velocity = rate_of_change(known.rates, approach, known.approaches)
     # half a cell around the grid counts as outside
     beyond = Surroundings(p.edge, known.load_around + load - terms["load"], known.uplift)

@@ -22,13 +22,15 @@ from ertel.inputs.case_files import apply_overrides, parse_case
 from ertel.inputs.layout import NEEDED, TOP, Key, keys_of, section, shape_keys, shape_place
 from ertel.inputs.templates import OIL
 from ertel.physics.geometry import geometry
-from ertel.physics.registry import FLUIDITY_LAWS, SHAPES
+from ertel.physics.registry import ASPERITY_LAWS, FLUIDITY_LAWS, SHAPES
 from ertel.physics.units import Meaning, Unit
 from ertel.runs.outlook import outlook
 
 OWN, NAMED = "own", "named"  # oils: by values, "own" also in place of its name; from the library
 ROUND, ELLIPTIC, CYLINDERS = "round", "elliptic", "cylinders"
-SHAPE, LAW = "roughness.shape", "lubricant.rheology.law"  # which open the keys of their tables
+# which open the keys of their tables
+SHAPE, LAW, ASPERITIES = "roughness.shape", "lubricant.rheology.law", "surfaces.asperities.law"
+LAWS = {LAW: FLUIDITY_LAWS, ASPERITIES: ASPERITY_LAWS}
 MATERIALS = {name: name for name in ("steel", *materials.names())}
 OPTIONS: Mapping[str, Mapping[str, str]] = {  # with their labels, the first one first
     "contact.kind": {"impact": "Impact", "rolling": "Rolling"},
@@ -41,13 +43,15 @@ OPTIONS: Mapping[str, Mapping[str, str]] = {  # with their labels, the first one
     "lubricant.oil": {OWN: "by its viscosity", **{name: name for name in oils.names()}},
     LAW: {"": "none, or that of a named oil", **{law: law for law in inner_laws(FLUIDITY_LAWS)}},
     "thermal": {"": "not computed", "warm": "computed"},
+    ASPERITIES: {"": "do not touch", **{law: law for law in ASPERITY_LAWS}},
     SHAPE: {"": "smooth", **{shape: shape for shape in SHAPES}},
     "time.until": {"max-approach": "maximum approach", "rebound": "rebound"},
 }
 CHOICES = ("contact.kind", "given", "bodies", "impact_by", "solver.method", "thermal")  # whose values show other fields
-DECIDE = (*CHOICES, "lubricant.oil", SHAPE, LAW)  # fields on which others depend
-FOLDED = ("Layer of oil, for a starved contact", "Temperatures", "Roughness")  # groups that are open when one is used
-LAYER, HEAT, ROUGHNESS = FOLDED
+DECIDE = (*CHOICES, "lubricant.oil", SHAPE, *LAWS)  # fields on which others depend
+# groups that are open when one is used
+FOLDED = ("Layer of oil, for a starved contact", "Temperatures", "Roughness", "Surfaces that touch")
+LAYER, HEAT, ROUGHNESS, TOUCH = FOLDED
 ROWS = (  # group, the choices that show its fields, and these by their paths in case files, or as choices of the form
     ("", "", "contact.kind given"),
     ("Contact", "moes", "contact.M contact.L contact.radius_ratio contact.length_ratio"),
@@ -72,17 +76,32 @@ ROWS = (  # group, the choices that show its fields, and these by their paths in
     (LAYER, "", "lubricant.layer lubricant.layer_1 lubricant.layer_2"),
     (HEAT, "si heated", "thermal"),
     (ROUGHNESS, "", SHAPE),
+    (TOUCH, "si", f"surfaces.sigma surfaces.boundary_friction {ASPERITIES}"),
     ("Computation", "", "solver.method solver.nodes"),
     ("Computation", "impact", "time.until"),
 )
-LABELS = {"eta0": "Viscosity", "alpha": "Pressure-viscosity coefficient", "law": "Shear thinning"}
+LABELS = {
+    "eta0": "Viscosity", "alpha": "Pressure-viscosity coefficient", "law": "Shear thinning", "sigma": "Rms roughness",
+    ASPERITIES: "Asperities",
+}  # fmt: skip
 NAME_FILES = ("file", "oils", "case")  # keys of surfaces and measurements, of oils of one's own, of a fit
 # at first, of the rows
-EMPTY = ("radius_ratio", "length_ratio", "entrainment_angle", "slide_to_roll", "layer", "layer_1", "layer_2")
+EMPTY = (
+    "radius_ratio",
+    "length_ratio",
+    "entrainment_angle",
+    "slide_to_roll",
+    "layer",
+    "layer_1",
+    "layer_2",
+    "sigma",
+    "boundary_friction",
+)
 ONE_OF = ("wavelength_x", "depth")  # keys of shapes that are filled at first besides those that are needed
 KEYS = {f"{name}.{key.name}": key for name in SECTIONS for key in section(name).keys} | {
     LAW: next(key for key in section("lubricant").keys if key.name == "rheology"),
     "thermal": Key("thermal", None, meaning=Meaning(SECTIONS["thermal"].text)),
+    ASPERITIES: next(key for key in section("surfaces").keys if key.name == "asperities"),
     SHAPE: replace(shape_keys()[0], meaning=TOP["roughness"]),
 }
 
@@ -111,7 +130,7 @@ class Field(NamedTuple):
 def _field(group: str, name: str, key: Key | None, is_filled: bool) -> Field:
     """The field of a key of case files, or of a choice."""
     last = name.rpartition(".")[2]
-    label = LABELS.get(last) or f"{last[:1].upper()}{last[1:].replace('_', ' ')}"
+    label = LABELS.get(name) or LABELS.get(last) or f"{last[:1].upper()}{last[1:].replace('_', ' ')}"
     options, value = OPTIONS.get(name), ""
     if key and key.choices and not options:
         options = {"": f"usual, {_typed(key.default)}", **{str(choice): str(choice) for choice in key.choices}}
@@ -136,8 +155,8 @@ def _keys_opened(name: str, value: str) -> Sequence[Key]:
     """The keys of the table that a choice opens: of a shape, a law, or a section that may be left out."""
     if name == SHAPE and value:
         return (*shape_place(value).keys, *shape_keys()[1:])
-    if name == LAW and value:
-        return keys_of(FLUIDITY_LAWS[value])
+    if name in LAWS and value:
+        return keys_of(LAWS[name][value])
     return section(name).keys if name in SECTIONS and value else ()
 
 
@@ -162,7 +181,8 @@ class Form:
         return method.of(geometry(0.0 if self.shape == CYLINDERS else 1.0))
 
     def _is_able(self, supports: Supports) -> bool:
-        return (supports.roughness or not self.values[SHAPE]) and (supports.ellipse or self.shape == ROUND)
+        able = (supports.roughness or not self.values[SHAPE]) and (supports.touch or not self.values[ASPERITIES])
+        return able and (supports.ellipse or self.shape == ROUND)
 
     def choose(self, name: str, value: str) -> None:
         """Change a field.  With what is chosen the methods change that suit it, with these and the bodies the grid."""

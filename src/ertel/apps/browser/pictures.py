@@ -27,8 +27,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ertel.inputs.fits import interferometer
+from ertel.results.figures import figures_of, is_line, is_steady
 from ertel.results.numbers import Number, number, scales_in
-from ertel.results.variables import figures_of, is_line, is_steady, names_where, unit_of, with_clock, with_prefix
+from ertel.results.variables import names_where, unit_of, with_clock, with_prefix
 from ertel.runs.directory import DATA
 
 if TYPE_CHECKING:  # imported in the process that draws
