@@ -105,7 +105,7 @@ class GreenwoodTripp:
     k is the distance of the mean planes in sigma; the mean gap of heights that are cut off where they touch is
     sigma (k Phi(k) + phi(k)).  density: eta beta sigma, summits per area times their radius times sigma.  sharpness:
     sqrt(sigma/beta).  Both belong to the summits of a surface.  With the moments of a whole surface the pressure is too
-    small by a factor of 4 to 25.
+    small by a factor of 2 to 20.
     """
 
     density: Annotated[float, ABOVE_ZERO, Meaning("eta beta sigma: summits per area, their radius, sigma")] = 0.04
