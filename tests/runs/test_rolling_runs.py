@@ -146,9 +146,9 @@ def test_an_iteration_that_leaves_the_numbers(tmp_path, monkeypatch):
     """It ends with a status, words and a summary.json, and the next grid begins from its first guess."""
     solve, guesses = steady._program, []
 
-    def lost(problem, P, approach):
+    def lost(problem, P, approach, P_f):
         guesses.append(approach)
-        s, Delta = solve(problem, P, approach)
+        s, Delta = solve(problem, P, approach, P_f)
         return s._replace(P=np.nan * s.P, H=np.nan * s.H, residual=np.nan, history=np.nan * s.history), np.nan * Delta
 
     monkeypatch.setattr(steady, "_program", lost)
