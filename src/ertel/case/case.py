@@ -20,6 +20,7 @@ from ertel.case.reading import Reader, check_keys
 from ertel.case.records import ConfigError, named, scaled, scaled_all, show, with_unit
 from ertel.case.sections import SECTIONS, START_APPROACH, Drive, Output, Schedule, Solver, Surfaces, Thermal, Time
 from ertel.physics import film_formulas, surfaces
+from ertel.physics.asperities import GapCurve
 from ertel.physics.far_field import ContactMotion, squeezed_film
 from ertel.physics.geometry import CIRCLE, Geometry
 from ertel.physics.line_films import expected_line_film
@@ -177,6 +178,14 @@ class Case:
     def touches(self) -> bool:
         """Whether asperities may carry a part of the load."""
         return self.surfaces is not None and self.surfaces.asperities is not None
+
+    @cached_property
+    def asperities(self) -> GapCurve | None:
+        """The law of the asperities that touch, in SI and without a hardness; None where none touch."""
+        given, scales = self.surfaces, self.scales
+        if given is None or given.asperities is None or scales is None:
+            return None
+        return given.asperities.curve(given.rms or 0.0, scales.E_prime / 2)
 
     @property
     def is_axisymmetric(self) -> bool:

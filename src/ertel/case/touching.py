@@ -12,24 +12,18 @@ from ertel.physics.surfaces import has_waves
 from ertel.physics.units import LENGTH
 
 ROUND_OFF = 1e-4  # of a wavelength that both parts of a spectrum name
-
-
 NO_TOUCH, AT_EDGE = 1e-9, 1e-4  # of p_h: a pressure that does not push, and one that does not count on an edge
 
 
 def touching_gap(case: Case) -> float:
     """The gap (a^2/R) below which asperities carry a pressure; 0 where none touch."""
-    given, scales = case.surfaces, case.scales
-    if given is None or given.asperities is None or scales is None:
-        return 0.0
-    return _gap(case, NO_TOUCH)
+    return 0.0 if case.asperities is None else _gap(case, NO_TOUCH)
 
 
 def _gap(case: Case, pressure: float) -> float:
     """The gap (a^2/R) at which the asperities of a case carry a pressure (p_h)."""
-    given, scales = case.surfaces, case.scales
-    assert given is not None and given.asperities is not None and scales is not None
-    curve = given.asperities.curve(given.rms or 0.0, scales.E_prime / 2)
+    curve, scales = case.asperities, case.scales
+    assert curve is not None and scales is not None
     return float(np.interp(-pressure * scales.p_h, -np.asarray(curve.p), curve.h)) / scales.film
 
 
@@ -55,9 +49,8 @@ def rough_surfaces(case: Case) -> Iterator[tuple[str, str]]:
 
 def _asperities(case: Case) -> Iterator[tuple[str, str]]:
     """The faults of a law, of its hardness, of a grid and of a fall that begin where asperities touch already."""
-    given, scales = case.surfaces, case.scales
-    assert given is not None and given.asperities is not None and scales is not None
-    curve = given.asperities.curve(given.rms or 0.0, scales.E_prime / 2)
+    given, curve = case.surfaces, case.asperities
+    assert given is not None and curve is not None
     if complaint := curve.complaint:
         yield "surfaces.asperities", f"its curve {complaint}"
     elif given.hardness is not None and curve.area is None:

@@ -5,9 +5,7 @@ Unlike `jnp.asarray`, `jax.device_put` has nothing to compile.
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import lru_cache
 from math import inf
-from typing import Any
 
 import jax
 import numpy as np
@@ -22,7 +20,6 @@ from ertel.equations.thinning import ThinningFlow
 from ertel.equations.touch import Asperities
 from ertel.numerics.grid import Grid
 from ertel.physics import surfaces
-from ertel.physics.scales import Scales
 from ertel.physics.surfaces import CELLS_KEPT, Feature
 
 INSTANT = 1e-4  # t0, half the time over which the change of the gap is taken
@@ -47,17 +44,11 @@ def smooth_contact(case: Case, grid: Grid) -> Contact:
 
 def asperities_of(case: Case) -> Asperities | None:
     """The law of the asperities in the units of the case; None where none touch."""
-    given, scales = case.surfaces, case.scales
-    if given is None or given.asperities is None or scales is None:
+    curve, given, scales = case.asperities, case.surfaces, case.scales
+    if curve is None or given is None or scales is None:
         return None
-    law: Any = given.asperities
-    return _tabulated(law, given.rms or 0.0, given.hardness or inf, given.friction, scales)
-
-
-@lru_cache(maxsize=8)
-def _tabulated(law: Any, sigma: float, hardness: float, friction: float, scales: Scales) -> Asperities:
-    curve = law.curve(sigma, scales.E_prime / 2).capped(hardness)
-    return Asperities.of(curve, scales.p_h, scales.film, friction / scales.a_over_R)
+    friction = given.friction / scales.a_over_R
+    return Asperities.of(curve.capped(given.hardness or inf), scales.p_h, scales.film, friction)
 
 
 def flow_of(case: Case, T: float) -> PressureFlow:

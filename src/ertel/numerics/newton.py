@@ -198,10 +198,10 @@ class NewtonKrylov:
         left = self.residual(own, H, shared)
         new = it._replace(P=P, Q=Q, H=H, s=s, left=left, shared=shared, newton=count, krylov=it.krylov + krylov)
         size, reached = self.size(it, r), self.size(new, left)
+        history = it.history.at[it.newton].set(size).at[count].set(reached)
         if self.part is not None:
             stays = (count > LATE) & (reached < ROUND_OFF) & (reached > 0.5 * size)
             reached = jnp.where(stays, jnp.minimum(reached, 1.0), reached)
-        history = it.history.at[it.newton].set(size).at[count].set(reached)
         return new._replace(residual=reached, history=history, forcing=_forcing(self.options, reached / size, reached))
 
     def change_of_P(self, d: _Pair) -> Array:

@@ -24,9 +24,9 @@ def touch_warnings(case: Case, values: Mapping[str, float | None]) -> list[str]:
 
 
 def _hardness(case: Case, P_max: float) -> Iterator[str]:
-    assert case.surfaces is not None and case.surfaces.asperities is not None and case.scales is not None
+    assert case.surfaces is not None and case.asperities is not None and case.scales is not None
     hardness = case.surfaces.hardness or inf
-    curve = case.surfaces.asperities.curve(case.surfaces.rms or 0.0, case.scales.E_prime / 2).capped(hardness)
+    curve = case.asperities.capped(hardness)
     if curve.area is None or hardness == inf:
         return
     p, real = P_max * case.scales.p_h, np.interp(-P_max * case.scales.p_h, -curve.p, curve.p / curve.area)
