@@ -119,6 +119,17 @@ def test_overrides_are_toml_or_text():
         "roughness": [{"shape": "spot", "height": 0.1, "radius": 1}],
     }
     assert given == {"contact": MOES}  # left alone
+    of_law = {"surfaces": {"asperities": {"law": "persson", "hurst": 0.8}}}
+    items = ["surfaces.asperities.hurst=0.7", "surfaces.asperities.longest=50 um", "lubricant.rheology.law=carreau"]
+    assert apply_overrides(of_law, items) == {
+        "surfaces": {"asperities": {"law": "persson", "hurst": 0.7, "longest": "50 um"}},
+        "lubricant": {"rheology": {"law": "carreau"}},
+    }
+    assert of_law["surfaces"]["asperities"]["hurst"] == 0.8
+    other = apply_overrides(of_law, ["surfaces.asperities.law=greenwood-tripp"])
+    assert other == {"surfaces": {"asperities": {"law": "greenwood-tripp"}}}  # whose numbers are others
+    with pytest.raises(ConfigError, match="nodes is not a section or a table"):
+        apply_overrides({"solver": {"nodes": 129}}, ["solver.nodes.of=3"])
 
 
 def test_an_override_is_one_value():
@@ -127,7 +138,7 @@ def test_an_override_is_one_value():
     assert apply_overrides({}, ["solver.nodes=" + "[" * 900 + "]" * 900])["solver"]["nodes"].startswith("[[[")
 
 
-@pytest.mark.parametrize("item", ["solver.nodes", "=3", "a.b.c=3", "solver.=3"])
+@pytest.mark.parametrize("item", ["solver.nodes", "=3", "a.b.c.d.e=3", "solver.=3", "a..b=3"])
 def test_malformed_override(item):
     with pytest.raises(ConfigError, match=r"--set .*section\.key=value"):
         apply_overrides({}, [item])

@@ -236,3 +236,19 @@ def test_a_text_that_is_no_quantity_is_refused():
     for text in (5, "5 kg", "x" * 10**6, "\x1b"):
         with pytest.raises(ConfigError, match=r"^text = .*: must be a length or a time"):
             ertel.quantity(text)
+
+
+def test_roughness_as_numbers_in_every_way():
+    """Ra of Gaussian heights; plain numbers, also those of a law, are in SI."""
+    law = {"law": "persson", "longest": 5e-5, "shortest": 1e-6}
+
+    def surfaces(**given):
+        return ertel.rolling(**ROLLING, oil=OIL, surfaces=given).surfaces
+
+    found = surfaces(sigma_1="Ra 0.04 um", sigma_2=2e-8, asperities=law)
+    assert found.sigma_1 == pytest.approx(50e-9) and found.rms == pytest.approx((50**2 + 20**2) ** 0.5 * 1e-9)
+    assert found.asperities.longest == 5e-5 and found.asperities.hurst == 0.8
+    with pytest.raises(ConfigError, match=r'surfaces.sigma = "Ra 0.04": must be a quantity above zero with a unit'):
+        surfaces(sigma="Ra 0.04")
+    with pytest.raises(ConfigError, match="hurst"):
+        surfaces(sigma=1e-7, asperities={**law, "hurst": "5 um"})

@@ -7,7 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ertel.physics.asperities import ExponentialTouch, GreenwoodTripp, Persson, persson_curve, summits
+from ertel.case.height_map import Measured
+from ertel.physics.asperities import ExponentialTouch, GreenwoodTripp, MeasuredWaves, Persson, persson_curve, summits
+from ertel.physics.surfaces import SelfAffine
 
 # F_{5/2}(k) by adaptive integration of the normal distribution
 SUMMITS = {0: 0.616634, 0.5: 0.240402, 1: 0.080562, 1.5: 0.022863, 2: 0.005424, 3: 0.000171, 4: 2e-6}
@@ -84,3 +86,35 @@ def test_hardness_holds_the_pressure_of_the_spots():
 def test_waves_must_have_a_range():
     with pytest.raises(ValueError, match="must be below longest"):
         Persson(longest=1e-6, shortest=2e-6)
+
+
+PERIOD, POINTS = 8.0, 256
+PLACES = np.arange(POINTS) * PERIOD / POINTS
+
+
+def self_affine(shortest: float, longest: float) -> Measured:
+    """A map of one period of a random surface, rms 1 with Hurst exponent 0.8; lengths without units."""
+    heights = SelfAffine(1.0, 0.8, shortest, longest, period=PERIOD, seed=4).heights(PLACES, PLACES[:, None])
+    return Measured.of(heights, 1.0, length_x=PERIOD, length_y=PERIOD, rms=1.0)
+
+
+@pytest.mark.parametrize("cutoff", [0.3, 0.71, 1.5])
+def test_the_map_above_its_cutoff_and_the_waves_below_have_its_variance_together(cutoff: float):
+    surface = self_affine(0.1, 2.0)
+    points = np.arange(POINTS)
+    kept = surface.file.at(points, points[:, None], (cutoff * POINTS / PERIOD,) * 2)
+    lost = surface.lost_waves(cutoff)
+    assert 0.0 < lost.rms < 1.0
+    assert np.mean(kept**2) + lost.variance.sum() == pytest.approx(1.0, rel=1e-12)
+    assert lost.q[0] > 2 * pi / cutoff * 0.98
+
+
+def test_the_waves_of_a_map_have_the_law_of_its_numbers():
+    """A surface made of a spectrum, and Persson's law of it: pressures within 5 % up to a gap of two sigma."""
+    waves = self_affine(0.125, 1.0).lost_waves(100.0)
+    measured = MeasuredWaves().curve(1.0, 1.0, waves)
+    numbers = Persson(longest=1.0, shortest=0.125, hurst=0.8).curve(1.0, 1.0)
+    assert waves.rms == pytest.approx(1.0, rel=1e-9) and not measured.complaint
+    for gap in (0.01, 0.1, 0.3, 1.0, 2.0):
+        p, expected = (np.exp(np.interp(gap, curve.h, np.log(curve.p))) for curve in (measured, numbers))
+        assert p == pytest.approx(expected, rel=0.05)

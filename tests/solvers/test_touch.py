@@ -10,10 +10,14 @@ import numpy as np
 import pytest
 from cases import parse_case
 
+from ertel.case.case import Case
+from ertel.case.height_map import Measured
 from ertel.equations import contact
 from ertel.equations.approach import balanced
 from ertel.equations.flow import steady_rate
 from ertel.equations.touch import Asperities
+from ertel.inputs.python import Oil, quantity
+from ertel.inputs.python import rolling as rolling_case
 from ertel.numerics import multigrid
 from ertel.numerics.grid import Grid, Symmetry
 from ertel.numerics.stencils import integral
@@ -21,6 +25,7 @@ from ertel.physics.asperities import ExponentialTouch, GapCurve, summits
 from ertel.physics.geometry import CIRCLE
 from ertel.physics.lubricant import DowsonHigginson, Lubricant, Roelands, roelands_exponent
 from ertel.physics.scales import Parameters
+from ertel.physics.surfaces import Feature, SelfAffine
 from ertel.results.figures import figures_of
 from ertel.runs.drive import simulate
 from ertel.solvers import guesses, nonlinear, steady
@@ -120,9 +125,8 @@ PERSSON = {"law": "persson", "longest": "50 um", "shortest": "1 um"}
 def rolling(speed: float = 0.3, load: float = 38.9, sigma: str = SIGMA, nodes: int = 33, **sections: Any) -> Any:
     about = {"kind": "rolling", **BALL, "load": f"{load} N", "mean_speed": f"{speed} m/s", "slide_to_roll": 0.1}
     surfaces = {"sigma": sigma, "asperities": PERSSON, "boundary_friction": 0.12}
-    return parse_case(
-        {"contact": about, "lubricant": OIL, "solver": {"nodes": nodes}, "surfaces": surfaces, **sections}
-    )
+    whole = {"contact": about, "lubricant": OIL, "solver": {"nodes": nodes}, "surfaces": surfaces}
+    return parse_case({**whole, **sections})
 
 
 @cache
@@ -195,3 +199,57 @@ def test_a_rough_ball_hits_an_oiled_plate():
         float(d["asperity_energy"].max()) > 0.01 * 0.4
     )  # of the ball's energy at the start: without it it would not close
     assert float(d["newton_iterations"].sum()) <= 1.5 * d.sizes["time"]
+
+
+def with_map(**changes: Any) -> Any:
+    """A smooth ball slides on a measured disc at rest, whose short waves are the asperities."""
+    heights = SelfAffine(1.5e-7, 0.8, 0.1, 2.0, period=8.0, seed=3).heights(NODES, NODES[:, None])
+    shape = replace(Measured.of(heights, 800e-6 / 128), cutoff=changes.pop("cutoff", None))
+    about = {**BALL, "load": "38.9 N", "mean_speed": "0.1 m/s", "slide_to_roll": 2.0, "nodes": 33} | changes
+    law = {"law": "measured", **about.pop("law", {})}
+    rough = [Feature(shape, 2)] if about.pop("rough", True) else []
+    return rolling_case(**about, oil=Oil(**OIL), roughness=rough, surfaces={"asperities": law})
+
+
+NODES = np.arange(-64, 64) / 16
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_measured_map_parts_into_gap_and_law():
+    """The waves that 16 cells do not resolve are the law; the run and its stored case know the same sigma."""
+    case = with_map(cutoff=quantity("300 um"))
+    assert 0.5 < case.sigma / 1.5e-7 < 1.0
+    kept = simulate(case)
+    assert kept.summary["status"] == "converged" and kept.summary["newton_iterations"] <= 12
+    assert kept.summary["Lambda"] == pytest.approx(kept.summary["si"]["h_min_m"] / case.sigma)
+    law_alone = simulate(with_map(cutoff=quantity("1 m")))
+    assert law_alone.case.sigma == pytest.approx(1.5e-7, rel=1e-4)
+    assert float(abs(kept.dataset["H"] - law_alone.dataset["H"]).max()) > 1e-3
+    again = Case.from_data(case.to_data(), case.maps)
+    assert again == case and again.digest == case.digest and again.sigma == case.sigma
+
+
+def test_waves_that_the_grid_does_not_resolve_belong_to_the_law():
+    coarse, fine = with_map(), with_map(nodes=65)
+    cells = [case.features[0].shape.cutoff / case.spacing for case in (coarse, fine)]
+    assert cells == pytest.approx([16, 16]) and coarse.sigma > fine.sigma
+    # a cutoff that the grid cannot show: what the grid leaves out, below four cells, is in the law, too
+    short = with_map(cutoff=quantity("30 um"))
+    assert short.sigma == pytest.approx(with_map(cutoff=quantity(f"{4 * short.spacing * short.scales.a} m")).sigma)
+    assert with_map(law={"shortest": "100 um"}).sigma < coarse.sigma
+
+
+def test_a_law_of_measured_waves_needs_a_map_with_waves_left():
+    with pytest.raises(ValueError, match="needs a measured map"):
+        with_map(rough=False)
+    with pytest.raises(ValueError, match="leaves it no waves"):
+        with_map(nodes=513, half_width=1.5, inlet=1.5, cutoff=quantity("10 um"))
+
+
+def test_asperities_that_cannot_carry_the_load_are_refused():
+    p_h = rolling().scales.p_h
+    weak = {"law": "exponential", "pressure": f"{1.2 * p_h} Pa", "length": "40 nm"}
+    for surfaces in ({"sigma": SIGMA, "asperities": PERSSON, "hardness": f"{1.2 * p_h} Pa"}, {"asperities": weak}):
+        with pytest.raises(ValueError, match="cannot carry the load without oil"):
+            rolling(surfaces=surfaces)
+    assert rolling(surfaces={"sigma": SIGMA, "asperities": PERSSON, "hardness": f"{1.4 * p_h} Pa"})

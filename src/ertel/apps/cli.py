@@ -166,7 +166,7 @@ def stribeck(
 
     case = load_case(case_file, set_ or [])
     require_touch(case)
-    given = {"mean_speed": str(in_ratios(speed))}
+    given = {"mean_speed": in_ratios(speed, "--speed")}
     studies.traction(case, given, None, out or Path("stribeck").absolute() / (case.name or case.kind), report)
 
 

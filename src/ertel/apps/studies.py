@@ -12,6 +12,7 @@ from ertel.case.case import Case
 from ertel.case.estimates import newtonian_stress
 from ertel.case.records import ConfigError
 from ertel.case.status import Status
+from ertel.inputs.quantities import Given
 from ertel.inputs.studies import Study
 from ertel.results.numbers import aligned
 from ertel.runs import fit as fits
@@ -64,7 +65,7 @@ def sweep(study: Study, directory: Path, engine: Engine, part: stored.Part, opti
         leave(FAILED, f"{len(failed)} of {result.dataset['status'].size} runs failed: {named}; {advice}")
 
 
-def traction(case: Case, given: Mapping[str, str | None], film: str | None, directory: Path, options: Report) -> None:
+def traction(case: Case, given: Mapping[str, Given | None], film: str | None, directory: Path, options: Report) -> None:
     """Compute what is left of a traction curve, write and print it."""
     curve = curves.curve_of(case, given, film)
     stored.require_place(directory, curves.NAME, "--out")

@@ -6,21 +6,23 @@ A `Case` holds the input, in SI or dimensionless.  The solvers use the propertie
 
 import hashlib
 import json
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import InitVar, dataclass, field, fields, replace
 from functools import cached_property
 from html import escape
 from typing import Any
 
+import numpy as np
+
 from ertel.case import records
 from ertel.case.conditions import Conditions, Kind
-from ertel.case.height_map import NO_MAPS, HeightMap
+from ertel.case.height_map import NO_MAPS, HeightMap, Measured
 from ertel.case.methods import METHODS, Method
 from ertel.case.reading import Reader, check_keys
 from ertel.case.records import ConfigError, named, scaled, scaled_all, show, with_unit
 from ertel.case.sections import SECTIONS, START_APPROACH, Drive, Output, Schedule, Solver, Surfaces, Thermal, Time
 from ertel.physics import film_formulas, surfaces
-from ertel.physics.asperities import GapCurve
+from ertel.physics.asperities import FEWEST, GapCurve, MeasuredWaves, Spectrum
 from ertel.physics.far_field import ContactMotion, squeezed_film
 from ertel.physics.geometry import CIRCLE, Geometry
 from ertel.physics.line_films import expected_line_film
@@ -29,8 +31,9 @@ from ertel.physics.lubricant import ALPHA, Lubricant, Oil
 from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, SlidingRatio, Track, constant, reversed_sign
 from ertel.physics.scales import Parameters, Scales
 from ertel.physics.surfaces import Feature
-from ertel.physics.units import marks
+from ertel.physics.units import marks, plain
 
+MEASURED = 'surfaces.asperities.law = "measured"'
 SCHEMA = 1  # of the layout of case files
 READER = Reader()
 KEYS = (
@@ -185,7 +188,35 @@ class Case:
         given, scales = self.surfaces, self.scales
         if given is None or given.asperities is None or scales is None:
             return None
-        return given.asperities.curve(given.rms or 0.0, scales.E_prime / 2)
+        waves = () if self.lost_waves is None else (self.lost_waves,)
+        return given.asperities.curve(self.sigma or 0.0, scales.E_prime / 2, *waves)
+
+    @property
+    def sigma(self) -> float | None:
+        """The rms roughness of both surfaces together (m) that is not in the gap; None where it is not given."""
+        given = self.surfaces.rms if self.surfaces else None
+        return self.lost_waves.rms if given is None and self.lost_waves else given
+
+    @cached_property
+    def lost_waves(self) -> Spectrum | None:
+        """The waves of the measured maps that are a law in place of the gap; None without such a law.
+
+        They are those below the cutoff of the map, and those that the grid does not show.
+        """
+        law, scales = self.surfaces and self.surfaces.asperities, self.scales
+        if not isinstance(law, MeasuredWaves) or scales is None:
+            return None
+        maps = [feature.shape for feature in self.features if isinstance(feature.shape, Measured)]
+        if not maps or self.geometry.is_line:
+            raise ConfigError(f"{MEASURED}: needs a measured map in [[roughness]]; a profile will not do")
+        cuts = [max(plain(each.cutoff or 0.0), surfaces.CELLS_KEPT * self.spacing) for each in maps]
+        parts = [each.lost_waves(cut) for each, cut in zip(maps, cuts, strict=True)]
+        q, variance = (np.concatenate(part) for part in zip(*parts, strict=True))
+        known = q * (law.shortest or 0.0) <= 2 * np.pi * scales.a
+        waves = Spectrum.of(q[known] / scales.a, variance[known] * scales.film**2)
+        if waves.q.size < FEWEST:
+            raise ConfigError(f"{MEASURED}: the cutoff of the map leaves it no waves; give a longer roughness.cutoff")
+        return waves
 
     @property
     def is_axisymmetric(self) -> bool:
@@ -319,7 +350,11 @@ class Case:
 
     @classmethod
     def from_data(
-        cls, data: Mapping[str, Any], maps: Mapping[str, HeightMap] = NO_MAPS, reader: Reader = READER
+        cls,
+        data: Mapping[str, Any],
+        maps: Mapping[str, HeightMap] = NO_MAPS,
+        reader: Reader = READER,
+        features: Sequence[Feature] = (),
     ) -> "Case":
         """The case from plain data, with defaults filled in.
 
@@ -331,6 +366,8 @@ class Case:
             Measured heights by their names in the data, as the property `maps`.
         reader : Reader
             By default one that takes SI units only: "0.01 m", or a number.  `inputs` has one for all units.
+        features : sequence of Feature
+            Further roughness.
 
         Raises
         ------
@@ -348,7 +385,8 @@ class Case:
         data = {"contact": {}} | {name: section for name, section in data.items() if section is not None}
         sections = ((name, section) for name, section in SECTIONS.items() if name in data)
         given: dict[str, Any] = {each.field: reader.record(each.record, data[name], name) for name, each in sections}
-        given["roughness"] = tuple(reader.feature(table, f"roughness[{i}]") for i, table in enumerate(roughness, 1))
+        read = (reader.feature(table, f"roughness[{i}]") for i, table in enumerate(roughness, 1))
+        given["roughness"] = (*read, *features)
         written = [key for key, value in data.get("solver", {}).items() if value is not None]
         return cls(name=data.get("name", ""), written=written, **given)
 

@@ -11,10 +11,14 @@ from typing import Any
 
 from ertel.case import records, rules
 from ertel.case.case import Case, completions
+from ertel.case.height_map import Measured
 from ertel.case.methods import of_kind
 from ertel.case.sections import START_APPROACH, Output, Solver, Time
 from ertel.case.touching import touching_gap
-from ertel.physics.units import plain
+from ertel.physics import surfaces
+from ertel.physics.asperities import MeasuredWaves
+from ertel.physics.surfaces import Feature
+from ertel.physics.units import Quantity, plain
 
 
 def complete(case: Case, written: Collection[str] | None) -> None:
@@ -71,6 +75,14 @@ def _reverses(case: Case) -> bool:
     return least < 0 < most
 
 
+def _parted(feature: Feature, shortest: Quantity) -> Feature:
+    """A feature, if it is a map without a cutoff with the shortest wave that the grid resolves."""
+    shape = feature.shape
+    if not isinstance(shape, Measured) or shape.cutoff is not None:
+        return feature
+    return replace(feature, shape=replace(shape, cutoff=shortest))
+
+
 def _defaults(case: Case) -> dict[str, Any]:
     """The defaults of a case: the data of a dimensionless oil, the half width along y, time and output."""
     oil = case.oil if case.contact.is_physical else case.oil.completed()
@@ -79,6 +91,10 @@ def _defaults(case: Case) -> dict[str, Any]:
         solver = replace(solver, inlet=None)  # a centred grid is written in one way
     solver = records.checked(case.method.space.completed(solver, case.geometry), "solver")
     found: dict[str, Any] = {"oil": oil, "solver": solver, "thermal": case.thermal and case.thermal.completed()}
+    if case.scales and isinstance(case.surfaces and case.surfaces.asperities, MeasuredWaves):
+        shortest = Quantity(surfaces.CELLS_IN_WAVE * case.spacing * case.scales.a, "m")
+        found["roughness"] = tuple(_parted(feature, shortest) for feature in case.roughness)
+        _put(case, **found)
     if case.is_steady:
         return found
     given = case.time or Time()

@@ -14,6 +14,7 @@ from numpy.lib import format as npy
 from numpy.typing import ArrayLike, NDArray
 
 from ertel.physics import units
+from ertel.physics.asperities import Spectrum
 from ertel.physics.registry import SHAPES
 from ertel.physics.surfaces import kept_share, smooth_step
 from ertel.physics.units import Amount, Bounds, Meaning, Quantity, explained, plain
@@ -256,6 +257,21 @@ class Measured:
         inside_x = smooth_step((length_x / 2 - np.abs(along)) / self._taper)
         inside_y = smooth_step((length_y / 2 - np.abs(across)) / self._taper)
         return plain(self.rms or 0.0) / self.file.rms * found * (inside_x * inside_y)
+
+    @lru_cache(maxsize=SPLINES)  # noqa: B019  # the record is small, and its map is kept by the case
+    def lost_waves(self, cutoff: float) -> Spectrum:
+        """The waves that a cutoff (a) takes from the map, q in 1/a and variance in (a^2/R)^2.
+
+        They and the waves that are left have the variance of the map together.
+        """
+        from scipy.fft import dctn
+
+        heights, (length_x, length_y) = self.file.heights, self._lengths
+        rows, columns = heights.shape
+        q = np.pi * np.hypot(np.arange(columns) / length_x, np.arange(rows)[:, None] / length_y)
+        squares = (dctn(heights, norm="ortho") * plain(self.rms or 0.0) / self.file.rms) ** 2 / heights.size
+        cut = 1.0 - kept_share(q * cutoff / (2 * np.pi)) ** 2
+        return Spectrum.of(q[cut > 0], (squares * cut)[cut > 0])
 
     @property
     def _lengths(self) -> tuple[float, float]:

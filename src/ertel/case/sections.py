@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from ertel.case.conditions import Conditions, Given
 from ertel.physics import thermal, units
-from ertel.physics.asperities import AsperityLaw, ExponentialTouch
+from ertel.physics.asperities import AsperityLaw, ExponentialTouch, MeasuredWaves
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import Signal
 from ertel.physics.units import Amount, Bounds, Meaning, Quantity, explained
@@ -188,11 +188,15 @@ class Surfaces:
     """
 
     sigma: Annotated[
-        Given, units.LENGTH, Meaning("rms roughness of both surfaces together; or sigma_1 and sigma_2", "50 nm")
+        Given,
+        units.LENGTH,
+        Meaning(
+            'rms roughness, one value for both surfaces together, or sigma_1 and sigma_2; "Ra 40 nm" is 1.25 Ra, that '
+            "of Gaussian heights",
+            "50 nm",
+        ),
     ] = None
-    sigma_1: Annotated[Given, units.LENGTH, Meaning("rms roughness of surface 1; for a Gaussian 1.25 Ra", "50 nm")] = (
-        None
-    )
+    sigma_1: Annotated[Given, units.LENGTH, Meaning("rms roughness of surface 1", "50 nm")] = None
     sigma_2: Annotated[Given, units.LENGTH, Meaning("rms roughness of surface 2", "10 nm")] = None
     asperities: Annotated[
         AsperityLaw | None,
@@ -217,7 +221,7 @@ class Surfaces:
             for key in ("boundary_friction", "hardness"):
                 if getattr(self, key) is not None:
                     raise ValueError(f"{key} = {getattr(self, key):g}: goes with asperities, which is missing")
-        elif self.rms is None and not isinstance(self.asperities, ExponentialTouch):
+        elif self.rms is None and not isinstance(self.asperities, ExponentialTouch | MeasuredWaves):
             raise ValueError('sigma: missing, the law of the asperities needs it, for example "50 nm"')
 
     @property

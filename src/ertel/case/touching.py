@@ -1,6 +1,7 @@
 """The rules for roughness, in the gap and as asperities: no wave counts twice, a steady film has none that moves."""
 
 from collections.abc import Iterator
+from math import exp, inf
 
 import numpy as np
 
@@ -12,6 +13,8 @@ from ertel.physics.surfaces import has_waves
 from ertel.physics.units import LENGTH
 
 ROUND_OFF = 1e-4  # of a wavelength that both parts of a spectrum name
+REACH = 1.3  # Hertz pressures that asperities must be able to carry
+LONGEST_END = 50.0  # of the line that continues a curve in ln h
 NO_TOUCH, AT_EDGE = 1e-9, 1e-4  # of p_h: a pressure that does not push, and one that does not count on an edge
 
 
@@ -25,6 +28,14 @@ def _gap(case: Case, pressure: float) -> float:
     curve, scales = case.asperities, case.scales
     assert curve is not None and scales is not None
     return float(np.interp(-pressure * scales.p_h, -np.asarray(curve.p), curve.h)) / scales.film
+
+
+def _largest(case: Case) -> float:
+    """The largest pressure (Pa) that asperities carry: at a hardness, or at the straight end of their curve."""
+    given, curve = case.surfaces, case.asperities
+    assert given is not None and curve is not None
+    (rise, close) = (float(np.log(part[0] / part[1])) for part in (curve.p, curve.h))
+    return min(given.hardness or inf, float(curve.p[0]) * exp(min(-LONGEST_END * rise / close, LONGEST_END)))
 
 
 def rough_surfaces(case: Case) -> Iterator[tuple[str, str]]:
@@ -43,18 +54,22 @@ def rough_surfaces(case: Case) -> Iterator[tuple[str, str]]:
         if has_waves(feature.shape) and longest > shortest * (1 + ROUND_OFF):
             place = f"surfaces.asperities.longest = {show(with_unit(longest, LENGTH))}"
             yield place, f"roughness[{number}] has the waves from {shortest:.4g} m on; must be at most as long"
-    if given.asperities and case.layer is not None and given.rms and case.layer * scales.film < given.rms:
-        yield "lubricant.layer", f"is below the roughness of the surfaces, {given.rms:.3g} m; must be above it"
+    if given.asperities and case.layer is not None and case.layer * scales.film < (case.sigma or 0.0):
+        yield "lubricant.layer", f"is below the roughness of the surfaces, {case.sigma:.3g} m; must be above it"
 
 
 def _asperities(case: Case) -> Iterator[tuple[str, str]]:
     """The faults of a law, of its hardness, of a grid and of a fall that begin where asperities touch already."""
     given, curve = case.surfaces, case.asperities
-    assert given is not None and curve is not None
+    assert given is not None and curve is not None and case.scales is not None
     if complaint := curve.complaint:
         yield "surfaces.asperities", f"its curve {complaint}"
     elif given.hardness is not None and curve.area is None:
         yield "surfaces.hardness", "needs a law that says the area in touch, such as persson; leave it out"
+    elif (limit := _largest(case)) < REACH * case.scales.p_h:
+        place, p_h = "hardness" if limit == given.hardness else "asperities", case.scales.p_h
+        most = f"lets asperities carry {limit:.3g} Pa at most, and the Hertz pressure is {p_h:.3g} Pa"
+        yield f"surfaces.{place}", f"{most}: they cannot carry the load without oil; must be at least {REACH} times p_h"
     else:
         edge = case.geometry.gap(case.solver.half_width, 0.0) - case.geometry.dry_approach(1.0)
         if (gap := _gap(case, AT_EDGE)) > edge:

@@ -4,6 +4,7 @@ import re
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from copy import deepcopy
 from math import inf
 from os import PathLike
 from pathlib import Path
@@ -18,6 +19,7 @@ from ertel.inputs.height_maps import with_maps
 from ertel.inputs.layout import READER, Materials, field_names
 from ertel.inputs.names import require_rheology, without_names
 from ertel.inputs.quantities import parse_quantity, plain_data
+from ertel.physics.surfaces import Feature
 from ertel.physics.units import Quantity, Unit, marks
 
 __all__ = ["ConfigError", "apply_overrides", "as_case", "load_case", "parse_case", "path_of", "read_toml", "to_toml"]
@@ -71,15 +73,20 @@ def parse_case(data: Mapping[str, object], folder: str | Path = ".") -> Case:
     """
     if not isinstance(data, Mapping):
         raise ConfigError(f"data = {written(data)}: must be a mapping; load_case reads a case file")
+    return case_in(data, Path(folder))
+
+
+def case_in(data: Mapping[str, object], folder: Path = Path(), features: Sequence[Feature] = ()) -> Case:
+    """The case in plain data, see `parse_case`, with features besides those in the data."""
     data = plain_data(data)
     if "contact" not in data:
         keys = ", ".join((*field_names(Materials), *field_names(Conditions)))
         raise ConfigError(f"contact: the section [contact] is missing; it takes {keys}")
     named = data
     try:
-        named = without_names(data, Path(folder))
-        read, maps = with_maps(named, Path(folder))
-        case = Case.from_data(read, maps, READER)
+        named = without_names(data, folder)
+        read, maps = with_maps(named, folder)
+        case = Case.from_data(read, maps, READER, features)
     except ValueError as error:
         raise ConfigError(_as_written(str(error), named["contact"])) from error
     require_rheology(case, data.get("lubricant"))
@@ -142,6 +149,7 @@ def _as_written(text: str, written: Any) -> str:
 # -- files ------------------------------------------------------------------------------------------------------------
 
 
+DEEPEST = 3  # tables around a key
 LARGEST_FILE = 1_000_000  # bytes: thousands of points of a signal
 # A dotted key of many parts: the time that tomllib takes for it goes with the square of their number.
 _NAME = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')"""
@@ -194,17 +202,22 @@ def to_toml(case: Case) -> str:
 
 
 def apply_overrides(data: Mapping[str, Any], overrides: Iterable[str]) -> dict[str, Any]:
-    """Apply "section.key=value" items to the data; a value is TOML, otherwise a plain string."""
-    merged = {key: dict(value) if isinstance(value, dict) else value for key, value in data.items()}
+    """Apply "section.key=value" items to the data, also to tables in a section; a value is TOML, or else a string."""
+    merged = deepcopy(dict(data))
     for item in overrides:
         target, equals, text = item.partition("=")
-        *section, key = target.strip().split(".")
-        if not equals or not key or len(section) > 1:
+        *tables, key = parts = target.strip().split(".")
+        if not equals or not all(parts) or len(tables) > DEEPEST:
             raise ConfigError(f"--set {shortened(item)}: must be section.key=value, for example solver.nodes=129")
-        place = merged.setdefault(section[0], {}) if section else merged
-        if not isinstance(place, dict):
-            raise ConfigError(f"--set {shortened(item)}: {shortened(section[0])} is not a section")
-        place[key] = _toml_or_text(text.strip())
+        place = merged
+        for part in tables:
+            place = place.setdefault(part, {})
+            if not isinstance(place, dict):
+                raise ConfigError(f"--set {shortened(item)}: {shortened(part)} is not a section or a table")
+        value = _toml_or_text(text.strip())
+        if key == "law" and place.get(key) != value:
+            place.clear()  # the numbers of a law are not those of another
+        place[key] = value
     return merged
 
 

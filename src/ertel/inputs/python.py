@@ -7,7 +7,6 @@ those of the grid and of the end of a run may be plain numbers in both, see `cas
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
 from inspect import Parameter, Signature
 from itertools import pairwise
 from math import inf
@@ -19,7 +18,7 @@ from ertel.case.conditions import FOREIGN, Conditions, Kind
 from ertel.case.reading import hint_for, parse_number
 from ertel.case.records import ConfigError, law_data, oil_data, refusing, show, with_own_numbers, with_unit
 from ertel.case.sections import Output, Solver, Surfaces, Thermal, Time
-from ertel.inputs.case_files import parse_case, with_all_units
+from ertel.inputs.case_files import case_in
 from ertel.inputs.layout import READER, Materials, NamedLubricant, field_names
 from ertel.inputs.quantities import NumberOrText, parse_quantity, plain_data
 from ertel.physics import units
@@ -346,8 +345,7 @@ def _case(kind: Kind, given: Mapping[str, Any], keywords: Any) -> Case:
         "time": time or None,
         "output": section(Output) or None,
     }
-    case = parse_case({name: table for name, table in sections.items() if table is not None})
-    return with_all_units(replace(case, roughness=(*case.roughness, *records))) if records else case
+    return case_in({name: table for name, table in sections.items() if table is not None}, features=records)
 
 
 def _in_tables(name: str, known: Sequence[str]) -> list[str]:
@@ -373,11 +371,15 @@ def _lubricant(values: Mapping[str, Any]) -> dict[str, Any] | None:
 
 
 def _surfaces(given: Any) -> Any:
-    """The section [surfaces], its law as a table."""
+    """The section [surfaces], its law as a table, in which numbers are in SI."""
     section = _with_units(given, Surfaces)
-    if isinstance(section, Mapping) and hasattr(law := section.get("asperities"), "curve"):
+    if not isinstance(section, Mapping):
+        return section
+    law = section.get("asperities")
+    if hasattr(law, "curve"):
         return {**section, "asperities": law_data(law, ASPERITY_LAWS)}
-    return section
+    record = ASPERITY_LAWS.get(str(law.get("law"))) if isinstance(law, Mapping) else None
+    return {**section, "asperities": _with_units(law, record)} if record else section
 
 
 def _with_units(section: Any, record: Any) -> Any:

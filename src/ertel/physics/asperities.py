@@ -30,6 +30,7 @@ from ertel.physics.units import ABOVE_ZERO, LENGTH, SHARE, STRESS, Meaning
 Floats = NDArray[np.float64]
 
 WAVES, PRESSURES = 600, 3000  # of the tables of Persson's law
+RINGS = 200  # of equal ratios, into which the wave numbers of a measured map are gathered
 GAPS = 1200  # of those of the other laws
 FEWEST = 4  # points of a table
 DRAG = 0.45  # gamma of Persson's law: the elastic energy of asperities that do not touch over all of their area
@@ -95,6 +96,50 @@ class Persson:
     def curve(self, sigma: float, modulus: float) -> GapCurve:
         q = np.geomspace(2 * pi / self.longest, 2 * pi / self.shortest, WAVES)
         return persson_curve(tuple(q), tuple(q ** (-2 * (1 + self.hurst))), sigma, modulus)
+
+
+class Spectrum(NamedTuple):
+    """The waves of a rough surface, shape (n,): wave number q (1/m), rising, and variance (m^2) of their heights."""
+
+    q: Floats
+    variance: Floats
+
+    @classmethod
+    def of(cls, q: Floats, variance: Floats) -> "Spectrum":
+        """That of waves in any order, gathered in rings, with the variances of their heights and of their slopes."""
+        q, variance = q[variance > 0], variance[variance > 0]
+        edges = np.geomspace(q.min(initial=1.0) * (1 - 1e-9), q.max(initial=1.0) * (1 + 1e-9), RINGS + 1)
+        heights, slopes = (np.histogram(q, edges, weights=weights)[0] for weights in (variance, q**2 * variance))
+        filled = heights > 0
+        return cls(np.sqrt(slopes[filled] / heights[filled]), heights[filled])
+
+    @property
+    def rms(self) -> float:
+        """The rms of their heights (m)."""
+        return float(np.sqrt(self.variance.sum()))
+
+
+@ASPERITY_LAWS.register("measured")
+@dataclass(frozen=True)
+class MeasuredWaves:
+    """Persson's theory of the waves that the cutoff of a measured map in [[roughness]] takes from the gap.
+
+    The map is parted: its waves above the cutoff are in the gap, those below are the law.  Their variances add up to
+    that of the map, so that no wave counts twice.  sigma is that of the waves; one that is given scales them.
+    The law has no direction and holds everywhere, also beside the map.
+    """
+
+    shortest: Annotated[
+        float | None,
+        LENGTH,
+        Meaning("waves below are left out, as the noise of an instrument; left out: two points of the map", "1 um"),
+    ] = None
+    reference: ClassVar[str] = Persson.reference
+
+    def curve(self, sigma: float, modulus: float, waves: Spectrum) -> GapCurve:
+        q, variance = waves
+        spans = np.convolve(np.diff(q), [0.5, 0.5])  # the weights of the trapezoidal rule
+        return persson_curve(tuple(q), tuple(variance / (q * spans)), sigma, modulus)
 
 
 @ASPERITY_LAWS.register("greenwood-tripp")

@@ -22,6 +22,7 @@ from ertel.physics.registry import SHAPES
 from ertel.physics.units import Amount, Bounds, Meaning, Quantity, explained, plain
 
 CELLS_KEPT = 4.0  # in the shortest wave of a rough surface of which a grid loses nothing; of two cells nothing is left
+CELLS_IN_WAVE = 16.0  # wanted across a wavelength, or the diameter of a spot
 PERIOD = 8.0  # longest waves, where no period is given
 MOST_WAVES = 1024  # of the shortest wavelength in a period
 SERIES = 12  # kept in memory: some surfaces on the grids of a hierarchy

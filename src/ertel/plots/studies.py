@@ -202,6 +202,10 @@ def _draw_curve(axes: Axes, dataset: xr.Dataset, title: str, names: Sequence[str
     if title != "Temperature":
         axes.axhline(0.0, color="black", linewidth=0.5)
     axes.set(xlabel=label, ylabel=f"{title.lower()} {z.in_brackets}".rstrip(), title=title)
+    if title == "Traction" and dataset.attrs["varies"] == "mean_speed" and "hersey" in dataset:
+        each = largest_of(dataset["hersey"]) / x.max()  # (m), over a speed on the axis
+        above = axes.secondary_xaxis("top", functions=(lambda u: each * u, lambda h: h / each))
+        above.set_xlabel(r"Hersey number $\eta_0 u_m/p_h$ (m)", fontsize="small")
     if len(variables) > 1:
         axes.legend(frameon=False, fontsize="small")
 
@@ -215,6 +219,8 @@ def _heading(dataset: xr.Dataset) -> list[str]:
         conditions += [f"$M$ = {about['M']:.4g}", f"$L$ = {about['L']:.3g}"]
     else:
         conditions.append(f"slide-to-roll {case_of(dataset).motion.slide_to_roll:.3g}")
+    if sigma := case_of(dataset).sigma:
+        conditions.append(f"rms roughness {with_prefix(sigma, 'm')}")
     return [name_of(about), *conditions]
 
 

@@ -16,7 +16,7 @@ from ertel.case.spaces import FRONT_POSITION
 from ertel.numerics.grid import Extrapolation, allowed_nodes, on_grids
 from ertel.physics.line_scales import LineScales
 from ertel.physics.lubricant import Barus
-from ertel.physics.surfaces import CELLS_KEPT, has_waves
+from ertel.physics.surfaces import CELLS_IN_WAVE, CELLS_KEPT, has_waves
 from ertel.physics.thermal import AT_REST, INLET_FACTORS, SLOWEST, slow_excess
 from ertel.results.balances import UNCERTAIN_MOMENTUM, Balances, needed_half_width, share_outside, uncertain_momentum
 from ertel.results.variables import FILMS
@@ -43,7 +43,6 @@ MEANING = {  # of an imbalance
 LARGE_CONTACT = 0.3  # a/R, up to which the parabola is within a few per cent of a sphere
 BARUS_PRESSURE = 0.7e9  # Pa, above which the Barus law says nothing about traction
 CLEARLY_THINNER = 0.95  # phi_T below which the error of the inlet formula is said
-CELLS_IN_WAVE = 16.0  # wanted across a wavelength, or the diameter of a spot
 
 
 def impact_warnings(case: Case, data: "xr.Dataset") -> list[str]:

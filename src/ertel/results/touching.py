@@ -38,8 +38,8 @@ def _hardness(case: Case, P_max: float) -> Iterator[str]:
 
 
 def _thin(case: Case, values: Mapping[str, float | None]) -> Iterator[str]:
-    assert case.surfaces is not None and case.scales is not None
-    h_min, rms = (values["H_min"] or 0.0) * case.scales.film, case.surfaces.rms or 0.0
+    assert case.scales is not None
+    h_min, rms = (values["H_min"] or 0.0) * case.scales.film, case.sigma or 0.0
     share = values.get("asperity_share") or 0.0
     if 0.0 < h_min < MOLECULES:
         yield f"the minimum gap of {with_prefix(h_min, 'm')} is below the size of the oil's molecules: no liquid film"
@@ -57,7 +57,7 @@ def film_over_roughness(case: Case, values: Mapping[str, Any]) -> dict[str, floa
 
     Empty without a film, or without such a roughness.
     """
-    H, rms = values.get("H_min_warm", values.get("H_min")), case.surfaces.rms if case.surfaces else None
+    H, rms = values.get("H_min_warm", values.get("H_min")), case.sigma
     if H is None or rms is None or case.scales is None:
         return {}
     return {"Lambda": H * case.scales.film / rms}

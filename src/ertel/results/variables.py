@@ -99,7 +99,8 @@ IMPACT: dict[str, Any] = {"of_impact": True, "has_error": True}
 THICKNESS = "Film thickness"  # the panel of films
 FILMS_SHOWN: dict[str, Any] = {**FRICTION, "panel": THICKNESS, "curve_panel": "Film", "is_heated": True}
 TRACTION: dict[str, Any] = {**FRICTION, "panel": "Traction", "curve_panel": "Traction", "is_heated": True}
-SOLID: dict[str, Any] = {"panel": "Solid contact", "curve_panel": "Solid contact", "of_touch": True}
+SHARE = "Share of the load on asperities"
+SOLID: dict[str, Any] = {"panel": SHARE, "curve_panel": SHARE, "of_touch": True}
 BOUNDARY: dict[str, Any] = {**FRICTION, "curve_panel": "Traction", "of_touch": True}
 
 # The one table, and the one order of all numbers.  A new number is a line here, beside the place where it is computed.
@@ -204,6 +205,7 @@ RUNS = {  # of a run as a whole, or of a traction curve
     "T_2_max": Variable("highest temperature of surface 2", "T_2_max", KELVIN, curve_panel="Temperature"),
     "T_film_mean": Variable("mean temperature of the film, weighted with the pressure", "T_film_mean", KELVIN),
     "Lambda": Variable("minimum film over rms roughness", "Lambda", shown=True, curve_panel="Film over roughness"),
+    "Hersey": Variable("Hersey number eta0 u_m/p_h", "eta0 u_m/p_h", *LENGTH),
     "phi_T": Variable("inlet factor of the film", "phi_T", curve_panel="Inlet factor"),
     "L_t": Variable("thermal loading parameter", "L_t"),
     "wall_time": Variable("time of computing", "t_wall", "s"),

@@ -213,8 +213,8 @@ class Result:
         if scales is None or minimum is None:
             raise ValueError(f"lambda ratio: {'the run has no film' if scales else 'the case is dimensionless'}")
         given = [sigma for sigma in (sigma_1, sigma_2) if sigma is not None]
-        if not given and self.case.surfaces and self.case.surfaces.rms:
-            given = [self.case.surfaces.rms]
+        if not given and self.case.sigma:
+            given = [self.case.sigma]
         if given:
             if not minimum.known:
                 raise ValueError("lambda ratio: the minimum film is not known, its error is too large; use more nodes")
@@ -268,8 +268,7 @@ def verdict(result: Result, *sigma: Sigma) -> str:
     if not values_of(result.summary):
         return ""
     parts = [f"{'warm ' * ('H_c_warm' in table)}film {_film(table.get('H_c_warm') or table['H_c'])}"]
-    rough = result.case.surfaces and result.case.surfaces.rms
-    if sigma or (result.case.scales and (rough or _rms(result.case))):
+    if sigma or (result.case.scales and (result.case.sigma or _rms(result.case))):
         parts.append(f"Lambda = {result.lambda_ratio(*sigma):.2g}")
     friction = table.get("mu_sliding_warm") or table.get("mu_sliding")
     if friction and friction.unit == "1" and abs(friction.value) > 0:

@@ -150,9 +150,13 @@ def require_touch(case: Case) -> None:
         raise ConfigError("surfaces.asperities: missing, a Stribeck curve needs a law of the asperities that touch")
 
 
-def in_ratios(values: Given) -> Given:
-    """A range FIRST:LAST:NUMBER with equal ratios, as logarithmic axes need; other values as they are."""
-    return f"{values}:log" if isinstance(values, str) and values.count(":") == 2 else values
+def in_ratios(speeds: Given, name: str = "mean_speed") -> tuple[float, ...]:
+    """Mean speeds (m/s), of a range FIRST:LAST:NUMBER with equal ratios, as logarithmic axes need.
+
+    name: of the argument.  Raises ConfigError, see `parse_values`.
+    """
+    equal = f"{speeds}:log" if isinstance(speeds, str) and speeds.count(":") == 2 else speeds
+    return parse_values(name, equal, marks(Conditions)["mean_speed"])
 
 
 # -- the curve --------------------------------------------------------------------------------------------------------
@@ -280,12 +284,13 @@ def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyR
 
     fresh: whether the film was solved for this point, so that its work counts here.  directory: of the film's run.
     """
-    solution = replace(film.solutions[-1], case=case)
+    solution, scales, speed = replace(film.solutions[-1], case=case), case.scales, case.contact.speeds.mean
     values = with_coefficients(solution.record, case.scales)
     sliding, rolling = values["mu_sliding"], values["mu_rolling"]
     values = {
         **{name: values[name] for name in names_where(lambda variable: variable.at_moment) if name in values},
         **film_over_roughness(case, values),
+        **({"Hersey": (case.oil.eta0 or 0.0) * speed / (scales.p_h * scales.a)} if scales and speed else {}),
         "mu_1": rolling + sliding,
         "mu_2": rolling - sliding,
         "tau_max": float(np.hypot(*np.asarray(solution.account.friction.stress)).max()),

@@ -52,6 +52,7 @@ DECIDE = (*CHOICES, "lubricant.oil", SHAPE, *LAWS)  # fields on which others dep
 # groups that are open when one is used
 FOLDED = ("Layer of oil, for a starved contact", "Temperatures", "Roughness", "Surfaces that touch")
 LAYER, HEAT, ROUGHNESS, TOUCH = FOLDED
+ROUGH = ("sigma", "sigma_1", "sigma_2", "boundary_friction", "hardness")
 ROWS = (  # group, the choices that show its fields, and these by their paths in case files, or as choices of the form
     ("", "", "contact.kind given"),
     ("Contact", "moes", "contact.M contact.L contact.radius_ratio contact.length_ratio"),
@@ -76,13 +77,13 @@ ROWS = (  # group, the choices that show its fields, and these by their paths in
     (LAYER, "", "lubricant.layer lubricant.layer_1 lubricant.layer_2"),
     (HEAT, "si heated", "thermal"),
     (ROUGHNESS, "", SHAPE),
-    (TOUCH, "si", f"surfaces.sigma surfaces.boundary_friction {ASPERITIES}"),
+    (TOUCH, "si", f"surfaces.{' surfaces.'.join(ROUGH)} {ASPERITIES}"),
     ("Computation", "", "solver.method solver.nodes"),
     ("Computation", "impact", "time.until"),
 )
 LABELS = {
     "eta0": "Viscosity", "alpha": "Pressure-viscosity coefficient", "law": "Shear thinning", "sigma": "Rms roughness",
-    ASPERITIES: "Asperities",
+    "sigma_1": "Rms roughness of surface 1", "sigma_2": "Rms roughness of surface 2", ASPERITIES: "Asperities",
 }  # fmt: skip
 NAME_FILES = ("file", "oils", "case")  # keys of surfaces and measurements, of oils of one's own, of a fit
 # at first, of the rows
@@ -94,8 +95,7 @@ EMPTY = (
     "layer",
     "layer_1",
     "layer_2",
-    "sigma",
-    "boundary_friction",
+    *ROUGH,
 )
 ONE_OF = ("wavelength_x", "depth")  # keys of shapes that are filled at first besides those that are needed
 KEYS = {f"{name}.{key.name}": key for name in SECTIONS for key in section(name).keys} | {
