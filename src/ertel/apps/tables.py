@@ -77,7 +77,10 @@ def needs(content: Mapping[str, Any]) -> dict[str, str]:
         layers["layers of oil"] = f"r = {starved['r']:.3g}, about {starved['share']:.0%} of the flooded film"
     if "wet_radius" in starved:
         layers["wet radius"] = f"at most {starved['wet_radius']:.3g} a at maximum approach"
-    start = content["start"]
+    start, rough = content["start"], content["Lambda"]
+    if rough:
+        over = f"the expected film over the rms roughness that is not on the grid, {with_prefix(rough['sigma_m'], 'm')}"
+        layers["Lambda"] = f"{rough['expected']:.2g}, {over}"
     if start:
         layers["first film"] = f"{start['film']:.4g} a*^2/R, under {start['load']:.2g} F*"
     return {

@@ -48,7 +48,8 @@ def stress_waves(k: tuple[Array, Array], depth: float, p: Array, q_x: ArrayLike,
     c, s = (each / np.where(length > 0.0, length, 1.0) for each in k)
     cc, cs = np.where(length > 0.0, c * c, 1.0 if k_y.size == 1 else 0.5), c * s
     ss, kz = 1.0 - cc, length * depth
-    p, q_x, q_y = (np.exp(-kz) * each for each in (p, q_x, q_y))
+    fall = np.exp(-kz)
+    p, q_x, q_y = (fall * each for each in (p, q_x, q_y))
     along, across = 1j * (c * q_x + s * q_y), 1j * (c * q_y - s * q_x)
     w = p - along
     return Stresses(

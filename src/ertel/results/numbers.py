@@ -351,10 +351,11 @@ def _stress_line(summary: Outcome) -> Iterator[str]:
         return
     shown = {name: each.text_in_si or each.text for name, each in table.items()}
     place = ", ".join(f"{name[0].lower()} = {shown[name]}" for name in ("X_von_mises", "Y_von_mises") if name in table)
-    of_yield = f", {shown['yield_ratio']} of the yield stress of hardened steel" if "yield_ratio" in table else ""
+    ratio = f", {shown['yield_ratio']} of the yield stress of hardened steel, a guess" if "yield_ratio" in table else ""
     where = f"{shown['Z_von_mises']} deep at {place}"
     shear = f"largest shear stress {shown['shear_max']}, {shown['Z_shear']} deep"
-    yield f"largest von Mises stress in body 1: {shown['von_mises_max']}{of_yield}, {where}; {shear}"
+    when = " at maximum approach" * (summary["kind"] == "impact")
+    yield f"largest von Mises stress in body 1{when}: {shown['von_mises_max']}{ratio}, {where}; {shear}"
 
 
 def html_table(summary: Outcome, heading: str = "") -> str:

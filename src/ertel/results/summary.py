@@ -329,4 +329,4 @@ def with_error(case: Case, fine: Mapping[str, Any], others: Mapping[str, Mapping
     content = {**fine, "error_estimate": estimates}
     for name in FILMS:
         content |= {f"{name}_{ending}": estimates[name][ending] for ending in ("error", "extrapolated")}
-    return with_si(case, content)
+    return with_si(case, content | film_over_roughness(case, content))

@@ -81,6 +81,7 @@ def outlook(case: Case) -> dict[str, Any]:
         "grid": _grid(case),
         "starvation": _starvation(case),
         "roughness": roughness_of(case),
+        "Lambda": {"sigma_m": case.sigma, "expected": estimates.film_estimate(case) / case.sigma} if case.sigma else {},
         "memory": {"needed": needed, "available": available or None},
         "time": {"steps": expected_steps(case), "seconds": expected_seconds(case)},
         "warnings": [sentence for sentence in sentences if sentence],

@@ -268,7 +268,8 @@ def verdict(result: Result, *sigma: Sigma) -> str:
     if not values_of(result.summary):
         return ""
     parts = [f"{'warm ' * ('H_c_warm' in table)}film {_film(table.get('H_c_warm') or table['H_c'])}"]
-    if sigma or (result.case.scales and (result.case.sigma or _rms(result.case))):
+    known = (table.get("H_min_warm") or table["H_min"]).known
+    if sigma or (result.case.scales and known and (result.case.sigma or _rms(result.case))):
         parts.append(f"Lambda = {result.lambda_ratio(*sigma):.2g}")
     friction = table.get("mu_sliding_warm") or table.get("mu_sliding")
     if friction and friction.unit == "1" and abs(friction.value) > 0:

@@ -298,7 +298,8 @@ def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyR
         "krylov_iterations": fresh * sum(s.krylov for s in film.solutions),
         "convolutions": fresh * Rolling(film.solutions).convolutions,
     }
-    warnings, status = [*beyond(case), *diagnostics.steady_warnings(case, film.solutions)], film.status
+    thinnest = values.get("H_min", 0.0) * scales.film if scales else None
+    warnings, status = [*beyond(case, thinnest), *diagnostics.steady_warnings(case, film.solutions)], film.status
     if status.ok and (warm := solution.heat):
         values |= _warm_values(solution, values)
         warnings += diagnostics.thermal_warnings(case, warm)

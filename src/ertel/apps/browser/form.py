@@ -87,16 +87,7 @@ LABELS = {
 }  # fmt: skip
 NAME_FILES = ("file", "oils", "case")  # keys of surfaces and measurements, of oils of one's own, of a fit
 # at first, of the rows
-EMPTY = (
-    "radius_ratio",
-    "length_ratio",
-    "entrainment_angle",
-    "slide_to_roll",
-    "layer",
-    "layer_1",
-    "layer_2",
-    *ROUGH,
-)
+EMPTY = ("radius_ratio", "length_ratio", "entrainment_angle", "slide_to_roll", "layer", "layer_1", "layer_2", *ROUGH)
 ONE_OF = ("wavelength_x", "depth")  # keys of shapes that are filled at first besides those that are needed
 KEYS = {f"{name}.{key.name}": key for name in SECTIONS for key in section(name).keys} | {
     LAW: next(key for key in section("lubricant").keys if key.name == "rheology"),
