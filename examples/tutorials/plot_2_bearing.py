@@ -164,3 +164,26 @@ assert change["half the speed"] < change["10 K warmer"] < -0.15 < change["twice 
 # %%
 # So: know the temperature of the inlet.  Ten kelvins cost more film than the doubt of alpha, and the load counts for
 # almost nothing.
+
+# %%
+# From rest to full speed: the Stribeck curve
+# -------------------------------------------
+# At full speed the surfaces are apart.  While the bearing starts they are not.  ``[surfaces]`` has their roughness, and
+# a law lets their asperities touch: here Persson's for ground steel with waves from 1 to 50 µm.  It needs both ends of
+# the spectrum and no number to fit.
+ROUGH = [
+    "surfaces.sigma_1=20 nm",
+    "surfaces.sigma_2=60 nm",
+    'surfaces.asperities={ law = "persson", longest = "50 um", shortest = "1 um" }',
+    "solver.nodes=33",
+]
+start = ertel.stribeck(ertel.load_case(CASE, ROUGH), f"0.01:{speed}:7")
+figure = start.plot()
+on_asperities = start.dataset["asperity_share"].values
+for each, share in zip(start.dataset["mean_speed"].values, on_asperities, strict=True):
+    print(f"{each:5.2f} m/s: asperities carry {share:.1%}")
+assert on_asperities[0] > 0.5 and on_asperities[-1] < 0.01
+
+# %%
+# Friction falls from that of the boundary, 0.12 (``surfaces.boundary_friction``), to that of the oil.  So the ratio of
+# film to roughness is not the whole answer: the curve says at which speed the load has passed to the oil.
