@@ -175,9 +175,8 @@ ROUGH = [
     "surfaces.sigma_1=20 nm",
     "surfaces.sigma_2=60 nm",
     'surfaces.asperities={ law = "persson", longest = "50 um", shortest = "1 um" }',
-    "solver.nodes=33",
 ]
-start = ertel.stribeck(ertel.load_case(CASE, ROUGH), f"0.01:{speed}:7")
+start = ertel.stribeck(ertel.load_case(CASE, ROUGH), f"0.03:{speed}:6")
 figure = start.plot()
 on_asperities = start.dataset["asperity_share"].values
 for each, share in zip(start.dataset["mean_speed"].values, on_asperities, strict=True):

@@ -234,3 +234,10 @@ def test_files_of_the_user_are_left_alone(here, command, file):
         with pytest.raises(StoreError, match=re.escape(f"directory {complaint} study")):
             ertel.sweep("loads.toml", "mine")
     assert names(here / "mine") == {file} and (here / "mine" / file).read_text() == "mine"
+
+
+@pytest.mark.parametrize("speeds", ["0.001:x:5", "5:5:5"])
+def test_speeds_of_a_stribeck_curve_are_named_as_they_are_typed(here, speeds):
+    law = 'surfaces.asperities={ law = "exponential", pressure = "3 GPa", length = "40 nm" }'
+    touching = ("--set", "contact.slide_to_roll=0.1", "--set", law)
+    assert f'--speed = "{speeds}' in refused("stribeck", "ball.toml", *touching, "--speed", speeds)

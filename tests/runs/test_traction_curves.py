@@ -89,6 +89,8 @@ def test_a_point_over_the_speed_or_the_load_is_its_own_case(axis: str) -> None:
     assert float(data["mu_sliding"]) == pytest.approx(float(found.sliding[0]) * at.scales.a_over_R, rel=1e-9)
     assert float(data["power_loss"]) == pytest.approx(float(found.power) * at.scales.power, rel=1e-9)
     assert float(data["h_c"]) == pytest.approx(film.measure()["H_c"] * at.scales.film, rel=1e-9)
+    hersey = at.oil.eta0 * at.contact.speeds.mean / at.scales.p_h
+    assert float(data["hersey"]) == pytest.approx(hersey, rel=1e-12) and data["hersey"].attrs["units"] == "m"
 
 
 def test_a_dimensionless_case(newtonian: Any) -> None:

@@ -253,3 +253,13 @@ def test_asperities_that_cannot_carry_the_load_are_refused():
         with pytest.raises(ValueError, match="cannot carry the load without oil"):
             rolling(surfaces=surfaces)
     assert rolling(surfaces={"sigma": SIGMA, "asperities": PERSSON, "hardness": f"{1.4 * p_h} Pa"})
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("speed", [0.3, 0.05])
+def test_a_steep_law_in_a_film_far_below_the_grid_starts_from_the_dry_contact(speed: float):
+    """Greenwood and Tripp's law on 65 nodes: from the coarser grid it took up to 100 Newton iterations, or failed."""
+    steep = {"sigma": SIGMA, "asperities": {"law": "greenwood-tripp"}}
+    result = simulate(rolling(speed, nodes=65, surfaces=steep))
+    assert result.summary["status"] == "converged"
+    assert int(result.dataset["newton_iterations"][-1]) <= 16

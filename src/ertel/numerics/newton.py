@@ -254,7 +254,7 @@ class NewtonKrylov:
 
 
 # with a part C(H): a residual of fewer tolerances that does not fall any more, after so many iterations, is round-off
-ROUND_OFF, LATE = 10.0, 10
+ROUND_OFF, LATE = 10.0, 5
 LOOSEST = 0.1  # weakest reduction by the Krylov iteration, while Newton's iteration converges slowly
 
 

@@ -80,7 +80,15 @@ def _lifted_by_asperities(
     return lift, jnp.maximum(H, 0.0) + lift
 
 
+def _unbalanced(c: Contact, P: Array, approach: FloatLike, P_f: Array) -> Array:
+    """The load by which the oil and asperities do not make up P, over that of P."""
+    assert c.asperities is not None
+    rest = P - P_f - c.asperities.pressure(contact.film_thickness(c, P, approach))
+    return integral(jnp.minimum(jnp.abs(rest), 1.0), c.spacing, c.even) / integral(P, c.spacing, c.even)
+
+
 lifted = Program(jax.jit(_lifted_by_asperities), ANY_SIZE)
+unbalanced = Program(jax.jit(_unbalanced), ANY_SIZE)
 
 
 def _from_coarse(c: Contact, coarse: Array, starved: Array) -> Array:

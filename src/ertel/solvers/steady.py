@@ -30,13 +30,14 @@ from ertel.numerics.grid import Grid, check_coarsening, expected_next
 from ertel.numerics.integrals import Plane
 from ertel.numerics.programs import ANY_SIZE, Program, double_precision
 from ertel.solvers import nonlinear
-from ertel.solvers.guesses import motion_of, refined, rough_guess
+from ertel.solvers.guesses import motion_of, refined, rough_guess, unbalanced
 from ertel.solvers.heat import Heated, heated
 
 Floats = NDArray[np.float64]
 
 FIRST_GRID = 33  # nodes a side from which nested iteration starts, or the next that the finest grid allows
 FIRST_ROW = 129  # nodes of a line contact from which it starts: each grid is a program
+ASTRAY = 0.3  # of the load out of balance, from which the dry contact is a better first guess than the coarser grid
 LEAST_FILM = 0.5  # a first guess keeps this fraction of the coarse grid's minimum film thickness
 TOLERANCE = 1e-8  # of the residual of the steady film from which a transient run starts
 SETTLING = 5  # solves at most until the film and the oil outside agree; each leaves a hundredth, a tenth at low M
@@ -236,7 +237,9 @@ def nested(case: Case, done: Sequence[GridSolution] = ()) -> Iterator[GridSoluti
     for grid in reversed(grids[: len(grids) - len(done)]):
         c = discretise.contact_of(case, grid)
         if solutions:
-            guess = first_guess(c, solutions[-1], expected_next([s.approach for s in solutions]))
+            guess: Any = first_guess(c, solutions[-1], expected_next([s.approach for s in solutions]))
+            if c.asperities is not None and unbalanced(c, *guess) > ASTRAY:  # a steep law in a very thin film
+                guess = rough_guess(case, grid, c)
         else:
             first = solve_on_grid(case, grid, c, *rough_guess(case, grid, c))
             guess = first.P, first.approach, first.P_f  # with the oil outside of the lubricated contact
