@@ -20,6 +20,7 @@ def touch_warnings(case: Case, values: Mapping[str, float | None]) -> list[str]:
 
 
 def _hardness(case: Case, P_max: float) -> Iterator[str]:
+    """A sentence where the pressure of asperities (p_h) is held by their hardness on the area that touches."""
     assert case.surfaces is not None and case.asperities is not None and case.scales is not None
     hardness = case.surfaces.hardness or inf
     curve = case.asperities.capped(hardness)
@@ -34,6 +35,10 @@ def _hardness(case: Case, P_max: float) -> Iterator[str]:
 
 
 def _thin(case: Case, H_min: float) -> Iterator[str]:
+    """A sentence for what a film (a^2/R) that is about as thin as the roughness lacks: flow factors, heat.
+
+    A film below the size of molecules is said by `runs.outlook`, with asperities and without.
+    """
     assert case.scales is not None
     if H_min * case.scales.film < ROUGH * (case.sigma or 0.0):
         yield (
