@@ -28,6 +28,7 @@ from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature, SelfAffine
 from ertel.results.figures import figures_of
 from ertel.runs.drive import simulate
+from ertel.runs.store import run
 from ertel.solvers import guesses, nonlinear, steady
 
 GRID = Grid(49, 49, 6.0 / 48, -1.5, 0.0, Symmetry(y=True))  # P = 0 on its edge, no oil outside
@@ -242,7 +243,7 @@ def test_waves_that_the_grid_does_not_resolve_belong_to_the_law():
 def test_a_law_of_measured_waves_needs_a_map_with_waves_left():
     with pytest.raises(ValueError, match="needs a measured map"):
         with_map(rough=False)
-    with pytest.raises(ValueError, match="leaves it no waves"):
+    with pytest.raises(ValueError, match="leave it no waves"):
         with_map(nodes=513, half_width=1.5, inlet=1.5, cutoff=quantity("10 um"))
 
 
@@ -263,3 +264,36 @@ def test_a_steep_law_in_a_film_far_below_the_grid_starts_from_the_dry_contact(sp
     result = simulate(rolling(speed, nodes=65, surfaces=steep))
     assert result.summary["status"] == "converged"
     assert int(result.dataset["newton_iterations"][-1]) <= 16
+
+
+class Until:
+    """Stops a run after so many steps."""
+
+    def __init__(self, steps: int) -> None:
+        self.left = steps
+
+    def __call__(self, result: Any) -> bool:
+        self.left -= 1
+        return self.left == 0
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_rough_ball_rolls_through_a_film_as_thin_as_its_hills(tmp_path):
+    """Mass to 1 %, energy to 2 % on this coarse grid, at most 1.5 Newton iterations a step; a stop changes nothing."""
+    hills = {"shape": "waviness", "amplitude": "150 nm", "wavelength_x": "300 um", "front": "-150 um", "ramp": "60 um"}
+    sections = {
+        "solver": {"method": "transient", "nodes": 33, "half_width": 2.0, "inlet": 2.5},
+        "roughness": [hills],
+        "time": {"until": 1.5, "tolerance": 1e-3},
+    }
+    case = rolling(0.5, **sections)
+    whole = run(case, tmp_path / "whole")
+    s, d = whole.summary, whole.dataset
+    assert s["status"] == "converged" and float(d["asperity_share"].max()) > 0.3
+    assert s["budgets"]["mass"]["imbalance"] < 0.01 and s["budgets"]["energy"]["imbalance"] < 0.02
+    assert float(d["newton_iterations"].sum()) <= 1.5 * d.sizes["time"]
+    assert run(case, tmp_path / "parts", observers=[Until(d.sizes["time"] // 2)]).summary["status"] == "interrupted"
+    parts = run(case, tmp_path / "parts").dataset
+    assert parts.sizes["time"] == d.sizes["time"]
+    for name in ("asperity_share", "H_min", "P_asperity", "newton_iterations"):
+        assert np.array_equal(parts[name], d[name]), name

@@ -215,7 +215,7 @@ class Case:
         known = q * (law.shortest or 0.0) <= 2 * np.pi * scales.a
         waves = Spectrum.of(q[known] / scales.a, variance[known] * scales.film**2)
         if waves.q.size < FEWEST:
-            raise ConfigError(f"{MEASURED}: the cutoff of the map leaves it no waves; give a longer roughness.cutoff")
+            raise ConfigError(f"{MEASURED}: cutoff and shortest leave it no waves of the map; give a longer cutoff")
         return waves
 
     @property
