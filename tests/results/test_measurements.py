@@ -181,12 +181,23 @@ PLACES, FILMS = np.array([-1e-4, 0.0, 2e-4]), np.array([3.1e-7, 1e-7, 4e-7])
         ("-100 310\n0 100\n200 400\n", {"x": "um", "h": "nm"}),
         ("Place (um),Film\n-100,310\n0,100\n200,400\n", {"h": "nm", "columns": {"x": "Place (um)", "h": "Film"}}),
         ("x_um,p_GPa,h_nm,t_us\n-100,1,310,60\n0,1,100,60\n200,1,400,60\n", {}),
+        ("Film export\nLoad:\t20 N\n\nx (µm)\th (nm)\n-100\t310\n0\t100\n200\t400\n", {}),  # lines above the header
+        ("sep=;\nx;h;\num;nm;\n-100,0;310;\n0;100;\n50;#N/A;\n200;400;\n", {}),  # a row of units; a last separator
+        ('% "x (um)", "h (nm)"\n"-100","310"\n"0","100"\n"200","400"\n', {}),
+        ("  x (um)     h (nm)\n -0.100D+03  310\n 0 100\n 2D2 400\n", {}),  # Fortran
+        ("-100,0   310,0\n0,0   100,0\n200,0   400,0\n", {"x": "um", "h": "nm"}),
+        ("No;Radius [px];Film\n1;-80;310\n2;0;100\n3;160;400\n", {"x": "Radius=1.25 um", "h": "Film=nm"}),
     ],
 )
 def test_columns_and_units(written, text, given):
     read = Measurement.read(written(text, "latin-1"), **given)
     assert (read.kind, read.quantity) == ("profile", "h")
     assert read.x == pytest.approx(PLACES, rel=1e-14) and read.values == pytest.approx(FILMS, rel=1e-14)
+
+
+@pytest.mark.parametrize("coding", ["utf-8-sig", "utf-16", "utf-16-le", "utf-16-be"])
+def test_codings_of_texts(written, coding):
+    assert Measurement.read(written("x (µm)\th (nm)\r\n-100\t310\r\n", coding)).x == pytest.approx([-1e-4])
 
 
 def test_a_history_with_its_standard_errors(written):
@@ -206,6 +217,11 @@ def test_a_history_with_its_standard_errors(written):
         ("x_um,h_nm,h_mm\n1,2,3\n", {}, "say which one is h"),
         ("x_um,h_nm\n1,2\n3,4,5\n", {}, "line 3 has 3 columns and the first has 2"),
         ("1,2\n3,4\n", {}, "has 2 columns without a header"),
+        ("x_um;h_nm\n1.000,5;2\n3;4\n", {}, "film.csv: line 2: '1.000,5' is no unit, and the line is no row of"),
+        ("x_um,h_nm\n1,2\nend of data\n", {}, "line 3 has 1 columns and the first has 2; remove a line that is no"),
+        ("x_px,h_nm\n1,2\n2,3\n", {}, "column 'x' in 'px': is in pixels; give the size of one as its unit"),
+        ("PK\x03\x04 of a spreadsheet\n", {}, "film.csv: is not a text; export it as one, such as CSV"),
+        ("\0\0\0\0\0\n", {}, "film.csv: is not a text"),
         ("x_um,h_nm\n1,2\n", {"columns": {"h": "film"}}, "has no column 'film'; it has 'x_um', 'h_nm'"),
         ("x_um,h_nm\n1,2\n", {"film": "nm"}, "film: must be the name of a place, a time or a result"),
         ("x_um,h_nm\n1,2\n", {"allign": "um"}, "allign: did you mean align?"),

@@ -27,7 +27,7 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from ertel.case.height_map import MOST, HeightMap, Measured, array_in, check_shape, check_size
-from ertel.case.reading import check_keys, regular_content
+from ertel.case.reading import UTF_16, check_keys, regular_content
 from ertel.case.records import ConfigError, named, refusing, shortened, show
 from ertel.inputs import text_maps
 from ertel.inputs.layout import READER, MeasuredFile, field_names
@@ -132,7 +132,7 @@ def _of_instrument(table: Mapping[str, Any], content: bytes) -> _Raw:
     """A file that SurfaceTopography reads."""
     module = _surface_topography(f"file = {show(table['file'])}")
     check_declared(content)
-    is_text = not content[:PART].translate(None, TEXT) or content[:2] in text_maps.UTF_16
+    is_text = not content[:PART].translate(None, TEXT) or content[:2] in UTF_16
     channels: Any = ()
     try:
         with _reading():

@@ -183,7 +183,8 @@ class Measurement:
 
         The file has a place x, y or r, or a time t, and a quantity by its name in the SI Dataset: h, p, h_c, ..., or
         intensity, whose unit does not count.  Units stand in the header, as "x_um", "x (um)", "x [um]" or "x/um", or
-        are given.  A file without header has the columns that are given, in this order.  Rows with a gap are left out.
+        stand in a row below the header, or are given.  A file without header has the columns that are given, in this
+        order.  Rows with a gap are left out.
 
         Parameters
         ----------
@@ -197,7 +198,8 @@ class Measurement:
         columns : mapping, optional
             The names in the header by the quantity, where they differ: {"x": "Position (um)", "h": "Film [nm]"}.
         **units : str
-            Units of the columns by the quantity, x="um"; of several quantities in a file the one that is named here.
+            Units of the columns by the quantity, x="um", their names in the header, x="Radius [um]", or both,
+            x="Radius=um"; of several quantities in a file the one that is named here.
 
         Returns
         -------
