@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 from made_up import BALL_FALLS, BALL_ROLLS, C1, MOES_FALLS, dry_impact, in_time
 
 import ertel
@@ -20,6 +21,7 @@ from ertel.results.profiles import moment_of, profile, write_profile
 from ertel.results.summary import impact_summary
 from ertel.results.variables import to_si
 from ertel.runs.result import Result
+from ertel.runs.study_result import StudyResult
 
 
 def as_result(case_data) -> Result:
@@ -253,6 +255,41 @@ def test_a_file_that_is_not_there(tmp_path):
     with pytest.raises(ValueError) as error:
         Measurement.read(tmp_path / "nothing.csv")
     assert str(error.value) == f"nothing.csv: not a file in {tmp_path}"
+
+
+# -- beside a study ---------------------------------------------------------------------------------------------------
+
+
+def speeds(**more) -> StudyResult:
+    """Films that go as a power of the speed."""
+    u = np.array([4.0, 1.0, 2.0])
+    about = {"units": "m", "long_name": "central film thickness", "symbol": "h_c"}
+    table = {"h_c": ("mean_speed", 3e-7 * u**0.7, about), "status": ("mean_speed", ["converged"] * 3)}
+    return StudyResult(xr.Dataset(table, {"mean_speed": u, **more}, {"title": "speeds"}))
+
+
+def test_a_curve_over_the_speed_is_compared_with_a_study(written):
+    """Between the speeds of the study the film is a power; the zero and the scale of the rig are found."""
+    u = np.geomspace(1.0, 4.0, 7)
+    rows = "".join(f"{1e3 * speed} {1e9 * (1.05 * 3e-7 * speed**0.7 - 2e-8)}\n" for speed in u)
+    curve = Measurement.read(
+        written("Speed (mm/s) film (nm)\n" + rows), mean_speed="Speed", h="film", align=["offset", "factor"]
+    )
+    found = speeds().compare(curve)
+    assert found.rms < 1e-12 and found.shift == pytest.approx({"factor": 1.05, "offset": -2e-8}, rel=1e-6)
+    assert "factor 1.05; offset -20 nm" in repr(found)
+    figure = ertel.plots.measured(speeds().dataset, found)
+    assert [axes.get_xlabel() for axes in figure.axes] == ["mean speed (m/s)"] * 2
+    for study, message in (
+        (speeds(eta0=[0.1, 0.2]), "is one curve, and in the study eta0 varies, too"),
+        (replace(speeds(), dataset=speeds().dataset.rename(mean_speed="load")), "is a curve over mean_speed; compare"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            study.compare(curve)
+    with pytest.raises(ValueError, match=r"align = 'tilt': allowed: offset, factor, index"):
+        replace(curve, align="tilt")
+    with pytest.raises(TypeError, match="must be a Measurement of the kind curve"):
+        speeds().compare(Measurement("number", "h_c", [1e-7]))
 
 
 # -- beside a run -----------------------------------------------------------------------------------------------------

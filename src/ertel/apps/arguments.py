@@ -165,7 +165,7 @@ class EngineOptions:
     scheduler: Annotated[str | None, option(SCHEDULER_HELP, "ADDRESS")] = None
 
 
-ALIGN_HELP = "Unknown of a measurement: start of its clock, centre, offset, tilt, index of the oil."
+ALIGN_HELP = "Unknown of a measurement: start of its clock, centre, offset, tilt, factor of a curve, index of the oil."
 COLUMN_HELP = 'Unit of a column, its name in the header, or both: x=um, "x=Radius [um]", h=Film=nm.'
 INDEX_HELP = "Index of the oil; also that with which a film was computed."
 

@@ -92,8 +92,8 @@ def compare(
     """Compare two runs: where their cases differ, and their numbers side by side. Or a run with a measurement.
 
     A file has a measured profile, columns x, y or r and h or p, or a history, columns t and h_c or others; with units,
-    as x_um or x (um). A column intensity has the light of an interferometer along a line; wavelength, layers and index
-    are those of its rig.
+    as x_um or x (um). A curve, columns mean_speed and h_c, is compared with a study, given by its directory. A column
+    intensity has the light of an interferometer along a line; wavelength, layers and index are those of its rig.
     """
     named = plot is not None and plot.name != USUAL
     if plot and not named:
@@ -147,14 +147,17 @@ def _compare_measured(
     directory: Path, measurement: "Measurement", plot: Path | None, as_json: bool, overwrite: bool, named: bool
 ) -> None:
     """Print a measurement beside a run, and draw both.  named: whether the user says where."""
+    from ertel import plots
+    from ertel.runs.fit_result import open_study
     from ertel.runs.store import RunStore
 
-    result = RunStore.open(directory).result()
+    is_curve = measurement.kind == "curve"
+    result = open_study(directory) if is_curve else RunStore.open(directory).result()
     with bad_input():
         found = result.compare(measurement)
         if plot:
             with placing(plot.parent, overwrite, may_be_link=named) as place:
-                result.plot.measured(found).savefig(place / plot.name)
+                plots.measured(result.dataset, found).savefig(place / plot.name)
     if as_json:
         columns = {name: getattr(found, name).tolist() for name in ("x", "measured", "computed", "difference")}
         quantity = found.measurement.quantity

@@ -25,6 +25,7 @@ SAMPLE = 100  # lines, the last ones, from which the separator is taken
 WORDS = re.compile(r"\S+(?:\s+[\[(][^\])]*[\])])?")  # between blanks, a unit in brackets with its name
 MARKS = "#%", "#% \t/*"  # of comments, and what may stand with them before a header
 COMMA = "has a comma inside of a column, and commas part the columns; write a point, or nothing for thousands"
+THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}([.,]\d{3})+")  # perhaps: refused beside the other sign
 HEADING = re.compile(r"(?P<name>.+?)\s*(?:[\[(]\s*(?P<unit>[^\])]+?)\s*[\])]|/\s*(?P<after>\S+))?\s*")
 GAPS = {"", "nan", "na", "n/a", "#n/a", "#na", "#value!", "#div/0!", "1.#qnan", "-", "--", "---"}
 
@@ -102,7 +103,7 @@ class Columns:
         marks = [
             next((n for n, text in zip(self.lines, self.texts[name], strict=True) if mark in text), 0) for mark in ",."
         ]
-        if all(marks):
+        if all(marks) and any(map(THOUSANDS.fullmatch, self.texts[name])):
             raise ValueError(
                 f"{self.file}: column {name!r} has a comma in line {marks[0]} and a point in line {marks[1]}"
             )
