@@ -32,7 +32,7 @@ WIDE = 6.0  # pixels: a wider structure does not count for the centre
 SWING = 0.15  # of the contrast, that a fringe passes its middle by
 
 
-class Line(NamedTuple):
+class FrameLine(NamedTuple):
     """The light along a line of a frame, and its film where it is asked for.
 
     x: places from the centre (m), intensity with its standard error noise; h: film thickness and sigma, its standard
@@ -49,7 +49,7 @@ class Line(NamedTuple):
 
 def line_of_frame(
     path: Path, pixel: str, line: str = "x", centre: str = "auto", optics: Interferometer | None = None, film: str = ""
-) -> Line:
+) -> FrameLine:
     """The light along a line through the centre of a PNG or TIFF file, and the film where it is known in the centre.
 
     Parameters
@@ -69,7 +69,7 @@ def line_of_frame(
 
     Returns
     -------
-    Line
+    FrameLine
 
     Raises
     ------
@@ -82,7 +82,7 @@ def line_of_frame(
     middle = _symmetric(grey) if centre == "auto" else _given(centre, grey)
     x, intensity, noise = _wide_fringes(*_along(grey, middle, _angle(line)))
     if not film:
-        return Line(size * x, intensity, noise, None, None, middle)
+        return FrameLine(size * x, intensity, noise, None, None, middle)
     if optics is None or not isinstance(optics.light, Monochromatic):
         raise ValueError("optics: must have monochromatic light for a film")
     with refusing("film", film):
@@ -97,7 +97,7 @@ def line_of_frame(
     share = noise / (bright - dark)
     phase = 4.0 * np.pi * rig.oil_index * h / wavelength
     sigma = wavelength * share / (2.0 * np.pi * rig.oil_index) / np.maximum(np.abs(np.sin(phase)), np.sqrt(share))
-    return Line(size * x, intensity, noise, h, sigma, middle)
+    return FrameLine(size * x, intensity, noise, h, sigma, middle)
 
 
 def _side(
@@ -164,11 +164,11 @@ def _symmetric(grey: Array) -> tuple[float, float]:
     That of its narrow fringes, which are outside of the contact: there the gap is symmetric, in rolling, too.
     """
     from scipy.ndimage import gaussian_filter
-    from scipy.signal import fftconvolve
+    from scipy.signal import convolve
 
     fringes = gaussian_filter(grey, 1.0) - gaussian_filter(grey, WIDE)
     fringes *= np.hanning(len(grey))[:, None] * np.hanning(grey.shape[1])
-    likeness = fftconvolve(fringes, fringes)
+    likeness = convolve(fringes, fringes)
     row, column = np.unravel_index(int(np.argmax(likeness)), likeness.shape)
     return column / 2.0, row / 2.0
 

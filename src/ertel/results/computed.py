@@ -1,4 +1,4 @@
-"""What runs have in the place of a measurement: a number, a line or a curve, in SI."""
+"""The number, line or curve of runs in the place of a measurement, in SI."""
 
 from typing import Any
 
@@ -12,7 +12,7 @@ from ertel.results.profiles import profile
 from ertel.results.variables import to_si, with_clock
 
 
-def number(measured: Any, result: Any) -> float:
+def number_of(measured: Any, result: Any) -> float:
     """The number of a run, in SI."""
     table = {
         name: each for each in numbers(result.summary).values() for name in (each.name, each.about.si_name) if name
@@ -25,10 +25,10 @@ def number(measured: Any, result: Any) -> float:
     return number.in_si.value
 
 
-def curve(measured: Any, result: Any) -> xr.DataArray:
+def curve_over(measured: Any, result: Any) -> xr.DataArray:
     """The quantity over the condition of a curve, in SI: of a study, or of a list of runs at each x."""
     if isinstance(result, list):
-        x, values = np.asarray(measured.x), np.array([number(measured, each) for each in result])
+        x, values = np.asarray(measured.x), np.array([number_of(measured, each) for each in result])
         about = {"long_name": QUANTITIES[measured.quantity].long_name, "units": si_unit(measured.quantity)}
     else:
         data = result.dataset
@@ -59,7 +59,7 @@ def curve(measured: Any, result: Any) -> xr.DataArray:
     )
 
 
-def line(measured: Any, result: Any) -> xr.DataArray:
+def line_of(measured: Any, result: Any) -> xr.DataArray:
     """The quantity along the line of a profile, or through time, in SI."""
     data: xr.Dataset = result.dataset
     if measured.kind == "profile":
