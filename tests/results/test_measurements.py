@@ -181,7 +181,7 @@ PLACES, FILMS = np.array([-1e-4, 0.0, 2e-4]), np.array([3.1e-7, 1e-7, 4e-7])
         ("# rig 2\nx (µm);h [nm]\n-100,0;310,0\n0;100\n50;\n200;400\n", {}),
         ("x/mm\th/um\n-0.1\t0.31\n0\t0.1\n0.2\t0.4\n", {}),
         ("-100 310\n0 100\n200 400\n", {"x": "um", "h": "nm"}),
-        ("Place (um),Film\n-100,310\n0,100\n200,400\n", {"h": "nm", "columns": {"x": "Place (um)", "h": "Film"}}),
+        ("Place (um),Film\n-100,310\n0,100\n200,400\n", {"x": "Place (um)", "h": "Film=nm"}),
         ("x_um,p_GPa,h_nm,t_us\n-100,1,310,60\n0,1,100,60\n200,1,400,60\n", {}),
         ("Film export\nLoad:\t20 N\n\nx (µm)\th (nm)\n-100\t310\n0\t100\n200\t400\n", {}),  # lines above the header
         ("sep=;\nx;h;\num;nm;\n-100,0;310;\n0;100;\n50;#N/A;\n200;400;\n", {}),  # a row of units; a last separator
@@ -224,7 +224,7 @@ def test_a_history_with_its_standard_errors(written):
         ("x_px,h_nm\n1,2\n2,3\n", {}, "column 'x' in 'px': is in pixels; give the size of one as its unit"),
         ("PK\x03\x04 of a spreadsheet\n", {}, "film.csv: is not a text; export it as one, such as CSV"),
         ("\0\0\0\0\0\n", {}, "film.csv: is not a text"),
-        ("x_um,h_nm\n1,2\n", {"columns": {"h": "film"}}, "has no column 'film'; it has 'x_um', 'h_nm'"),
+        ("x_um,h_nm\n1,2\n", {"h": "film=nm"}, "has no column 'film'; it has 'x_um', 'h_nm'"),
         ("x_um,h_nm\n1,2\n", {"film": "nm"}, "film: must be the name of a place, a time or a result"),
         ("x_um,h_nm\n1,2\n", {"allign": "um"}, "allign: did you mean align?"),
         ("# rig 2\nx_um,h_nm\n\n1,2\n2,-3\n", {}, "film.csv, line 5: h = -3 nm: must not be below zero; its zero may"),
@@ -237,7 +237,7 @@ def test_a_history_with_its_standard_errors(written):
         ),
         ("x_um,h_nm\n1,2\n2,3\n", {"align": "ofset"}, "align = 'ofset': did you mean offset?"),
         ("x_um,h_nm\n1,2\n2,3\n", {"align": ["zoom"]}, "align = 'zoom': allowed: start, centre, offset, tilt, index"),
-        ("x_um,T\n1,2\n", {}, "has no quantity such as h; it has 'x_um', 'T'; give columns={\"h\": ...}"),
+        ("x_um,T\n1,2\n", {}, "has no quantity such as h; it has 'x_um', 'T'; give h=\"NAME\""),
         ("x_um,h_nm\n1,nan\n", {}, "film.csv: has 0 values; must be at least one row without a gap"),
         ("x_um,h_nm,sigma\n1,2,0\n", {}, "film.csv: sigma has 0 (in SI); must be finite and above zero"),
         ("t_us,h_c_nm\n1,2\n", {"at": "1 us"}, "at = '1 us': film.csv is a history, without a moment"),

@@ -45,19 +45,17 @@ class Columns:
     lines: Sequence[int]
 
     @classmethod
-    def read(
-        cls, path: Path, known: Collection[str], headings: Mapping[str, str], units: Mapping[str, str]
-    ) -> "Columns":
+    def read(cls, path: Path, known: Collection[str], units: Mapping[str, str]) -> "Columns":
         """The columns of a file that hold quantities with known names.
 
-        headings: the name in the header by the quantity, where they differ.  units: the unit by the quantity, where the
-        header does not say it; a file without a header has these columns, in this order.
+        units: by the quantity the unit, the name in the header, or both, "Film=nm", where the header does not say them.
+        A file without a header has these columns, in this order.
 
         Raises ValueError where the file has no numbers, its lines have unlike numbers of columns, or a heading is not
         there, and where there is no file.
         """
         table = _table(path)
-        headings = dict(headings)
+        headings: dict[str, str] = {}
         for name, given in units.items():  # a heading, or a heading and a unit, in the place of a unit
             heading, _, unit = (given, "", "") if table.has(given) else given.rpartition("=")
             if heading:
@@ -81,7 +79,7 @@ class Columns:
             named = [(name, unit or below) for (name, unit), below in zip(named, unit_row, strict=True)]
             names = [name for name, _ in named if name]
             if twice := [name for name in names if names.count(name) > 1]:
-                advice = f'say which one is {twice[0]}, such as columns={{"{twice[0]}": "{header[-1]}"}}'
+                advice = f'say which one is {twice[0]}, such as {twice[0]}="{header[-1]}"'
                 raise ValueError(f"{path.name}: {_listed(header)}; {advice}")
         separator, lines, rows = table.separator, table.lines, table.rows
         texts = {name: column for (name, _), column in zip(named, zip(*rows, strict=True), strict=False) if name}

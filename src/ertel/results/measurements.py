@@ -5,7 +5,7 @@ its tilt or the index of the oil are not known, they are those for which the squ
 smallest; see `alignment`.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from os import PathLike
@@ -27,7 +27,7 @@ Values = NDArray[np.float64]
 Size = float | str | Quantity  # in SI, or with a unit
 Kind = Literal["profile", "history", "curve", "number"]
 PLACES, TIME, SIGMA = ("x", "y", "r"), "t", "sigma"
-READ = ("at", "start", "along", "align", "sigma", "columns", "index")  # what a file takes beside units, and a number
+READ = ("at", "start", "along", "align", "sigma", "index")  # what a file takes beside units, and a number
 CLOCK = Unit("s", "60 us", signed=True)
 NUMBER = ("quantity", "value", "sigma")
 USUAL = {"profile": "h", "history": "h_c", "curve": "h_c"}  # quantities, of a file with several
@@ -172,7 +172,6 @@ class Measurement:
         along: str = "x",
         align: Sequence[str] = (),
         sigma: Size | None = None,
-        columns: Mapping[str, str] | None = None,
         index: float | None = None,
         optics: Any = None,
         start: Any = 0.0,
@@ -194,8 +193,6 @@ class Measurement:
         sigma : float, str or Quantity, optional
             Standard error, in SI or with a unit.  A column "sigma" goes before; without a unit it has that of the
             values.
-        columns : mapping, optional
-            The names in the header by the quantity, where they differ: {"x": "Position (um)", "h": "Film [nm]"}.
         **units : str
             Units of the columns by the quantity, x="um", their names in the header, x="Radius [um]", or both,
             x="Radius=um"; of several quantities in a file the one that is named here.
@@ -211,23 +208,21 @@ class Measurement:
             There is no such file; a column or a unit is missing, and the message names the columns that there are; a
             value cannot be.
         """
-        if unknown := sorted({*units, *(columns or {})} - {*QUANTITIES, *CONDITIONS, SIGMA}):
+        if unknown := sorted({*units} - {*QUANTITIES, *CONDITIONS, SIGMA}):
             close = get_close_matches(unknown[0], [*QUANTITIES, SIGMA, *READ], n=1, cutoff=0.85)
             advice = f"did you mean {close[0]}? " if close else ""
             raise ValueError(
                 f"{unknown[0]}: {advice}must be the name of a place, a time or a result, such as x, t, h, h_c"
             )
-        file = Columns.read(Path(path), {*QUANTITIES, *CONDITIONS, SIGMA}, columns or {}, units)
+        file = Columns.read(Path(path), {*QUANTITIES, *CONDITIONS, SIGMA}, units)
         axis = next((name for name in (*PLACES, TIME, *CONDITIONS) if name in file.texts), "")
         kind: Kind = "history" if axis == TIME else "curve" if axis in CONDITIONS else "profile"
         there = [name for name in file.texts if name not in (*PLACES, TIME, SIGMA, axis)]
-        given = [name for name in there if name in units or name in (columns or {})]
+        given = [name for name in there if name in units]
         name = next(iter([*given, *(name for name in there if name == USUAL[kind]), *there]), "")
         if not (axis and name):
             wanted = f"quantity such as {USUAL[kind]}" if axis else "place x, y or r and no time t"
-            raise ValueError(
-                f'{file.file}: has no {wanted}; {file.listed}; give columns={{"{USUAL[kind] if axis else "x"}": ...}}'
-            )
+            raise ValueError(f'{file.file}: has no {wanted}; {file.listed}; give {USUAL[kind] if axis else "x"}="NAME"')
         unit = si_unit(name)
         if name == INTENSITY:  # in arbitrary units
             file = replace(file, units={**file.units, INTENSITY: "", SIGMA: ""})
