@@ -162,10 +162,6 @@ def test_gaps_of_an_array_are_its_nan(tmp_path) -> None:
         ({"file": "broken.npy"}, 'roughness[1].file = "broken.npy": is not an array of numbers'),
         ({"file": "complex.npy"}, 'roughness[1].file = "complex.npy": is not an array of numbers'),
         (
-            {"file": "line.npy", "unit": "m", "length_x": "1 mm"},
-            "roughness[1]: is a profile, for line contacts; a point",
-        ),
-        (
             {"file": "line.npy", "unit": "m", "length_x": "1 mm", "y": 0.1},
             "roughness[1].y = 0.1: a profile is the same",
         ),

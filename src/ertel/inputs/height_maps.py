@@ -36,6 +36,7 @@ from ertel.physics.units import LENGTH, Quantity
 
 OWN_NAME = re.compile(r"heights-[0-9a-f]{16}\.npy")
 DETRENDS = {"mean": "center", "plane": "height", "curvature": "curvature"}  # by degree; as SurfaceTopography calls them
+LONGEST_SIDE = 1.0  # m: of an instrument's map
 MOST_GAPS = 0.5  # of the points
 LARGEST_FILE = 600_000_000  # bytes, also unpacked: four maps of the most points, or one as text
 LARGEST_XML = 10_000_000  # bytes: what stands beside the heights
@@ -291,7 +292,10 @@ def _sizes(table: Mapping[str, Any], raw: _Raw, heights: HeightMap) -> dict[str,
     if missing and raw.metre is None:
         raise ValueError('unit: missing; the file does not say in which unit it is, give for example "um"')
     values = {"length_x": along_x, "length_y": along_y, "rms": heights.rms}
-    return found | {key: Quantity(values[key] * (raw.metre or 1.0), "m") for key in missing}
+    found |= {key: Quantity(values[key] * (raw.metre or 1.0), "m") for key in missing}
+    if wrong := [key for key, size in found.items() if isinstance(size, Quantity) and size.value > LONGEST_SIDE]:
+        raise ValueError(f"{wrong[0]} = {found[wrong[0]]}: is above a metre; give unit, or length_x, length_y and rms")
+    return found
 
 
 # -- limits to an instrument's file -----------------------------------------------------------------------------------
