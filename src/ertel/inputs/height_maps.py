@@ -48,6 +48,7 @@ NUMERIC = "0123456789+-.eE,;nNaAiIfFtTbBdD \t\r\n\0"  # also nan, inf, infinite 
 TEXT = printable.encode() + bytes(range(0x80, 0x100))
 BEFORE_XML = b"\xef\xbb\xbf \t\r\n"  # byte order mark and blanks
 OFFICE = "[Content_Types].xml"  # a member of every office document
+UNMARKED = ("nms", "hgt")  # formats of which any bytes may be
 ROUND_OFF = 1e-12  # of the heights: no instrument measures what is smaller
 READING = {*field_names(MeasuredFile)}
 SIZES = ("length_x", "length_y", "rms")
@@ -135,12 +136,17 @@ def _of_instrument(table: Mapping[str, Any], content: bytes) -> _Raw:
     check_declared(content)
     is_text = not content[:PART].translate(None, TEXT) or content[:2] in UTF_16
     channels: Any = ()
+    ending = table["file"].rpartition(".")[2].lower()
+    of_name = {"format": ending} if ending in UNMARKED else {}
     try:
         with _reading():
-            channels = module.open_topography(BytesIO(content)).channels
+            channels = module.open_topography(BytesIO(content), **of_name).channels
     except ValueError:
         if not is_text:
             raise
+    kind = channels[0].reader.format() if channels else ""
+    if kind in UNMARKED and not of_name:
+        raise ValueError(f"has no mark of a format that is known; one of .{kind} has none, and is known by its name")
     if is_text and _is_plain(channels):
         text = text_maps.read_rows(content)
         if text_maps.is_list(text):
