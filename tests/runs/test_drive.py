@@ -163,6 +163,7 @@ def test_a_log_tells_of_a_study_as_a_whole() -> None:
     ]
 
 
+@ertel.viscosity_laws.register("of numpy")
 @dataclass(frozen=True)
 class OfNumpy:
     """A law that NumPy computes, which JAX cannot trace."""
