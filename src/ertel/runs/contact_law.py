@@ -80,7 +80,7 @@ class ContactLaw:
         """
         from scipy.interpolate import RegularGridInterpolator
 
-        axes = {str(name): self.dataset[name] for name in self.dataset.sizes}
+        axes = {str(name): self.dataset[name] for name in self.dataset["restitution"].dims}
         if len(values) != len(axes):
             raise ValueError(f"law: got {len(values)} values; give {' and '.join(axes)}")
         units = [str(axis.attrs["units"]) for axis in axes.values()]
@@ -146,7 +146,8 @@ def contact_law(study: StudyResult | str | Path) -> ContactLaw:
     stored = {name if name in data else name_in_si(name): new for name, new in NUMBERS.items()}
     empty = xr.full_like(data["warnings"], np.nan, dtype=float)
     about = {name: data.attrs[name] for name in ("title", "source", "date_created")} | {"comment": COMMENT}
-    table = xr.Dataset({new: data.get(name, empty) for name, new in stored.items()}, attrs=about)
+    order = {name: data[name] for name in data["warnings"].dims}  # a file may have the coordinates in another order
+    table = xr.Dataset({new: data.get(name, empty) for name, new in stored.items()}, order, about)
     lacking = (table.to_array().isnull().any("variable") | (data["status"] != DONE)).values
     if lacking.any():
         first, status = (data[name].values[lacking][0] for name in ("directory", "status"))
