@@ -197,7 +197,10 @@ def test_a_study_on_one_page(tmp_path):
     figure = drawn(page)
     shown = " ".join(text.get_text() for text in figure.texts)
     assert "speeds" in shown and "h_c (nm)" in shown and "more lines" in shown and page.picture is not None
-    assert min(text.get_window_extent().y0 for text in figure.texts) > 0
+    boxes = sorted((text.get_window_extent() for text in figure.texts), key=lambda box: box.y0)
+    picture = figure.axes[0].get_window_extent()
+    assert boxes[0].y0 > 0 and boxes[1].y0 > boxes[0].y1  # the source, and the notes above it
+    assert boxes[1].y1 < picture.y0 and picture.y1 < boxes[2].y0
 
 
 # -- frames ------------------------------------------------------------------------------------------------------------

@@ -33,7 +33,7 @@ from ertel.runs.store import RunStore
 PAPER = (8.27, 11.69)  # inches, A4
 MARGIN = 0.55
 LETTER = 6.4  # pt, of the texts; each letter is 0.602 of it wide
-LINE = 1.12 * LETTER / 72.0  # inches
+LINE = 1.32 * LETTER / 72.0  # inches
 COLUMNS = int((PAPER[0] - 2 * MARGIN) * 72.0 / (0.602 * LETTER))  # letters across the page
 HALF = COLUMNS // 2 - 2
 MOST_LINES, MOST_NOTES, MOST_OF_CASE = 38, 24, 20
@@ -61,7 +61,9 @@ def _of_run(directory: Path) -> Page:
     run = RunStore.open(directory)
     summary, case, data = run.summary() or run.summary_so_far(), run.case, run.dataset()
     status = Status(summary["status"])
-    line = verdict(Result(case, data, summary, status)) if status.ok else f"{status.value}; {status.advice}"
+    line = (
+        verdict(Result(case, data, summary, status)) if status.ok else f"{status.value}; {status.advice}".rstrip("; ")
+    )
     table = numbers(summary)
     chosen = [table.get(f"{name}_warm", table[name]) for name in values_of(summary) if name in table]
     chosen += [number for number in table.values() if number.about.of_impact]
