@@ -234,7 +234,7 @@ def open_study(directory: Path) -> StudyResult:
             return FitResult(data, directory, case=read_case(directory / best))
         return (ConvergenceResult if kind == "convergence" else StudyResult)(data, directory)
     except Exception as error:  # of zarr, its codecs, the system
-        raise StoreError(f"{directory}: the outcome of this study cannot be read ({error}); start it again") from error
+        raise StoreError(f"the outcome of this study cannot be read ({error}); start it again") from error
 
 
 def with_laws(fits: Mapping[str, "FitResult"]) -> "FitResult":
