@@ -17,9 +17,16 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import ertel
+from ertel.apps.reports import drawn, page_of
+from ertel.optics import Interferometer, Monochromatic, Rig
 from ertel.plots import interferograms as page
+from ertel.results.numbers import Number
+from ertel.results.study_table import StudyRun, study_dataset
+from ertel.results.variables import VARIABLES
 from ertel.runs import directory
 from ertel.runs.store import RunStore
+from ertel.runs.studies import write_study
+from ertel.runs.study_result import StudyResult
 
 BALL = SMALL_IMPACT + "until = 0.1\n[output]\ninterval = 0.05\n"
 RADIAL = ["solver.method=radial", "solver.nodes=17", "time.tolerance=0.1", "output.interval=10"]
@@ -162,6 +169,76 @@ def test_a_run_of_somebody_else_does_not_say_where_pictures_go(runs, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+# -- a page ------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["plane", "below/radial", "below/moes"])
+def test_a_run_on_one_page(runs, tmp_path, name):
+    told = ertel_("report", str(runs / name), "-o", str(tmp_path / "page.pdf")).stdout
+    pdf = (tmp_path / "page.pdf").read_bytes()
+    assert told == f"{tmp_path / 'page.pdf'}\n" and pdf.startswith(b"%PDF") and b"/Count 1" in pdf
+    page = page_of(runs / name)
+    run = ertel.open(runs / name)
+    assert run.case.digest in page.source and page.picture is not None
+    case, computed = ("\n".join(column) for column in page.columns)
+    assert "lubricant" in case and f"{run.case.kind}, {run.case.computed}: converged" in computed
+    if name == "plane":
+        assert re.search(r"contact.radius +10 mm", case) and re.search(r"contact.mass +0.03267 kg", case)
+
+
+def test_a_study_on_one_page(tmp_path):
+    """Its table and its picture; and many lines are cut, so that the page stays one."""
+    numbers = {"h_c": Number("h_c", VARIABLES["H_c"], 1e-7, "m")}
+    found = [StudyRun(numbers, ["the grid is coarse"] * 99, "converged", "runs/none")] * 90
+    speeds = {"mean_speed": ([float(n) for n in range(90)], {"long_name": "mean speed", "units": "m/s"})}
+    about = {"title": "speeds", "kind": "rolling", "warnings": [f"run {n}: the grid is coarse" for n in range(99)]}
+    write_study(StudyResult(study_dataset("product", speeds, found, about)), tmp_path)
+    page = page_of(tmp_path)
+    figure = drawn(page)
+    shown = " ".join(text.get_text() for text in figure.texts)
+    assert "speeds" in shown and "h_c (nm)" in shown and "more lines" in shown and page.picture is not None
+    boxes = sorted((text.get_window_extent() for text in figure.texts), key=lambda box: box.y0)
+    picture = figure.axes[0].get_window_extent()
+    assert boxes[0].y0 > 0 and boxes[1].y0 > boxes[0].y1  # the source, and the notes above it
+    assert boxes[1].y1 < picture.y0 and picture.y1 < boxes[2].y0
+
+
+# -- frames ------------------------------------------------------------------------------------------------------------
+
+RIG = Interferometer(Rig(), Monochromatic(532e-9))
+
+
+def film(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """A flat film in a circle of 130 um, outside of it the gap of a ball, and a constriction on one side."""
+    r = np.maximum(np.hypot(x, y) / 130e-6, 1.0)
+    gap = 1.78e-6 / np.pi * (np.sqrt(r**2 - 1) - (2 - r**2) * np.arccos(1 / r))
+    return 230e-9 + gap - 60e-9 * np.exp(-(((x - 98e-6) / 33e-6) ** 2) - (y / 117e-6) ** 2)
+
+
+@pytest.mark.parametrize(
+    ("name", "line", "turn", "shift"),
+    [("frame.png", "y", 0.0, (0.0, 0.0)), ("frame.tif", "120 deg", np.pi / 6, (-21.5, 12.0))],
+)
+def test_a_frame_gives_its_light_and_its_film(tmp_path, name, line, turn, shift):
+    """A frame with noise, turned and shifted: its centre within a pixel or two, and the film within its noise."""
+    column, row = np.meshgrid(np.arange(400.0) - 199.5 - shift[0], np.arange(360.0) - 179.5 - shift[1])
+    x, y = 1.2e-6 * (column * np.cos(turn) + row * np.sin(turn)), 1.2e-6 * (row * np.cos(turn) - column * np.sin(turn))
+    light = 40 + 500 * RIG.intensity(film(x, y), np.ones_like(x))
+    light += np.random.default_rng(0).normal(0, 3, light.shape)
+    Image.fromarray(light.clip(0, 255).astype(np.uint8)).save(tmp_path / name)
+    out, given_ = tmp_path / "line.csv", [str(tmp_path / name), "--pixel", "1.2 um", "--line", line]
+    told = ertel_("fringes", *given_, "--out", str(out)).stderr
+    found = [float(word) for word in re.findall(r"column (\S+), row ([\d.]+);", told)[0]]
+    assert found == pytest.approx([199.5 + shift[0], 179.5 + shift[1]], abs=4.0)
+    seen = ertel.Measurement.read(out, optics=RIG)
+    assert seen.quantity == "intensity" and 0.7 < seen.sigma[0] < 3.0 and len(seen.x) > 200
+    ertel_("fringes", *given_, "--film", "235 nm", "--out", str(out), "--overwrite")
+    measured = ertel.Measurement.read(out)
+    truth = film(0.0 * measured.x, measured.x)
+    off = np.abs(measured.values - truth)
+    assert len(measured.x) > 60 and np.median(off) < 5e-9 and off.max() < 20e-9  # a pixel is 20 nm outside
+
+
 # -- measurements -----------------------------------------------------------------------------------------------------
 
 
@@ -212,6 +289,11 @@ def test_a_profile_is_exported_and_compared_with_its_run(runs, tmp_path):
         ("export plane --to vtk --what profile", "--to vtk: a profile is written as csv"),
         ("export below/radial --to vtk", "ParaView: a radial run has profiles only; use netcdf or csv"),
         ("export below/moes --to csv --si", "the case is dimensionless"),
+        ("report film.csv", "film.csv is not a study"),
+        ("report plane -o page.docx", "--out page.docx: must end with .pdf, .png or .svg"),
+        ("fringes film.csv --pixel 1um", 'frame = "film.csv": is not a PNG or TIFF picture'),
+        ("fringes none.png --pixel 1um", 'frame = "none.png": cannot be read'),
+        ("fringes film.csv --pixel 1kg", "is not a PNG or TIFF picture"),
         ("show plane --sigma 1nm,2nm,3nm", "--sigma 1nm,2nm,3nm: must be one"),
     ],
 )

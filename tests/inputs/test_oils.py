@@ -23,6 +23,7 @@ def parts(entry: object) -> list[Sourced]:
 
 def test_what_is_there():
     assert {"squalane", "pao-100", "iso-vg-68", "iso-vg-100", "polyglycol"} <= set(oils.names())
+    assert oils.get("ISO VG 68") is oils.get("iso-vg-68")
     assert {"steel", "glass", "sapphire", "silicon-nitride", "tungsten-carbide"} == set(materials.names())
 
 

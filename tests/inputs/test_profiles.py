@@ -119,10 +119,12 @@ def test_a_profile_and_a_map_have_their_contacts(tmp_path) -> None:
     np.save(tmp_path / "map.npy", np.outer(np.arange(1, 9), WAVE))
     ball = {key: value for key, value in ROLLER.items() if key != "length"}
     point = {**LINE, "contact": {"kind": "rolling", **ball}}
-    with pytest.raises(
-        ConfigError, match=r"^roughness\[1\]: is a profile, for line contacts; a point contact needs a map"
-    ):
-        case(tmp_path, point, file="stylus.asc", unit="um")
+    ridges = case(tmp_path, point, file="stylus.asc", unit="um").features[0].shape
+    x, y = np.linspace(-0.5, 0.5, 9), np.linspace(-3.0, 3.0, 4)[:, None]
+    heights = ridges.heights(x, y)
+    assert np.ptp(heights[0]) > 0 and np.array_equal(heights, np.broadcast_to(heights[0], (4, 9)))
+    with pytest.raises(ConfigError, match=r"length_x = .* m: is above a metre; give unit, or length_x"):
+        case(tmp_path, file="stylus.asc", unit="m")
     with pytest.raises(ConfigError, match=r"^roughness\[1\]: varies along y; a line takes .*, or a profile"):
         case(tmp_path, file="map.npy", unit="m", spacing="2 um")
 

@@ -106,6 +106,36 @@ def test_units_may_have_powers_and_parentheses(text):
     assert isclose(parse_quantity(text, COMPLIANCE) or 0.0, 22e-9, rel_tol=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("text", "mark", "value"),
+    [
+        *((text, COMPLIANCE, 22e-9) for text in ("22 GPa⁻¹", "2,2⋅10⁻⁸ m²/N", "22e\u22129 Pa⁻¹")),
+        *((text, COMPLIANCE, 22e-9) for text in ("2.2\u00d710^-8 m2/N", "22 GPa-1")),
+        *((text, units.VISCOSITY, 0.04) for text in ("40 mPas", "40 mPa⋅s", "40 mPa.s", "40 mPa-s", "0,04 Pa*s")),
+        *((text, units.KINEMATIC_VISCOSITY, 68e-6) for text in ("68 mm2/s", "68 cSt", "ISO VG 68", "iso-vg 68")),
+        *((text, units.DENSITY, 870) for text in ("870 kg/m3", "870 kg m⁻³", "870\u00a0kg/m³")),
+        *((text, units.CONDUCTIVITY, 0.14) for text in ("0.14 W/mK", "0,14 W/m·K", "0.14 W m⁻¹ K⁻¹")),
+        *((text, units.TEMPERATURE, 313.65) for text in ("40.5 ℃", "40,5 °C", "313,65 K")),
+        *((text, units.ANGLE, 30.0) for text in ("30°", "30 deg")),
+        ("\u22120.6 m/s", VELOCITY, -0.6),
+        ("0,123 N", LOAD, 0.123),
+    ],
+)
+def test_quantities_as_papers_and_data_sheets_write_them(text, mark, value):
+    assert isclose(parse_quantity(text, mark), value, rel_tol=1e-12)
+
+
+@pytest.mark.parametrize("text", ["1,234 N", "1,234.5 N", "1.234,5 N", "1,5,2 N"])
+def test_a_comma_that_may_part_thousands_is_refused(text):
+    with pytest.raises(ValueError, match="may part thousands or decimals; write a point"):
+        parse_quantity(text, LOAD)
+
+
+def test_a_viscosity_grade_is_no_dynamic_viscosity():
+    with pytest.raises(ValueError, match="is a viscosity at 40 degC; give an oil by name"):
+        parse_quantity("ISO VG 68", units.VISCOSITY)
+
+
 @given(st.text(max_size=12))
 def test_any_text_as_a_length_is_a_length_or_refused(text):
     try:

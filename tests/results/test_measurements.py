@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 from made_up import BALL_FALLS, BALL_ROLLS, C1, MOES_FALLS, dry_impact, in_time
 
 import ertel
@@ -20,6 +21,7 @@ from ertel.results.profiles import moment_of, profile, write_profile
 from ertel.results.summary import impact_summary
 from ertel.results.variables import to_si
 from ertel.runs.result import Result
+from ertel.runs.study_result import StudyResult
 
 
 def as_result(case_data) -> Result:
@@ -179,14 +181,25 @@ PLACES, FILMS = np.array([-1e-4, 0.0, 2e-4]), np.array([3.1e-7, 1e-7, 4e-7])
         ("# rig 2\nx (µm);h [nm]\n-100,0;310,0\n0;100\n50;\n200;400\n", {}),
         ("x/mm\th/um\n-0.1\t0.31\n0\t0.1\n0.2\t0.4\n", {}),
         ("-100 310\n0 100\n200 400\n", {"x": "um", "h": "nm"}),
-        ("Place (um),Film\n-100,310\n0,100\n200,400\n", {"h": "nm", "columns": {"x": "Place (um)", "h": "Film"}}),
+        ("Place (um),Film\n-100,310\n0,100\n200,400\n", {"x": "Place (um)", "h": "Film=nm"}),
         ("x_um,p_GPa,h_nm,t_us\n-100,1,310,60\n0,1,100,60\n200,1,400,60\n", {}),
+        ("Film export\nLoad:\t20 N\n\nx (µm)\th (nm)\n-100\t310\n0\t100\n200\t400\n", {}),  # lines above the header
+        ("sep=;\nx;h;\num;nm;\n-100,0;310;\n0;100;\n50;#N/A;\n200;400;\n", {}),  # a row of units; a last separator
+        ('% "x (um)", "h (nm)"\n"-100","310"\n"0","100"\n"200","400"\n', {}),
+        ("  x (um)     h (nm)\n -0.100D+03  310\n 0 100\n 2D2 400\n", {}),  # Fortran
+        ("-100,0   310,0\n0,0   100,0\n200,0   400,0\n", {"x": "um", "h": "nm"}),
+        ("No;Radius [px];Film\n1;-80;310\n2;0;100\n3;160;400\n", {"x": "Radius=1.25 um", "h": "Film=nm"}),
     ],
 )
 def test_columns_and_units(written, text, given):
     read = Measurement.read(written(text, "latin-1"), **given)
     assert (read.kind, read.quantity) == ("profile", "h")
     assert read.x == pytest.approx(PLACES, rel=1e-14) and read.values == pytest.approx(FILMS, rel=1e-14)
+
+
+@pytest.mark.parametrize("coding", ["utf-8-sig", "utf-16", "utf-16-le", "utf-16-be"])
+def test_codings_of_texts(written, coding):
+    assert Measurement.read(written("x (µm)\th (nm)\r\n-100\t310\r\n", coding)).x == pytest.approx([-1e-4])
 
 
 def test_a_history_with_its_standard_errors(written):
@@ -206,7 +219,12 @@ def test_a_history_with_its_standard_errors(written):
         ("x_um,h_nm,h_mm\n1,2,3\n", {}, "say which one is h"),
         ("x_um,h_nm\n1,2\n3,4,5\n", {}, "line 3 has 3 columns and the first has 2"),
         ("1,2\n3,4\n", {}, "has 2 columns without a header"),
-        ("x_um,h_nm\n1,2\n", {"columns": {"h": "film"}}, "has no column 'film'; it has 'x_um', 'h_nm'"),
+        ("x_um;h_nm\n1.000,5;2\n3;4\n", {}, "film.csv: line 2: '1.000,5' is no unit, and the line is no row of"),
+        ("x_um,h_nm\n1,2\nend of data\n", {}, "line 3 has 1 columns and the first has 2; remove a line that is no"),
+        ("x_px,h_nm\n1,2\n2,3\n", {}, "column 'x' in 'px': is in pixels; give the size of one as its unit"),
+        ("PK\x03\x04 of a spreadsheet\n", {}, "film.csv: is not a text; export it as one, such as CSV"),
+        ("\0\0\0\0\0\n", {}, "film.csv: is not a text"),
+        ("x_um,h_nm\n1,2\n", {"h": "film=nm"}, "has no column 'film'; it has 'x_um', 'h_nm'"),
         ("x_um,h_nm\n1,2\n", {"film": "nm"}, "film: must be the name of a place, a time or a result"),
         ("x_um,h_nm\n1,2\n", {"allign": "um"}, "allign: did you mean align?"),
         ("# rig 2\nx_um,h_nm\n\n1,2\n2,-3\n", {}, "film.csv, line 5: h = -3 nm: must not be below zero; its zero may"),
@@ -219,7 +237,7 @@ def test_a_history_with_its_standard_errors(written):
         ),
         ("x_um,h_nm\n1,2\n2,3\n", {"align": "ofset"}, "align = 'ofset': did you mean offset?"),
         ("x_um,h_nm\n1,2\n2,3\n", {"align": ["zoom"]}, "align = 'zoom': allowed: start, centre, offset, tilt, index"),
-        ("x_um,T\n1,2\n", {}, "has no quantity such as h; it has 'x_um', 'T'; give columns={\"h\": ...}"),
+        ("x_um,T\n1,2\n", {}, "has no quantity such as h; it has 'x_um', 'T'; give h=\"NAME\""),
         ("x_um,h_nm\n1,nan\n", {}, "film.csv: has 0 values; must be at least one row without a gap"),
         ("x_um,h_nm,sigma\n1,2,0\n", {}, "film.csv: sigma has 0 (in SI); must be finite and above zero"),
         ("t_us,h_c_nm\n1,2\n", {"at": "1 us"}, "at = '1 us': film.csv is a history, without a moment"),
@@ -237,6 +255,41 @@ def test_a_file_that_is_not_there(tmp_path):
     with pytest.raises(ValueError) as error:
         Measurement.read(tmp_path / "nothing.csv")
     assert str(error.value) == f"nothing.csv: not a file in {tmp_path}"
+
+
+# -- beside a study ---------------------------------------------------------------------------------------------------
+
+
+def speeds(**more) -> StudyResult:
+    """Films that go as a power of the speed."""
+    u = np.array([4.0, 1.0, 2.0])
+    about = {"units": "m", "long_name": "central film thickness", "symbol": "h_c"}
+    table = {"h_c": ("mean_speed", 3e-7 * u**0.7, about), "status": ("mean_speed", ["converged"] * 3)}
+    return StudyResult(xr.Dataset(table, {"mean_speed": u, **more}, {"title": "speeds"}))
+
+
+def test_a_curve_over_the_speed_is_compared_with_a_study(written):
+    """Between the speeds of the study the film is a power; the zero and the scale of the rig are found."""
+    u = np.geomspace(1.0, 4.0, 7)
+    rows = "".join(f"{1e3 * speed} {1e9 * (1.05 * 3e-7 * speed**0.7 - 2e-8)}\n" for speed in u)
+    curve = Measurement.read(
+        written("Speed (mm/s) film (nm)\n" + rows), mean_speed="Speed", h="film", align=["offset", "factor"]
+    )
+    found = speeds().compare(curve)
+    assert found.rms < 1e-12 and found.shift == pytest.approx({"factor": 1.05, "offset": -2e-8}, rel=1e-6)
+    assert "factor 1.05; offset -20 nm" in repr(found)
+    figure = ertel.plots.measured(speeds().dataset, found)
+    assert [axes.get_xlabel() for axes in figure.axes] == ["mean speed (m/s)"] * 2
+    for study, message in (
+        (speeds(eta0=[0.1, 0.2]), "is one curve, and in the study eta0 varies, too"),
+        (replace(speeds(), dataset=speeds().dataset.rename(mean_speed="load")), "is a curve over mean_speed; compare"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            study.compare(curve)
+    with pytest.raises(ValueError, match=r"align = 'tilt': allowed: offset, factor, index"):
+        replace(curve, align="tilt")
+    with pytest.raises(TypeError, match="must be a Measurement of the kind curve"):
+        speeds().compare(Measurement("number", "h_c", [1e-7]))
 
 
 # -- beside a run -----------------------------------------------------------------------------------------------------

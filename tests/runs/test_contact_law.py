@@ -13,6 +13,7 @@ import ertel
 from ertel.results.numbers import Number
 from ertel.results.study_table import StudyRun, study_dataset
 from ertel.results.variables import VARIABLES
+from ertel.runs.studies import write_study
 from ertel.runs.study_result import StudyResult
 
 SPEEDS, LAYERS = [0.4, 0.1, 0.2], [3e-6, 12e-6]
@@ -53,6 +54,19 @@ def test_at_the_runs_and_for_power_laws_it_is_exact() -> None:
         (np.linspace(0.1, 0.4, 7)[:, None], np.geomspace(3e-6, 12e-6, 5)),
     ):
         assert_allclose(LAW(v, h), expected(v, h), rtol=1e-13)
+
+
+def test_from_a_directory_with_texts_and_as_a_table(tmp_path: Path) -> None:
+    write_study(study(RUNS), tmp_path)
+    law = ertel.contact_law(tmp_path)
+    assert_allclose(law("0.2 m/s", "6 um"), expected(0.2, 6e-6), rtol=1e-13)
+    law.save(tmp_path / "law.csv")
+    head, *rows = (tmp_path / "law.csv").read_text().splitlines()
+    assert head == "speed_m_per_s,layer_m,restitution,duration_s,force_N" and len(rows) == 6
+    with pytest.raises(ValueError, match="wrong dimension"):
+        law("0.2 N", "6 um")
+    with pytest.raises(ValueError, match="is not a study"):
+        ertel.contact_law(tmp_path / "nothing")
 
 
 def test_a_study_may_vary_one_value_only() -> None:

@@ -2,6 +2,7 @@
 
 import io
 import itertools
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -10,6 +11,7 @@ import pytest
 from cases import impact, march
 from rich.console import Console
 
+import ertel
 from ertel.case.status import Status
 from ertel.equations.approach import ClosureLine, NewtonsLaw
 from ertel.physics.motion import constant
@@ -159,3 +161,19 @@ def test_a_log_tells_of_a_study_as_a_whole() -> None:
         "runs  50%  run 1 converged  2 min so far, about 2 min left",
         "runs  75%  run 2 converged  4 min so far, about 70 s left",
     ]
+
+
+@ertel.viscosity_laws.register("of numpy")
+@dataclass(frozen=True)
+class OfNumpy:
+    """A law that NumPy computes, which JAX cannot trace."""
+
+    def viscosity(self, p: Any) -> Any:
+        return np.exp(2e-8 * p)
+
+
+def test_a_law_that_numpy_computes_is_refused_in_words():
+    oil = ertel.Oil(viscosity=OfNumpy())
+    case = ertel.impact(M=20, L=5, method="radial", nodes=17, oil=oil)
+    with pytest.raises(ertel.ConfigError, match=r"lubricant.viscosity: is computed by numpy, .* write jax.numpy in"):
+        ertel.simulate(case)

@@ -19,6 +19,7 @@ from ertel.case.status import Status
 from ertel.inputs.case_files import ConfigError, parse_case
 from ertel.inputs.fits import with_settings
 from ertel.optics import CHROMIUM, SILICA, Constant, Interferometer, Layer, Monochromatic, Rig
+from ertel.results import computed
 from ertel.results.alignment import light_along
 from ertel.results.measurements import Measurement
 from ertel.results.profiles import profile
@@ -108,6 +109,29 @@ def test_conditions_are_those_of_the_case_that_is_run() -> None:
     found = fitted(measured(FILM), fast, measured(RESTITUTION))
     assert list(found.values.values()) == pytest.approx(TRUTH, rel=1e-4)
     assert found.dataset["conditions"].values.tolist() == ["", "speed = 0.4 m/s", ""]
+
+
+def test_a_curve_over_the_speed_with_a_common_offset(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """The zero of a rig's spacer is not known: a run at each speed, and one offset for all."""
+    speeds = np.array([0.4, 0.1, 0.2])
+    films = [film(TRUTH[0], speed) + 12e-9 for speed in speeds]
+    rows = [f"{1e3 * speed:.1f};{1e9 * h:.4f}" for speed, h in zip(speeds, films, strict=True)]
+    (tmp_path / "curve.csv").write_text("\n".join(["Rig 2", "speed_mm_per_s;h_c_nm", *rows]).replace(".", ","))
+    monkeypatch.setattr(computed, "number_of", lambda _, answer: film(answer.oil.eta0, answer.contact.speed))
+    curve = Measurement.read(tmp_path / "curve.csv", sigma="1 nm", align="offset")
+    assert (curve.kind, curve.along) == ("curve", "speed") and curve.x == pytest.approx([0.1, 0.2, 0.4])
+    found = fitted(curve, unknowns=ONE)
+    assert found.values["eta0"] == pytest.approx(0.04, rel=1e-3) and "offset 12 nm" in repr(found)
+    assert found.dataset["x_unit"].values.tolist() == ["m/s"] * 3 and found.dataset.attrs["runs"] >= 6
+    assert found.dataset.attrs["degrees_of_freedom"] == 1
+    axes = found.plot().axes
+    assert axes[0].get_xlabel() == "speed (m/s)"
+    with pytest.raises(ConfigError, match=r"contact.speed is an unknown and cannot be a condition"):
+        fit_problem(CASE, curve, {"contact.speed": ("0.1 m/s", "1 m/s")})
+
+
+def film(eta0: float, speed: float) -> float:
+    return 1e-6 * (eta0 * speed) ** 0.67
 
 
 def test_a_prior_decides_what_the_data_do_not() -> None:
@@ -420,7 +444,7 @@ sigma = 2
     problem = load_fit_problem(tmp_path / "fit.toml", ["solver.nodes=33"])
     assert problem.case.solver.nodes == 33
     found = [(each.values.tolist(), each.sigma, index) for each, index in problem.data]
-    assert found == [([1e-7], 2e-9, 0), ([2e-7], 2e-9, 1)]
+    assert found == [([1e-7], 2e-9, (0,)), ([2e-7], 2e-9, (1,))]
     assert problem.conditions == ({"contact.speed": "0.1 m/s"}, {"contact.speed": "0.2 m/s"})
     for wrong, sentence in (
         (("633 nm", "633 s"), r'measurements\[2\]: wavelength = "633 s": has the wrong dimension'),

@@ -81,6 +81,8 @@ def refused():
 
 IN_A_PROCESS = """
 import json
+SWITCHES = {{"jax_debug_nans": True, "jax_disable_jit": True, "jax_numpy_dtype_promotion": "strict",
+            "jax_transfer_guard": "disallow"}}
 import os
 import sys
 import warnings
@@ -91,6 +93,8 @@ from threadpoolctl import ThreadpoolController
 
 blas = ThreadpoolController().select(user_api="blas")
 blas.limit(limits=2)
+for name, value in SWITCHES.items():  # of a user who looks for an error of his own
+    jax.config.update(name, value)
 set_before, told_before = dict(jax.config.values), dict(os.environ)
 {runs}
 filters = list(warnings.filters)

@@ -165,8 +165,8 @@ class EngineOptions:
     scheduler: Annotated[str | None, option(SCHEDULER_HELP, "ADDRESS")] = None
 
 
-ALIGN_HELP = "Unknown of a measurement: start of its clock, centre, offset, tilt, index of the oil."
-COLUMN_HELP = "Unit of a column, such as x=um; where the header does not have it."
+ALIGN_HELP = "Unknown of a measurement: start of its clock, centre, offset, tilt, factor of a curve, index of the oil."
+COLUMN_HELP = 'Unit of a column, its name in the header, or both: x=um, "x=Radius [um]", h=Film=nm.'
 INDEX_HELP = "Index of the oil; also that with which a film was computed."
 
 
@@ -176,7 +176,7 @@ class Measured:
 
     at: Moment = None
     align: Annotated[str | None, option(ALIGN_HELP, "NAMES")] = None
-    column: Annotated[list[str] | None, option(COLUMN_HELP, "NAME=UNIT", name="--column")] = None
+    column: Annotated[list[str] | None, option(COLUMN_HELP, "NAME=COLUMN", name="--column")] = None
     wavelength: Annotated[str | None, option("Wavelength of the light; default 532 nm.", "LENGTH")] = None
     coatings: Annotated[str | None, option('Layers, "chromium 8 nm, silica 200 nm"; default the first.', "LAYERS")] = (
         None

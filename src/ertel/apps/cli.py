@@ -14,7 +14,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from ertel.apps import cases, looking, process
+from ertel.apps import cases, looking, measuring, process
 from ertel.apps.arguments import (
     CaseFile,
     EngineOptions,
@@ -277,6 +277,7 @@ def warm_up(
 
 for command in (
     *(looking.show, looking.plot, looking.ls, looking.compare, looking.export),
+    *(measuring.report, measuring.fringes),
     *(cases.new, cases.check, cases.oils),
 ):
     app.command(cls=PlotCommand if command is looking.compare else None)(command)

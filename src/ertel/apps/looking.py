@@ -22,10 +22,10 @@ from ertel.apps.arguments import (
     path_option,
     run_directories,
 )
+from ertel.apps.measuring import compare_measured, measurement_in
 from ertel.apps.terminal import BAD_INPUT, bad_input, leave, placing, print_json, print_path, say, shown
 
 if TYPE_CHECKING:  # these take long to import
-    from ertel.results.measurements import Measurement
     from ertel.runs.directory import Listed
 
 Along = Annotated[Literal["x", "y"], option("The direction of a profile.")]
@@ -92,8 +92,8 @@ def compare(
     """Compare two runs: where their cases differ, and their numbers side by side. Or a run with a measurement.
 
     A file has a measured profile, columns x, y or r and h or p, or a history, columns t and h_c or others; with units,
-    as x_um or x (um). A column intensity has the light of an interferometer along a line; wavelength, layers and index
-    are those of its rig.
+    as x_um or x (um). A curve, columns mean_speed and h_c, is compared with a study, given by its directory. A column
+    intensity has the light of an interferometer along a line; wavelength, layers and index are those of its rig.
     """
     named = plot is not None and plot.name != USUAL
     if plot and not named:
@@ -101,7 +101,7 @@ def compare(
     if second.is_file():
         if second.suffix in (".toml", ".json", ".npz"):  # of cases and runs
             leave(BAD_INPUT, f"{shown(second)} is not a file of columns; for a run give its directory")
-        _compare_measured(first, _measurement(second, given, along=along), plot, as_json, overwrite, named)
+        compare_measured(first, measurement_in(second, given, along=along), plot, as_json, overwrite, named)
         return
     wrong = [name for name, each in {**vars(given), "along": along != "x"}.items() if each]
     if wrong and second.is_dir():
@@ -126,43 +126,6 @@ def compare(
         short = [run.case.name or run.directory.name for run in (one, two)]
         with bad_input(), placing(plot.parent, overwrite, may_be_link=named) as place:
             plots.comparison(data, names if short[0] == short[1] else short).savefig(place / plot.name)
-        print_path(plot)
-
-
-def _measurement(file: Path, given: Measured, light: str = "mono", along: str = "x") -> "Measurement":
-    """The measurement in a file.  light: of an intensity."""
-    from ertel.inputs.fits import interferometer
-    from ertel.results.measurements import READ, Measurement
-
-    units: dict[str, Any] = dict(each.partition("=")[::2] for each in given.column or [])
-    if wrong := sorted(units.keys() & {*READ, "optics"}):
-        leave(BAD_INPUT, f"--column {wrong[0]}: must be a place, a time or a quantity, such as x=um or h=nm")
-    with bad_input():
-        rig = interferometer(light, given.wavelength, given.coatings, given.index)
-        names = (given.align or "").replace(",", " ").split()
-        return Measurement.read(file, at=given.at, along=along, align=names, optics=rig, index=given.index, **units)
-
-
-def _compare_measured(
-    directory: Path, measurement: "Measurement", plot: Path | None, as_json: bool, overwrite: bool, named: bool
-) -> None:
-    """Print a measurement beside a run, and draw both.  named: whether the user says where."""
-    from ertel.runs.store import RunStore
-
-    result = RunStore.open(directory).result()
-    with bad_input():
-        found = result.compare(measurement)
-        if plot:
-            with placing(plot.parent, overwrite, may_be_link=named) as place:
-                result.plot.measured(found).savefig(place / plot.name)
-    if as_json:
-        columns = {name: getattr(found, name).tolist() for name in ("x", "measured", "computed", "difference")}
-        quantity = found.measurement.quantity
-        told = {"rms": found.rms, "shift": dict(found.shift), "warnings": found.warnings}
-        print_json({"quantity": quantity, "at": found.where, **told, **columns})
-    else:
-        print(found)
-    if plot:
         print_path(plot)
 
 
@@ -273,7 +236,7 @@ def plot(
     with bad_input():
         rig = interferometer(interferogram or "mono", given.wavelength, given.coatings, given.index)
         if measured is not None:
-            sheet["measured"] = _measurement(measured, given, interferogram or "mono")
+            sheet["measured"] = measurement_in(measured, given, interferogram or "mono")
         if format_ in MOVIES:
             seen = interferogram and plots.animation(data, rig.light, rig.rig, rate=pace)
             writers = {name: partial((seen or plots.movie(data, name, pace)).save, writer=MOVIES[format_])}

@@ -192,7 +192,8 @@ def film_rows(case: "Case", films: "Sequence[FormulaFilm]", computed: Mapping[st
     """Film thicknesses by the formulas, with their deviation from a computed film thickness if there is one.
 
     computed: H_c and H_min; the deviation is from their extrapolated value where there is one.  A formula that is not
-    made for such a contact is in brackets.  All are without heat.
+    made for such a contact is in brackets.  Flooded films have no deviation beside layers of oil.  All are without
+    heat.
     """
     both = [computed[name] for name in FILMS] if computed else []
     title = "computed" if case.thermal is None else "computed, without heat"
@@ -209,7 +210,9 @@ def film_rows(case: "Case", films: "Sequence[FormulaFilm]", computed: Mapping[st
         rows.append(row(f"{title}, on the grid", [each.on_grid for each in both], ["", ""]))
     for f in films:
         name = f.name if f.inside else f"({f.name})"
-        rows.append(row(name, (f.central, f.minimum), map(_deviation, (f.central, f.minimum), both)))
+        both_films = f.central, f.minimum
+        is_alike = case.layer is None or f.name.endswith("starved")  # flooded films are no measure of a starved one
+        rows.append(row(name, both_films, map(_deviation, both_films, both) if is_alike else ["", ""]))
     return rows
 
 

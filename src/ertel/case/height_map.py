@@ -161,8 +161,8 @@ class Measured:
     """A measured map of heights, or a profile: a cubic spline through them, tapered to zero at its edges.
 
     Its middle is at (x, y) on its surface at T = 0, turned by an angle from x to y.  Outside the map the surface is
-    smooth.  A profile, of one row, is the roughness of a line contact; it has ends along x alone.  From arrays in
-    metres it is made by `Measured.of`.
+    smooth.  A profile, of one row, is the roughness of a line contact, or ridges along y; it has ends along x alone.
+    `Measured.of` makes one of arrays in metres.
     """
 
     file: Annotated[HeightMap, Meaning("file with the heights, relative to the case file", "disc.al3d")]

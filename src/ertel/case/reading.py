@@ -27,6 +27,7 @@ from ertel.physics.units import FINITE, MUST_BE_GIVEN, Amount, Bounds, Field, Ma
 
 T = TypeVar("T")
 Data = Mapping[str, Any]
+UTF_16 = b"\xff\xfe", b"\xfe\xff"  # marks of the order of its bytes
 MOST_POINTS = 10_000  # of a signal or a table: more take longer to read than to solve
 SIGNAL_TEXT = "a number, an array of [T, value], or a table { smooth } or { mean, amplitude, period, phase }"
 LAWS = {Viscosity: OIL_LAWS["viscosity"], Density: OIL_LAWS["density"], Fluidity: OIL_LAWS["rheology"]}
@@ -82,6 +83,19 @@ def regular_content(path: Path, most: int) -> bytes:
     if size > most:
         raise ValueError(f"is too large; must have at most {most / 1e6:g} MB")
     return content
+
+
+def decoded(content: bytes) -> str:
+    """A text in UTF-8, UTF-16 or Latin-1.  Raises ValueError, without the name of the file, for other data."""
+    codings, zeros = ("utf-16-be", "utf-16-le"), [content[parity:2000:2].count(0) for parity in (0, 1)]
+    wide = "utf-16" if content[:2] in UTF_16 else codings[zeros[1] > zeros[0]] if any(zeros) else ""
+    try:
+        text = content.decode(wide or "utf-8-sig")
+    except UnicodeDecodeError:
+        text = "\0" if wide else content.decode("latin-1")
+    if "\0" in text or content.startswith(b"PK\3\4"):
+        raise ValueError("is not a text; export it as one, such as CSV")
+    return text
 
 
 def check_keys(

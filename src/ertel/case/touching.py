@@ -6,7 +6,6 @@ from math import exp, inf
 import numpy as np
 
 from ertel.case.case import Case
-from ertel.case.height_map import Measured
 from ertel.case.methods import as_written, of_kind
 from ertel.case.records import show, with_unit
 from ertel.physics.surfaces import has_waves
@@ -85,8 +84,6 @@ def roughness_fits(case: Case) -> Iterator[tuple[str, str]]:
     for number, feature in enumerate(case.features, 1):
         if case.geometry.is_line and not getattr(feature.shape, "is_uniform_along_y", False):
             yield f"roughness[{number}]", "varies along y; a line takes a waviness without wavelength_y, or a profile"
-        if not case.geometry.is_line and isinstance(feature.shape, Measured) and feature.shape.is_uniform_along_y:
-            yield f"roughness[{number}]", "is a profile, for line contacts; a point contact needs a map of heights"
         moves = case.motion.travel(feature.surface, 1.0) != 0
         if case.is_steady and moves and not getattr(feature.shape, "is_ridges_along_x", False):
             instead = (

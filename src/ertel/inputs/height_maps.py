@@ -27,7 +27,7 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from ertel.case.height_map import MOST, HeightMap, Measured, array_in, check_shape, check_size
-from ertel.case.reading import check_keys, regular_content
+from ertel.case.reading import UTF_16, check_keys, regular_content
 from ertel.case.records import ConfigError, named, refusing, shortened, show
 from ertel.inputs import text_maps
 from ertel.inputs.layout import READER, MeasuredFile, field_names
@@ -36,6 +36,7 @@ from ertel.physics.units import LENGTH, Quantity
 
 OWN_NAME = re.compile(r"heights-[0-9a-f]{16}\.npy")
 DETRENDS = {"mean": "center", "plane": "height", "curvature": "curvature"}  # by degree; as SurfaceTopography calls them
+LONGEST_SIDE = 1.0  # m: of an instrument's map
 MOST_GAPS = 0.5  # of the points
 LARGEST_FILE = 600_000_000  # bytes, also unpacked: four maps of the most points, or one as text
 LARGEST_XML = 10_000_000  # bytes: what stands beside the heights
@@ -47,6 +48,7 @@ NUMERIC = "0123456789+-.eE,;nNaAiIfFtTbBdD \t\r\n\0"  # also nan, inf, infinite 
 TEXT = printable.encode() + bytes(range(0x80, 0x100))
 BEFORE_XML = b"\xef\xbb\xbf \t\r\n"  # byte order mark and blanks
 OFFICE = "[Content_Types].xml"  # a member of every office document
+UNMARKED = ("nms", "hgt")  # formats of which any bytes may be
 ROUND_OFF = 1e-12  # of the heights: no instrument measures what is smaller
 READING = {*field_names(MeasuredFile)}
 SIZES = ("length_x", "length_y", "rms")
@@ -132,14 +134,19 @@ def _of_instrument(table: Mapping[str, Any], content: bytes) -> _Raw:
     """A file that SurfaceTopography reads."""
     module = _surface_topography(f"file = {show(table['file'])}")
     check_declared(content)
-    is_text = not content[:PART].translate(None, TEXT) or content[:2] in text_maps.UTF_16
+    is_text = not content[:PART].translate(None, TEXT) or content[:2] in UTF_16
     channels: Any = ()
+    ending = table["file"].rpartition(".")[2].lower()
+    of_name = {"format": ending} if ending in UNMARKED else {}
     try:
         with _reading():
-            channels = module.open_topography(BytesIO(content)).channels
+            channels = module.open_topography(BytesIO(content), **of_name).channels
     except ValueError:
         if not is_text:
             raise
+    kind = channels[0].reader.format() if channels else ""
+    if kind in UNMARKED and not of_name:
+        raise ValueError(f"has no mark of a format that is known; one of .{kind} has none, and is known by its name")
     if is_text and _is_plain(channels):
         text = text_maps.read_rows(content)
         if text_maps.is_list(text):
@@ -291,7 +298,10 @@ def _sizes(table: Mapping[str, Any], raw: _Raw, heights: HeightMap) -> dict[str,
     if missing and raw.metre is None:
         raise ValueError('unit: missing; the file does not say in which unit it is, give for example "um"')
     values = {"length_x": along_x, "length_y": along_y, "rms": heights.rms}
-    return found | {key: Quantity(values[key] * (raw.metre or 1.0), "m") for key in missing}
+    found |= {key: Quantity(values[key] * (raw.metre or 1.0), "m") for key in missing}
+    if wrong := [key for key, size in found.items() if isinstance(size, Quantity) and size.value > LONGEST_SIDE]:
+        raise ValueError(f"{wrong[0]} = {found[wrong[0]]}: is above a metre; give unit, or length_x, length_y and rms")
+    return found
 
 
 # -- limits to an instrument's file -----------------------------------------------------------------------------------

@@ -265,6 +265,9 @@ def _library(noun: str) -> Mapping[str, Any]:
 
 
 def _entry(noun: str, name: object, entries: Mapping[str, Any]) -> Any:
+    if isinstance(name, str):  # "ISO VG 68" is iso-vg-68
+        written = name.strip().lower().replace(" ", "-")
+        name = name if name in entries else next((each for each in entries if each.lower() == written), name)
     if not isinstance(name, str) or name not in entries:
         raise ConfigError(f"{noun} = {show(name)}: allowed: {', '.join(entries)}")
     return entries[name]

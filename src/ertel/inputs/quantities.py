@@ -4,6 +4,7 @@ Units are from pint, which takes long to import: it reads all but the SI unit an
 """
 
 import re
+import unicodedata
 from collections.abc import Mapping, Sequence
 from decimal import Decimal
 from fractions import Fraction
@@ -17,7 +18,7 @@ import numpy as np
 from ertel.case.reading import parse_number
 from ertel.case.records import is_number, refusing, show, with_unit
 from ertel.physics.temperature_laws import ZERO_CELSIUS
-from ertel.physics.units import PREFIXED, Bounds, Mark, Unit, reads_quantities
+from ertel.physics.units import KINEMATIC_VISCOSITY, PREFIXED, Bounds, Mark, Unit, reads_quantities
 
 NumberOrText = float | str  # in SI, or a text with a unit
 HOTTER_THAN_ANY = 1e4  # K
@@ -29,13 +30,25 @@ LONGEST = 60  # characters of a quantity
 # Without it pint computes numbers, such as 9**9**9, for ever.
 _POWER = r"(?:\s*(?:\^|\*\*)\s*(?:[+-]?\d{1,2}(?:\.\d{1,2})?|\([+-]?\d{1,2}(?:\.\d{1,2})?\)))?"
 _NAME = rf"(?:[^\W\d]\w*{_POWER}|1)"
-_PRODUCT = rf"{_NAME}(?:(?:\s*[*/·]\s*|\s+){_NAME})*"
+_PRODUCT = rf"{_NAME}(?:(?:\s*[*/]\s*|\s+){_NAME})*"
 _FACTOR = rf"(?:\(\s*{_PRODUCT}\s*\){_POWER}|{_NAME})"
-_UNIT = re.compile(rf"{_FACTOR}(?:(?:\s*[*/·]\s*|\s+){_FACTOR})*")
+_UNIT = re.compile(rf"{_FACTOR}(?:(?:\s*[*/]\s*|\s+){_FACTOR})*")
 _TEMPERATURE = re.compile(  # units also as pint writes them
     r"\s*([+-]?[0-9]{1,4}(?:\.[0-9]{1,20})?)\s*(degC|°C|degree_Celsius|K|kelvin)\s*"
 )
 _NUMBER = re.compile(r"[+-]?(?:(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3}(?![0-9]))?|(?:nan|inf)\b)", re.I)
+_THOUSANDS = re.compile(r"\s*[+-]?(?:[1-9][0-9]{0,2}(?:,[0-9]{3})+|[0-9]+[.,][0-9]+[.,].*)(?![0-9])")
+_DECIMAL_COMMA = re.compile(r"(\s*[+-]?[0-9]+),([0-9]+)")
+_POWER_OF_TEN = re.compile(r"(?<=[0-9])\s*[*x]\s*10\s*(?:\^|\*\*)?\s*(?=[+-]?[0-9])")
+_SIGNS = str.maketrans("\u2212\u22c5\u00b7\u2219\u00d7", "-***x")  # minus, three dots, times
+_AS_IN_PAPERS = [  # what stands in papers and data sheets: what pint reads in its place
+    (re.compile(r"°"), "deg"),
+    (re.compile(r"(?<=Pa)-?s\b"), "*s"),  # the pascal-second: nobody writes "Pas" for several pascals
+    (re.compile(r"/\s*(m|kg)\s*\*?\s*K"), r"/(\1*K)"),  # W/mK: a millikelvin is not meant
+    (re.compile(r"(?<=[^\W\d_])\.(?=[^\W\d_])"), "*"),
+    (re.compile(r"(?<=[^\W\d_])(-?[1-4])(?![\w.])"), r"^\1"),  # mm2/s, K-1
+]
+_VG = re.compile(r"\s*ISO[\s-]*VG[\s-]*([0-9]{1,4})\s*", re.I)
 
 
 def plain_data(value: Any) -> Any:
@@ -62,6 +75,12 @@ def parse_quantity(value: object, unit: Unit) -> float:
     >>> parse_quantity("22 / GPa", COMPLIANCE) == 22e-9
     True
     """
+    if isinstance(value, str) and (grade := _VG.fullmatch(value[:LONGEST])):  # ISO 3448
+        if unit.unit != KINEMATIC_VISCOSITY.unit:
+            raise ValueError("is a viscosity at 40 degC; give an oil by name (ertel oils), or nu40, nu100 and density")
+        value = f"{grade[1]} mm^2/s"
+    if isinstance(value, str) and _THOUSANDS.match(value[:LONGEST]):
+        raise ValueError("has a comma that may part thousands or decimals; write a point, and nothing for thousands")
     description = f'a quantity {"" if unit.signed else "above zero "}with a unit such as "{unit.example}"'
     if isinstance(value, str) and len(value) > LONGEST:
         raise ValueError(f"must be {description}, of at most {LONGEST} characters")
@@ -81,12 +100,24 @@ def parse_quantity(value: object, unit: Unit) -> float:
 
 def split(value: object) -> tuple[str, str]:
     """The number and the unit of a text; "" for what is not there."""
-    text = value.strip() if isinstance(value, str) else ""
+    text = _plain_signs(value).strip() if isinstance(value, str) else ""
     match = _NUMBER.match(text)
     if match is None:
         return "", ""
     unit = text[match.end() :].lstrip()
+    for written, read in _AS_IN_PAPERS:
+        unit = written.sub(read, unit)
     return match[0], f"1{unit}" if unit.startswith("/") else unit
+
+
+def _plain_signs(text: str) -> str:
+    """A text in plain signs: superscripts, minus, dots and the degree as they are typed, with a decimal point.
+
+    >>> _plain_signs("2,2⋅10⁻⁸ m²/N")
+    '2.2e-8 m2/N'
+    """
+    plain = unicodedata.normalize("NFKC", text.translate(_SIGNS)).translate(_SIGNS)
+    return _POWER_OF_TEN.sub("e", _DECIMAL_COMMA.sub(r"\1.\2", plain, count=1), count=1)
 
 
 def parse_temperature(value: object) -> float:
@@ -101,7 +132,7 @@ def parse_temperature(value: object) -> float:
     """
     if is_number(value) and 0 < value < HOTTER_THAN_ANY:  # type: ignore[operator]
         return float(value)  # type: ignore[arg-type]
-    match = _TEMPERATURE.fullmatch(value) if isinstance(value, str) else None
+    match = _TEMPERATURE.fullmatch(_plain_signs(value)) if isinstance(value, str) else None
     if match is None:
         kelvin = 0.0
     elif match[2] in ("K", "kelvin"):

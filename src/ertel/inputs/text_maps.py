@@ -12,11 +12,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ertel.case.reading import decoded
 from ertel.case.records import shortened
 from ertel.physics.units import LENGTH, si_numbers
 
 Numbers = NDArray[np.float64]
-UTF_16 = b"\xff\xfe", b"\xfe\xff"
 GAPS = {"nan", "bad"}
 SENTINELS = (-9999.0, -99999.0, -32768.0, 32767.0, -2147483648.0, 9999.0, 99999.0)  # with which programs mark a gap
 FAR = 100.0  # ranges of all others, from which on any height is a mark; for those of programs one range is enough
@@ -47,11 +47,7 @@ class Text(NamedTuple):
 
 def read_rows(content: bytes) -> Text:
     """The numbers in a text.  Raises ValueError, with the line, for a row of which a part is not a number."""
-    try:
-        text = content.decode("utf-16" if content[:2] in UTF_16 else "utf-8-sig")
-    except UnicodeDecodeError:
-        text = content.decode("latin-1")
-    lines = {n: line.rstrip("\t ;,") for n, line in enumerate(text.splitlines(), 1)}
+    lines = {n: line.rstrip("\t ;,") for n, line in enumerate(decoded(content).splitlines(), 1)}
     lines = {n: line for n, line in lines.items() if line.strip()}
     rows = {n: line for n, line in lines.items() if not line.startswith("#")}
     start = next((n for n, line in rows.items() if _is_row(line)), 0)

@@ -14,7 +14,7 @@ compiled here and now, unless `build_with` names another builder, such as one th
 import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from importlib import import_module
 from threading import Lock
 from typing import Any, TypeVar
@@ -42,8 +42,14 @@ _enable_x64: Any = jax.enable_x64 if hasattr(jax, "enable_x64") else import_modu
 
 @contextmanager
 def double_precision() -> Iterator[None]:
-    """Let JAX compute in double precision in this block, and in this thread only; also a decorator."""
-    with _enable_x64(True):
+    """Let JAX compute in double precision in this block, and in this thread only; also a decorator.
+
+    Its switches for debugging are off there: programs are compiled ahead, and a step that fails may have nan.
+    """
+    with ExitStack() as stack:
+        for scope in (_enable_x64(True), jax.disable_jit(False), jax.debug_nans(False), jax.transfer_guard("allow")):
+            stack.enter_context(scope)
+        stack.enter_context(jax.numpy_dtype_promotion("standard"))
         yield
 
 

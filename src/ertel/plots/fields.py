@@ -24,6 +24,7 @@ from ertel.results.profiles import events_of
 ARROWS = ("\N{RIGHTWARDS ARROW}\N{LEFTWARDS ARROW}", "\N{DOWNWARDS ARROW}\N{UPWARDS ARROW}")
 MINUS = "\N{MINUS SIGN}"
 FLATTEST = 0.15  # height over width of a map that has equal scales along both sides
+LEAST_ENLARGED = 1.2  # below it a flat map stays as it is
 SEEN = 0.1  # of the largest power loss: less does not count where a map ends
 NODES = 301  # along the side of a map, for smooth contour lines of the roughness
 STYLES: Mapping[float, Literal["-", ":"]] = {1.0: "-", -1.0: ":"}  # of the lines round hills and round valleys
@@ -48,8 +49,8 @@ def draw_film_map(axes: Axes, view: View) -> None:
     z, film = view.scale("H", top / 2), view.map("H")
     _draw_map(axes, view, film, z, levels(top * z.factor, 16 if is_steady else 10), "YlGnBu_r")
     gap = (film, view.map("void"))
-    edge = draw_edge_of_oil(axes, view, *((each.T for each in gap) if view.is_turned else gap))
-    draw_legend(axes, [*edge, *_draw_roughness(axes, view)], view.is_turned)
+    draw_edge_of_oil(axes, view, *((each.T for each in gap) if view.is_turned else gap))
+    draw_legend(axes, _draw_roughness(axes, view), view.is_turned)
 
 
 def _top_of_film(view: View) -> float:
@@ -121,7 +122,7 @@ def _draw_map(
         axes.contour(x, y, shown, levels=steps[1:], colors="black", linewidths=0.4, alpha=0.6)
     wide, tall = (view.axis_label(axis) for axis in ("yx" if view.is_turned else "xy"))
     shape = axes.get_data_ratio()
-    enlarged = max(1.0, FLATTEST / shape)
+    enlarged = FLATTEST / shape if shape < FLATTEST / LEAST_ENLARGED else 1.0
     axes.set(xlabel=wide, ylabel=f"{tall},\n{enlarged:.2g} x enlarged" if enlarged > 1.0 else tall, aspect=enlarged)
     if shape < FLAT:
         axes.yaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 5, 10]))
@@ -169,20 +170,20 @@ def _draw_roughness(axes: Axes, view: View) -> list[Line2D]:
     return lines
 
 
-def draw_edge_of_oil(axes: Axes, view: View, film: xr.DataArray, void: xr.DataArray) -> list[Line2D]:
-    """Draw a line where the gap stops being full, and return it for the legend; nothing where all or nothing is full.
+def draw_edge_of_oil(axes: Axes, view: View, film: xr.DataArray, void: xr.DataArray) -> None:
+    """Draw a line where the gap stops being full, named at the line where there is a layer of oil.
 
-    film, void: the gap and the part of it without oil, over the same places.
+    Nothing where all or nothing is full.  film, void: the gap and the part of it without oil, over the same places.
     """
     missing = void - NOT_FULL * film
     y, x = (missing[name].values * view.across.factor for name in missing.dims)
     (left, right), (low, high) = axes.get_xlim(), sorted(axes.get_ylim())
     columns, rows = (left <= x) & (x <= right), (low <= y) & (y <= high)
     seen = missing.values[np.ix_(rows, columns)]
-    if not seen.min() < 0.0 < seen.max():
-        return []
-    axes.contour(x[columns], y[rows], seen, levels=[0.0], colors=ORANGE, linewidths=1.0)
-    return [Line2D([], [], color=ORANGE, linewidth=1.0, label="edge of the full film")]
+    if seen.min() < 0.0 < seen.max():
+        edge = axes.contour(x[columns], y[rows], seen, levels=[0.0], colors=ORANGE, linewidths=1.0)
+        if view.case.layer is not None:
+            axes.clabel(edge, fmt="edge of the full film", fontsize="small")
 
 
 def draw_legend(axes: Axes, lines: Sequence[Line2D], is_turned: bool = False) -> None:

@@ -21,7 +21,7 @@ from matplotlib.ticker import MaxNLocator
 
 from ertel.optics import Chart, Interferometer, Light, Monochromatic, Rig, White
 from ertel.plots.drawing import ORANGE, NoFigure, Panel, Scale, Sheet, SheetOptions, Values, compose
-from ertel.plots.fields import draw_edge_of_oil, draw_legend, flow_in
+from ertel.plots.fields import draw_edge_of_oil, flow_in
 from ertel.plots.measurements import Overlay, draw_light, draw_measured, measured_view
 from ertel.plots.movies import PER_SECOND, animated, in_motion
 from ertel.plots.view import View, field, require_maps
@@ -30,6 +30,7 @@ from ertel.results.profiles import At
 
 PIXELS = 480  # along the longer side of a picture
 ROUND = 1.7  # how far round the contact the picture reaches, in its half widths
+FADED = 2e-6  # m: the film from which on white light has no colours
 ORDERS = 4.5  # fringes of the film that the colour chart shows, at least
 FRAMES = 120  # of an animation, at most
 LIGHTS: Mapping[str, type[Light]] = {"mono": Monochromatic, "white": White}
@@ -108,7 +109,9 @@ def draw_interferogram(axes: Axes, view: View, seen: xr.Dataset, chart: Chart) -
     axes.set_title(", ".join(part for part in (f"Interferogram {words}", flow_in(view)) if part))
     for axis, pixels in zip((axes.yaxis, axes.xaxis), film.shape, strict=True):
         axis.set_major_locator(MaxNLocator(max(1, round(TICKS * pixels / PIXELS)), min_n_ticks=1))
-    draw_legend(axes, draw_edge_of_oil(axes, view, film, void), view.is_turned)
+    draw_edge_of_oil(axes, view, film, void)
+    if isinstance(light, White) and float(film.min()) > FADED:
+        axes.text(0.5, 0.03, "no colours here, try mono", transform=axes.transAxes, ha="center", fontsize="small")
 
 
 def _show(axes: Axes, picture: Values, limits: tuple[float, float, float, float]) -> None:

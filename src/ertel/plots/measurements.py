@@ -106,7 +106,7 @@ def measured(dataset: xr.Dataset, comparison: Comparison, **sheet: Unpack[SheetO
     Parameters
     ----------
     dataset : xarray.Dataset
-        The run, for the heading.
+        The run or the study, for the heading.
     comparison : Comparison
         Of `result.compare(measurement)`.
     **sheet
@@ -129,6 +129,8 @@ def measured(dataset: xr.Dataset, comparison: Comparison, **sheet: Unpack[SheetO
     line, measurement = comparison.line, comparison.measurement
     if line is None:
         raise NoFigure(f"{measurement.name}: is one number; a picture needs a profile or a history")
+    is_curve = measurement.kind == "curve"
+    axis = measurement.axis.replace("_", " ") if is_curve else f"${measurement.axis}$"
     along = Scale.of(line[measurement.axis], float(np.abs(comparison.x).max()))
     x, there = comparison.x * along.factor, line[measurement.axis].values * along.factor
     room = ROOM * float(np.ptp(x))
@@ -136,7 +138,7 @@ def measured(dataset: xr.Dataset, comparison: Comparison, **sheet: Unpack[SheetO
     shown = line.values[(there >= low) & (there <= high)]
     top = float(np.concatenate([shown, comparison.computed, comparison.measured]).max())
     z, dz = (Scale.of(line, largest) for largest in (top / 2, float(np.abs(comparison.difference).max())))
-    place: dict[str, Any] = {"xlim": (low, high), "xlabel": f"${measurement.axis}$ {along.in_brackets}"}
+    place: dict[str, Any] = {"xlim": (low, high), "xlabel": f"{axis} {along.in_brackets}".rstrip()}
 
     def draw_values(axes: Axes, _: Comparison) -> None:
         bars = None if comparison.sigma is None else comparison.sigma * z.factor
@@ -149,7 +151,8 @@ def measured(dataset: xr.Dataset, comparison: Comparison, **sheet: Unpack[SheetO
         _draw_difference(axes, x, comparison.difference * dz.factor, f"difference {dz.in_brackets}")
         axes.set(**place)
 
-    heading = [part for part in (View(dataset).title[0], comparison.where, comparison.text, comparison.aligned) if part]
+    title = str(dataset.attrs["title"]).replace("_", " ") if is_curve else View(dataset).title[0]
+    heading = [part for part in (title, comparison.where, comparison.text, comparison.aligned) if part]
     return compose(comparison, [[draw_values, draw_difference]], heading, Sheet(**sheet))
 
 
@@ -200,7 +203,8 @@ def _abscissa(axes: Axes, part: xr.Dataset) -> np.ndarray:
     if unit:
         name = Variable("time", "t") if unit == "s" else Variable("place", "x")
         scale = _scale(name, part["x"], unit)
-        axes.set_xlabel(scale.label)
+        varies = str(part["varies"].values[0]).replace("_", " ") if "varies" in part else ""
+        axes.set_xlabel(f"{varies} {scale.in_brackets}" if varies else scale.label)
         return np.asarray(part["x"].values * scale.factor)
     places = np.arange(part.sizes["datum"])
     pairs = zip(part["quantity"].values, part["conditions"].values, strict=True)

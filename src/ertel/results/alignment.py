@@ -6,7 +6,8 @@ know.  What is shown is
     factor computed(x - centre) + offset + tilt (x - mean x)
 
 with the unknown parts for which the squares of the differences from the measured values are smallest.  The factor is
-the gain of an intensity, or n/n_assumed of a film that was computed with an assumed index of the oil.
+the gain of an intensity, n/n_assumed of a film that was computed with an assumed index of the oil, or
+that of a film over the speed.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -22,7 +23,7 @@ from ertel.results.numbers import IN_SI
 from ertel.results.variables import VARIABLES, Variable, names_where, shifted, with_clock, with_prefix
 
 Values = NDArray[np.float64]
-FACTORS, LEVELS = ("index", "gain"), ("offset", "background")  # one of each, by the quantity
+FACTORS, LEVELS = ("index", "factor", "gain"), ("offset", "background")  # one of each, by the quantity
 SHIFTS = 401  # of the centre that are tried before the best is refined
 START = "start"
 STARTS = 21  # of a clock, the same
@@ -57,7 +58,7 @@ def as_shown(measured: Any, computed: Values) -> tuple[dict[str, float], Values]
     ways = {name: computed for name in FACTORS} | {name: np.ones_like(measured.x) for name in LEVELS}
     ways["tilt"] = measured.x - measured.x.mean()
     names = [name for name in ways if name in measured.align]
-    factor = names[0] if names and names[0] in FACTORS else ""
+    factor = next((name for name in names if name in FACTORS), "")
     shapes = np.reshape([ways[name] for name in names], (len(names), len(measured.x))).T
     scale = np.abs(shapes).max(axis=0)
     known = 0.0 if factor else computed
@@ -131,8 +132,19 @@ QUANTITIES: Mapping[str, Variable] = {  # by the names of the SI Dataset and of 
 }
 
 
+CONDITIONS: Mapping[str, tuple[str, str]] = {  # over which curves are measured: the field of the case, and its SI unit
+    "mean_speed": ("contact.mean_speed", "m/s"),
+    "speed": ("contact.speed", "m/s"),  # of rolling the mean speed
+    "slide_to_roll": ("contact.slide_to_roll", "1"),
+    "temperature": ("lubricant.temperature", "K"),
+    "load": ("contact.load", "N"),
+}
+
+
 def si_unit(quantity: str) -> str:
     """The SI unit of a quantity, "1" of a plain number.  Raises ValueError for a name that is not known."""
+    if quantity in CONDITIONS:
+        return CONDITIONS[quantity][1]
     if quantity not in QUANTITIES:
         raise ValueError(f"quantity = {quantity!r}: must be the name of a result, such as h, h_c, restitution")
     about = QUANTITIES[quantity]

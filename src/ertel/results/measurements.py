@@ -5,7 +5,7 @@ its tilt or the index of the oil are not known, they are those for which the squ
 smallest; see `alignment`.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from os import PathLike
@@ -13,27 +13,26 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from ertel.case.reading import hint_for
 from ertel.physics.units import Quantity, Unit, in_si, si_numbers
-from ertel.results import alignment
-from ertel.results.alignment import INTENSITY, QUANTITIES, Comparison, si_unit, squares
+from ertel.results import alignment, computed
+from ertel.results.alignment import CONDITIONS, INTENSITY, QUANTITIES, Comparison, si_unit, squares
 from ertel.results.columns import Columns
-from ertel.results.numbers import IN_SI, numbers
-from ertel.results.profiles import At, moment_text, profile
-from ertel.results.variables import to_si, with_clock, with_prefix
+from ertel.results.profiles import At, moment_text
+from ertel.results.variables import with_prefix
 
 Values = NDArray[np.float64]
 Size = float | str | Quantity  # in SI, or with a unit
-Kind = Literal["profile", "history", "number"]
+Kind = Literal["profile", "history", "curve", "number"]
 PLACES, TIME, SIGMA = ("x", "y", "r"), "t", "sigma"
-READ = ("at", "start", "along", "align", "sigma", "columns", "index")  # what a file takes beside units, and a number
+READ = ("at", "start", "along", "align", "sigma", "index")  # what a file takes beside units, and a number
 CLOCK = Unit("s", "60 us", signed=True)
 NUMBER = ("quantity", "value", "sigma")
-USUAL = {"profile": "h", "history": "h_c"}  # quantities, of a file with several
+USUAL = {"profile": "h", "history": "h_c", "curve": "h_c"}  # quantities, of a file with several
 ALIGNMENTS = ("start", "centre", "offset", "tilt", "index")
+OF_CURVES = ("offset", "factor", "index")
 ALWAYS_ALIGNED = ("gain", "background")  # of an intensity
 INDICES = np.linspace(0.95, 1.05, 41)  # over that of the rig, which are tried
 FILMS = ("h", "h_c", "h_min", "h_oil")  # that can have an index
@@ -46,24 +45,26 @@ class Measurement:
 
     Parameters
     ----------
-    kind : "profile", "history" or "number"
-        Over a place at a moment, over time, or one number.
+    kind : "profile", "history", "curve" or "number"
+        Over a place at a moment, over time, over a condition of several runs, or one number.
     quantity : str
         Its name in the SI Dataset of a run, "h", "p", "h_c", or in its summary, "restitution", "contact_time", ...; or
         "intensity", of light, in arbitrary units.
     values : array
         The measured values, (n,).
     x : array, optional
-        Places (m) or times (s), (n,); None of a number.
+        Places (m), times (s) or values of the condition, (n,); None of a number.
     sigma : float or array, optional
         Standard error of the values.
     at : float, str or Quantity, optional
         The moment of a profile, "60 us" from the first touch or "max-approach", see `results.profiles.moment_of`.
     along : "x" or "y"
-        The direction of a profile.
+        The direction of a profile; of a curve its condition: "mean_speed", "speed" (of rolling the mean speed, too),
+        "slide_to_roll", "load" or "temperature".
     align : sequence of str
         What is not known: "start" of the clock; "centre", a shift in place or time; "offset" of the values; "tilt", a
-        slope of them; "index" of the oil, of an intensity within 5 %.  Its "gain" and "background" are never known.
+        slope of them; "factor", of the values of a curve; "index" of the oil, of an intensity within 5 %.  Its "gain"
+        and "background" are never known.
     name : str
         For messages and pictures.
     index : float, optional
@@ -95,18 +96,19 @@ class Measurement:
     def __post_init__(self) -> None:
         si_unit(self.quantity)
         values = np.atleast_1d(np.asarray(_in_si(self.quantity, self.values), dtype=np.float64))
-        x = (
-            np.zeros_like(values)
-            if self.x is None
-            else np.asarray(_in_si(TIME if self.kind == "history" else "x", self.x), dtype=np.float64)
-        )
+        x = np.zeros_like(values) if self.x is None else np.asarray(_in_si(self.axis, self.x), dtype=np.float64)
         if self.sigma is not None:
             object.__setattr__(self, "sigma", _in_si(self.quantity, self.sigma))
         object.__setattr__(self, "start", float(_in_si(TIME, self.start)))
         sigma = np.asarray(1.0 if self.sigma is None else self.sigma, dtype=np.float64)
+        axes = (*CONDITIONS,) if self.kind == "curve" else PLACES[:2]
+        for name, value, allowed in (("kind", self.kind, get_args(Kind)), ("along", self.along, axes)):
+            if value not in allowed:
+                raise ValueError(f"{name} = {value!r}: must be of {', '.join(allowed)}")
         align = (self.align,) if isinstance(self.align, str) else tuple(self.align)
         light = self.quantity == INTENSITY
-        possible = ("start", "centre", "tilt", "index", *ALWAYS_ALIGNED) if light else ALIGNMENTS
+        possible: Sequence[str] = OF_CURVES if self.kind == "curve" else ALIGNMENTS
+        possible = ("start", "centre", "tilt", "index", *ALWAYS_ALIGNED) if light else possible
         if unknown := [name for name in align if name not in possible]:
             raise ValueError(f"align = {unknown[0]!r}: {hint_for(unknown[0], possible)}")
         align = (*align, *(name for name in ALWAYS_ALIGNED if light and name not in align))
@@ -118,9 +120,6 @@ class Measurement:
             raise ValueError(f"x: must be {'left out of' if self.kind == 'number' else 'given for'} a {self.kind}")
         if values.shape != x.shape or values.ndim != 1 or sigma.shape not in ((), values.shape):
             raise ValueError(f"values: have the shape {values.shape}, x {x.shape}, sigma {sigma.shape}; must be alike")
-        for name, value, allowed in (("kind", self.kind, get_args(Kind)), ("along", self.along, PLACES[:2])):
-            if value not in allowed:
-                raise ValueError(f"{name} = {value!r}: must be of {', '.join(allowed)}")
         if self.at is not None and self.kind != "profile":
             raise ValueError(f"at = {self.at!r}: {self.name} is a {self.kind}, without a moment; leave it out")
         if len(values) <= len(align):
@@ -173,17 +172,17 @@ class Measurement:
         along: str = "x",
         align: Sequence[str] = (),
         sigma: Size | None = None,
-        columns: Mapping[str, str] | None = None,
         index: float | None = None,
         optics: Any = None,
         start: Any = 0.0,
         **units: str,
     ) -> "Measurement":
-        """A profile or a history from a file of columns: `Measurement.read("film.csv", x="um", h="nm", at="60 us")`.
+        """A measurement from a file of columns: `Measurement.read("film.csv", x="um", h="nm", at="60 us")`.
 
-        The file has a place x, y or r, or a time t, and a quantity by its name in the SI Dataset: h, p, h_c, ..., or
-        intensity, whose unit does not count.  Units stand in the header, as "x_um", "x (um)", "x [um]" or "x/um", or
-        are given.  A file without header has the columns that are given, in this order.  Rows with a gap are left out.
+        The file has a place x, y or r, a time t or a condition such as mean_speed, and a quantity by its name in the SI
+        Dataset: h, p, h_c, ..., or intensity, whose unit does not count.  Units stand in the header, as "x_um",
+        "x (um)", "x [um]" or "x/um", in a row below it, or are given.  A file without header has the columns that are
+        given, in this order.  Rows with a gap are left out.
 
         Parameters
         ----------
@@ -194,10 +193,9 @@ class Measurement:
         sigma : float, str or Quantity, optional
             Standard error, in SI or with a unit.  A column "sigma" goes before; without a unit it has that of the
             values.
-        columns : mapping, optional
-            The names in the header by the quantity, where they differ: {"x": "Position (um)", "h": "Film [nm]"}.
         **units : str
-            Units of the columns by the quantity, x="um"; of several quantities in a file the one that is named here.
+            Units of the columns by the quantity, x="um", their names in the header, x="Radius [um]", or both,
+            x="Radius=um"; of several quantities in a file the one that is named here.
 
         Returns
         -------
@@ -210,23 +208,21 @@ class Measurement:
             There is no such file; a column or a unit is missing, and the message names the columns that there are; a
             value cannot be.
         """
-        if unknown := sorted({*units, *(columns or {})} - {*QUANTITIES, SIGMA}):
+        if unknown := sorted({*units} - {*QUANTITIES, *CONDITIONS, SIGMA}):
             close = get_close_matches(unknown[0], [*QUANTITIES, SIGMA, *READ], n=1, cutoff=0.85)
             advice = f"did you mean {close[0]}? " if close else ""
             raise ValueError(
                 f"{unknown[0]}: {advice}must be the name of a place, a time or a result, such as x, t, h, h_c"
             )
-        file = Columns.read(Path(path), {*QUANTITIES, SIGMA}, columns or {}, units)
-        axis = next((name for name in (*PLACES, TIME) if name in file.texts), "")
-        kind: Kind = "history" if axis == TIME else "profile"
-        there = [name for name in file.texts if name not in (*PLACES, TIME, SIGMA)]
-        given = [name for name in there if name in units or name in (columns or {})]
+        file = Columns.read(Path(path), {*QUANTITIES, *CONDITIONS, SIGMA}, units)
+        axis = next((name for name in (*PLACES, TIME, *CONDITIONS) if name in file.texts), "")
+        kind: Kind = "history" if axis == TIME else "curve" if axis in CONDITIONS else "profile"
+        there = [name for name in file.texts if name not in (*PLACES, TIME, SIGMA, axis)]
+        given = [name for name in there if name in units]
         name = next(iter([*given, *(name for name in there if name == USUAL[kind]), *there]), "")
         if not (axis and name):
             wanted = f"quantity such as {USUAL[kind]}" if axis else "place x, y or r and no time t"
-            raise ValueError(
-                f'{file.file}: has no {wanted}; {file.listed}; give columns={{"{USUAL[kind] if axis else "x"}": ...}}'
-            )
+            raise ValueError(f'{file.file}: has no {wanted}; {file.listed}; give {USUAL[kind] if axis else "x"}="NAME"')
         unit = si_unit(name)
         if name == INTENSITY:  # in arbitrary units
             file = replace(file, units={**file.units, INTENSITY: "", SIGMA: ""})
@@ -236,7 +232,8 @@ class Measurement:
         whole = np.array(rows)[:, np.all(np.isfinite(rows), axis=0)]
         x, values, *errors = whole[:, np.argsort(whole[0], kind="stable")]
         error = errors[0] if errors else None if sigma is None else _in_si(name, sigma)
-        along = "y" if axis == "y" else along
+        along = axis if axis == "y" or kind == "curve" else along
+        name = "h_c" if kind == "curve" and name == "h" else name
         return cls(kind, name, values, x, error, at, along, align, file.file, index, optics, start)
 
     # -- beside a run -------------------------------------------------------------------------------------------------
@@ -268,11 +265,14 @@ class Measurement:
         return self.compared(result).shown
 
     def compared(self, result: Any) -> Comparison:
-        """The measurement beside a run, aligned.  Parameters and errors are those of `predicted`."""
-        if not hasattr(result, "dataset"):
+        """The measurement beside a run, aligned.  Parameters and errors are those of `predicted`.
+
+        A curve is compared with a study, or with the results of runs at each of its x.
+        """
+        if not (hasattr(result, "dataset") or (self.kind == "curve" and isinstance(result, list))):
             raise TypeError(f"result = {result!r}: must be the Result of a run")
         if self.x is None:
-            value = np.array([self._number(result)])
+            value = np.array([computed.number_of(self, result)])
             return Comparison(self, np.zeros(1), self.values, value, value)
         if "start" in self.align:
             return replace(alignment.with_start([self], result)[0].compared(result), measurement=self)
@@ -282,24 +282,24 @@ class Measurement:
             return replace(found, measurement=self, shift={"start": self.start, **found.shift})
         if self.quantity == INTENSITY and self.optics and "index" in self.align:
             return self._with_best_index(result)
-        line = self._line(result)
+        line = computed.curve_over(self, result) if self.kind == "curve" else computed.line_of(self, result)
         there, values = line[self.axis].values, line.values
         shift = {"centre": alignment.best_centre(self, there, values)} if "centre" in self.align else {}
         x = self.x - shift.get("centre", 0.0)
         if x.min() < there[0] or x.max() > there[-1]:
             ends = [with_prefix(end, si_unit(self.axis)) for end in (x.min(), x.max(), there[0], there[-1])]
             raise ValueError("{}: reaches from {} to {}, and the run only from {} to {}".format(self.name, *ends))
-        computed = np.interp(x, there, values)
-        parts, shown = alignment.as_shown(self, computed)
-        factor = parts.get("index", 1.0)
+        powers = self.kind == "curve" and bool(np.all(there > 0) and np.all(values > 0))  # straight in logarithms
+        log, power = (np.log, np.exp) if powers else (np.asarray, np.asarray)
+        at_x: Any = power(np.interp(log(x), log(there), log(values)))
+        parts, shown = alignment.as_shown(self, at_x)
+        factor = parts.get("index", parts.get("factor", 1.0))
         if "gain" in parts:  # an intensity stays in the units in which it was measured
-            computed, line = (parts["gain"] * each + parts["background"] for each in (computed, line))
+            at_x, line = (parts["gain"] * each + parts["background"] for each in (at_x, line))
         elif "index" in parts:
             parts["index"] *= self.index or 1.0
         sigma = None if self.sigma is None else np.ones_like(x) * self.sigma / factor
-        return Comparison(
-            self, x, computed + (self.values - shown) / factor, computed, shown, shift | parts, line, sigma
-        )
+        return Comparison(self, x, at_x + (self.values - shown) / factor, at_x, shown, shift | parts, line, sigma)
 
     def _with_best_index(self, result: Any) -> Comparison:
         """The comparison of an intensity with the index of the oil, about that of the rig, that fits best."""
@@ -335,43 +335,8 @@ class Measurement:
 
     @property
     def axis(self) -> str:
-        """The name of x: "x" or "y" of a profile, "t" of a history."""
-        return TIME if self.kind == "history" else self.along
-
-    def _number(self, result: Any) -> float:
-        table = {
-            name: each for each in numbers(result.summary).values() for name in (each.name, each.about.si_name) if name
-        }
-        if self.quantity not in table:
-            raise ValueError(f"{self.quantity}: the run has no such number; it has {', '.join(table)}")
-        number = table[self.quantity]
-        if number.factor is None and number.unit not in ("1", *IN_SI):
-            raise ValueError(f"{self.quantity}: the case is dimensionless, and the measurement is in SI")
-        return number.in_si.value
-
-    def _line(self, result: Any) -> xr.DataArray:
-        """The quantity along the line of a profile, or through time, in SI."""
-        data: xr.Dataset = result.dataset
-        if self.kind == "profile":
-            data = profile(data, self.at, self.along)
-        elif "time" in data.dims:
-            data = data.drop_dims([name for name in data.dims if name != "time"])
-            data = to_si(_from_the_start(with_clock(data))) if "si_factor" in data["time"].attrs else data
-        else:
-            raise ValueError(f"{self.name}: is a history, and a steady contact has none")
-        if self.axis not in data.coords:
-            raise ValueError(f"{self.name}: is in SI, and the case is dimensionless")
-        if self.kind == "profile" and self.quantity == INTENSITY:
-            if self.optics is None:
-                raise ValueError(f"{self.name}: is an intensity; give optics=ertel.optics.Interferometer(rig, light)")
-            data = (
-                alignment.light_along(data, result.case, self.optics)
-                .to_dataset(name=INTENSITY)
-                .assign_attrs(data.attrs)
-            )
-        if self.quantity not in data:
-            raise ValueError(f"{self.quantity}: the run has no such {self.kind}; it has {', '.join(map(str, data))}")
-        return data[self.quantity].assign_attrs(moment=data.attrs.get("moment", ""), a_m=data.attrs.get("a_m", np.inf))
+        """The name of x: "x" or "y" of a profile, "t" of a history, the condition of a curve."""
+        return TIME if self.kind == "history" else self.along if self.kind in ("profile", "curve") else "x"
 
 
 def _check_possible(name: str, quantity: str, values: Values, align: Sequence[str], lines: Sequence[int] = ()) -> None:
@@ -381,12 +346,6 @@ def _check_possible(name: str, quantity: str, values: Values, align: Sequence[st
         where = f"{name}, line {lines[below[0]]}" if lines else name
         allowed = "must not be below zero" + ("; its zero may be aligned, offset" if quantity in FILMS else "")
         raise ValueError(f"{where}: {quantity} = {with_prefix(float(values[below[0]]), si_unit(quantity))}: {allowed}")
-
-
-def _from_the_start(history: xr.Dataset) -> xr.Dataset:
-    """The history of a run from its start: before the first step it is as after it."""
-    start = history.isel(time=[0]).assign_coords(time=("time", [0.0], history["time"].attrs))
-    return xr.concat([start, history], "time") if float(history["time"][0]) > 0 else history
 
 
 def _in_si(quantity: str, value: Any) -> Any:

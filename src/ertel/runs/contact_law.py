@@ -11,8 +11,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from ertel.results.study_table import DONE
+from ertel.physics.units import Unit, si_numbers
+from ertel.results.dataset import with_units
+from ertel.results.study_table import DONE, flat
 from ertel.results.variables import name_in_si
+from ertel.runs.fit_result import open_study
 from ertel.runs.study_result import StudyResult
 
 NUMBERS = {"restitution": "restitution", "contact_time": "duration", "F_max": "force"}  # of a run, in a law
@@ -56,14 +59,14 @@ class ContactLaw:
 
     dataset: xr.Dataset
 
-    def __call__(self, *values: ArrayLike) -> ContactValues:
+    def __call__(self, *values: ArrayLike | str) -> ContactValues:
         """The outcome of impacts between those of the study.
 
         Parameters
         ----------
         *values : array_like
             What varies, in the order of the study and in its units in SI: `law(speed, layer)` in m/s and m, and
-            `law(drop_height, layer)` in m.  They broadcast.
+            `law(drop_height, layer)` in m; or a text with a unit, `law("0.5 m/s", "10 um")`.  They broadcast.
 
         Returns
         -------
@@ -77,9 +80,11 @@ class ContactLaw:
         """
         from scipy.interpolate import RegularGridInterpolator
 
-        axes = {str(name): self.dataset[name] for name in self.dataset.sizes}
+        axes = {str(name): self.dataset[name] for name in self.dataset["restitution"].dims}
         if len(values) != len(axes):
             raise ValueError(f"law: got {len(values)} values; give {' and '.join(axes)}")
+        units = [str(axis.attrs["units"]) for axis in axes.values()]
+        values = tuple(si_numbers(each, Unit(unit, f"1 {unit}")) for each, unit in zip(values, units, strict=True))
         for (name, axis), value in zip(axes.items(), values, strict=True):
             least, most, given = float(axis[0]), float(axis[-1]), np.asarray(value, dtype=float)
             if not np.all((least <= given) & (given <= most)):
@@ -97,22 +102,27 @@ class ContactLaw:
         return ContactValues(1.0 - loss, duration, force)
 
     def save(self, path: str | Path) -> None:
-        """Write the table with its units as a NetCDF file, which xarray and others read without ertel."""
-        self.dataset.to_netcdf(path, engine="scipy")
+        """Write the table with its units: as CSV where the path ends so, or as NetCDF, which xarray and others read."""
+        if Path(path).suffix == ".csv":
+            flat(with_units(self.dataset)).to_dataframe().to_csv(path, index=False)
+        else:
+            self.dataset.to_netcdf(path, engine="scipy")
 
 
-def contact_law(study: StudyResult) -> ContactLaw:
+def contact_law(study: StudyResult | str | Path) -> ContactLaw:
     """The law of a contact from a study of impacts, over speed (or drop height) and layer, or whatever it varies.
 
     Parameters
     ----------
-    study : StudyResult
-        All combinations of two or more values of each, above zero, whose runs went on until the rebound.
+    study : StudyResult, str or Path
+        Or its directory.  All combinations of two or more values of each, above zero, whose runs went on until the
+        rebound.
 
     Returns
     -------
     ContactLaw
-        `law(speed, layer)` gives restitution, duration (s) and largest force (N); `law.save("law.nc")` writes them.
+        `law(speed, layer)` gives restitution, duration (s) and largest force (N); `law.save("law.nc")`, or "law.csv",
+        writes them.
 
     Raises
     ------
@@ -125,7 +135,7 @@ def contact_law(study: StudyResult) -> ContactLaw:
     >>> study = ertel.sweep("examples/sweeps/wet_restitution.toml", "sweeps/wet")  # doctest: +SKIP
     >>> ertel.contact_law(study)(0.5, 10e-6).restitution  # doctest: +SKIP
     """
-    data = study.dataset
+    data = (study if isinstance(study, StudyResult) else open_study(Path(study))).dataset
     if data.attrs["kind"] != "impact" or data.attrs["mode"] != "product":
         raise ValueError(
             f'study: is a "{data.attrs["mode"]}" of {data.attrs["kind"]} cases; must be a "product" of impacts'
@@ -136,7 +146,8 @@ def contact_law(study: StudyResult) -> ContactLaw:
     stored = {name if name in data else name_in_si(name): new for name, new in NUMBERS.items()}
     empty = xr.full_like(data["warnings"], np.nan, dtype=float)
     about = {name: data.attrs[name] for name in ("title", "source", "date_created")} | {"comment": COMMENT}
-    table = xr.Dataset({new: data.get(name, empty) for name, new in stored.items()}, attrs=about)
+    order = {name: data[name] for name in data["warnings"].dims}  # a file may have the coordinates in another order
+    table = xr.Dataset({new: data.get(name, empty) for name, new in stored.items()}, order, about)
     lacking = (table.to_array().isnull().any("variable") | (data["status"] != DONE)).values
     if lacking.any():
         first, status = (data[name].values[lacking][0] for name in ("directory", "status"))

@@ -24,6 +24,7 @@ from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
 
 from ertel.case.case import Case
+from ertel.case.records import ConfigError
 from ertel.case.status import Status
 from ertel.equations.state import SteadySolver
 from ertel.inputs.case_files import CaseLike, as_case
@@ -120,8 +121,14 @@ Run = TransientRun | SteadyRun
 
 
 def run_of(case: Case) -> Run:
-    """The run of a case.  Raises Forked."""
+    """The run of a case.  Raises Forked, and ConfigError for a law of one's own that JAX cannot trace."""
     workers.check_fork()
+    for name in ("viscosity", "density"):
+        try:
+            jax.eval_shape(getattr(case.lubricant, name), np.zeros(1))
+        except jax.errors.TracerArrayConversionError as error:
+            why = "is computed by numpy, and the solver differentiates it: write jax.numpy in place of numpy"
+            raise ConfigError(f"lubricant.{name}: {why}") from error
     solver: Any = SOLVERS[case.solver.method](case)
     return SteadyRun(case, solver) if case.is_steady else TransientRun(case, solver)
 

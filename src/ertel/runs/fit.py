@@ -238,12 +238,11 @@ class Search:
             results = [outcomes[first : first + size] for first in range(0, len(outcomes), size)]
             clocked = [self.problem.on_clocks(found) for found in results]
             self.compared[cases[0].digest] = {
-                number: each.compared(results[0][n])
-                for number, (each, n) in enumerate(clocked[0], 1)
+                number: each.compared(run)
+                for number, (each, run) in enumerate(clocked[0], 1)
                 if each.align or each.start
             }
-            pairs = zip(clocked, results, strict=True)
-            return np.array([np.concatenate([each.predicted(run[n]) for each, n in data]) for data, run in pairs])
+            return np.array([np.concatenate([each.predicted(run) for each, run in data]) for data in clocked])
         except ValueError as error:  # also of a case that is not allowed, and of a run that does not reach the data
             self._failures.append(str(error))
             return np.full((len(places), len(self.measured)), np.nan)

@@ -23,7 +23,7 @@ from ertel.inputs.fits import (
     parse_unknowns,
     with_settings,
 )
-from ertel.results.alignment import QUANTITIES, START, with_start
+from ertel.results.alignment import CONDITIONS, QUANTITIES, START, si_unit, with_start
 from ertel.results.measurements import NUMBER, READ, Measurement
 from ertel.runs.fit_result import Values
 
@@ -33,6 +33,7 @@ COLUMNS = {  # of the data: what they are
     "conditions": "what differs from the case",
     "measured_unit": "SI unit",
     "x_unit": "SI unit of x",
+    "varies": "condition that varies along a curve",
     "x": "place or time",
     "measured": "measured value",
     "sigma": "standard deviation",
@@ -45,15 +46,15 @@ class FitProblem:
     """The unknowns to be found, and the data.
 
     conditions: each different set of values in which measurements differ from the case.  under: the case under each of
-    them.  data: measurements with the number of their conditions.  law: the name of that of viscosity, where the same
-    question is asked under several; others: that under the others.
+    them.  data: measurements with the numbers of their conditions, of a curve one for each of its values.  law:
+    the name of that of viscosity, where the same question is asked under several; others: that under the others.
     """
 
     case: Case
     unknowns: tuple[Unknown, ...]
     conditions: tuple[Settings, ...]
     under: tuple[Case, ...]
-    data: tuple[tuple[Measurement, int], ...]
+    data: tuple[tuple[Measurement, tuple[int, ...]], ...]
     law: str = ""
     others: Mapping[str, "FitProblem"] = field(default_factory=dict)
 
@@ -63,14 +64,18 @@ class FitProblem:
         pairs = enumerate(self.data)
         return len({(name, n if name == START else i) for i, (each, n) in pairs for name in each.align})
 
-    def on_clocks(self, results: Sequence[Any]) -> list[tuple[Measurement, int]]:
-        """The data with known starts of their clocks, from a run under each set of conditions."""
+    def on_clocks(self, results: Sequence[Any]) -> list[tuple[Measurement, Any]]:
+        """The data with known starts of their clocks, and with their run, of those under each set of conditions.
+
+        A curve has a list of runs.
+        """
         known = dict(enumerate(self.data))
         for number, result in enumerate(results):
-            group = {i: each for i, (each, n) in enumerate(self.data) if n == number and START in each.align}
+            group = {i: each for i, (each, n) in enumerate(self.data) if n == (number,) and START in each.align}
             starts = with_start(list(group.values()), result) if group else []
-            known |= {i: (each, number) for i, each in zip(group, starts, strict=True)}
-        return list(known.values())
+            known |= {i: (each, (number,)) for i, each in zip(group, starts, strict=True)}
+        runs = ((each, [results[n] for n in numbers]) for each, numbers in known.values())
+        return [(each, found if each.kind == "curve" else found[0]) for each, found in runs]
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -90,13 +95,14 @@ class FitProblem:
     def columns(self) -> dict[str, tuple[Any, str]]:
         """The data one after the other: name -> values, and what they are."""
         rows = []
-        for number, (each, index) in enumerate(self.data, 1):
-            settings = self.conditions[index].items()
+        for number, (each, indices) in enumerate(self.data, 1):
+            settings = [item for item in self.conditions[indices[0]].items() if item[0] != _varied(each, self.case)]
             conditions = ", ".join(f"{path.rpartition('.')[2]} = {value}" for path, value in settings)
-            units = QUANTITIES[each.quantity].si_units or "1", {"profile": "m", "history": "s"}.get(each.kind, "")
+            units = si_unit(each.quantity), "" if each.x is None else si_unit(each.axis)
+            varies = each.axis if each.kind == "curve" else ""
             x = np.nan if each.x is None else each.x
             for values in np.broadcast(x, each.values, np.asarray(each.sigma)):
-                rows.append((number, each.quantity, conditions, *units, *map(float, values)))
+                rows.append((number, each.quantity, conditions, *units, varies, *map(float, values)))
         columns = {}
         for (name, text), values in zip(COLUMNS.items(), zip(*rows, strict=True), strict=True):
             columns[name] = np.array(values, dtype=object if isinstance(values[0], str) else None), text
@@ -114,7 +120,7 @@ def _measurement(place: str, table: Mapping[str, Any], folder: Path) -> Measurem
     """The measurement that a table of a file in a folder describes.  Raises ConfigError, naming the place."""
     content = {name: value for name, value in table.items() if name not in ("set", "file")}
     file = str(table.get("file", ""))
-    check_keys(content, (*READ, *RIG, *QUANTITIES) if file else NUMBER, place)
+    check_keys(content, (*READ, *RIG, *QUANTITIES, *CONDITIONS) if file else NUMBER, place)
     try:
         if not file:
             return Measurement.number(**content)
@@ -154,19 +160,38 @@ def fit_problem(
         place = f"measurements[{number}], {each.name}"
         if each.sigma is None:
             raise ConfigError(f"{place}: sigma = None: must be given: a fit weighs the data by their sigma")
-        if both := {unknown.field for unknown in found} & set(settings):
+        if both := {unknown.field for unknown in found} & {*settings, _varied(each, source.case)}:
             raise ConfigError(f"{place}: {min(both)} is an unknown and cannot be a condition")
-        if settings not in conditions:
-            _check_heard(source, settings, found, place)
-            conditions.append(dict(settings))
-        data.append((each, conditions.index(dict(settings))))
+        numbers = []
+        for under in _settings(each, dict(settings), source.case):
+            if under not in conditions:
+                _check_heard(source, under, found, place)
+                conditions.append(under)
+            numbers.append(conditions.index(under))
+        data.append((each, tuple(numbers)))
     size = sum(len(each.values) - len(each.align) for each, _ in data) + sum(u.prior is not None for u in found)
     if size < len(found):
         raise ConfigError(f"unknowns: {len(found)} unknowns, but only {size} data (with priors); measure more")
-    under = tuple(source.under(settings) for settings in conditions)
-    problem = FitProblem(source.case, found, tuple(conditions), under, tuple(data))
+    there = tuple(source.under(settings) for settings in conditions)
+    problem = FitProblem(source.case, found, tuple(conditions), there, tuple(data))
     problem.cases(np.array([unknown.start for unknown in found]))  # raises where a path does not fit the case
     return problem
+
+
+def _varied(measurement: Measurement, case: Case) -> str:
+    """The path of the field of a case that varies along a curve; "" of other measurements."""
+    name = "mean_speed" if measurement.along == "speed" and case.kind == "rolling" else measurement.along
+    return CONDITIONS[name][0] if measurement.kind == "curve" else ""
+
+
+def _settings(measurement: Measurement, settings: Settings, case: Case) -> list[Settings]:
+    """The conditions of a measurement; of a curve one for each of its values."""
+    path = _varied(measurement, case)
+    if not path:
+        return [settings]
+    unit = {"1": ""}.get(si_unit(measurement.along), f" {si_unit(measurement.along)}")
+    values = np.asarray(measurement.x).tolist()
+    return [{**settings, path: f"{value!r}{unit}" if unit else value} for value in values]
 
 
 def _check_heard(source: WrittenCase, settings: Settings, unknowns: Sequence[Unknown], place: str) -> None:

@@ -20,10 +20,14 @@ from numpy.typing import NDArray
 
 from ertel.case.case import Case
 from ertel.results.variables import in_celsius, with_prefix
-from ertel.runs.study_result import StudyResult
+from ertel.runs.arrays import open_data
+from ertel.runs.directory import read_case
+from ertel.runs.files import StoreError
+from ertel.runs.study_result import ConvergenceResult, StudyResult
 from ertel.version import installed_version
 
 Values = NDArray[np.float64]
+KINDS = "sweep", "traction", "convergence", "fit"  # of studies, by the names of their files
 
 UNDECIDED = 0.5  # relative uncertainty above which the data do not decide a product
 SMALLEST_POWER = 0.05  # of an unknown that is named in a product
@@ -211,6 +215,26 @@ def fit_dataset(solution: FitPoint, data: Mapping[str, tuple[Any, str]], about: 
         {"unknown": names, "other": names},
         {**numbers, "source": f"ertel {installed_version()}", **about},
     )
+
+
+def open_study(directory: Path) -> StudyResult:
+    """The study in a directory: of a sweep, a traction curve, a convergence series or a fit.
+
+    Raises StoreError where there is none with numbers, or they cannot be read.
+    """
+    kind = next((name for name in KINDS if (directory / f"{name}.zarr").exists()), "")
+    if not kind:
+        raise StoreError(f"{directory} is not a study; there is no {', '.join(KINDS)}.zarr in it")
+    try:
+        data = open_data(directory / f"{kind}.zarr", consolidated=False).load()
+        best = str(data.attrs.get("best", ""))
+        if not (directory / best).resolve().is_relative_to(directory.resolve()):
+            raise ValueError(f"{best} lies outside of the study")
+        if kind == "fit":
+            return FitResult(data, directory, case=read_case(directory / best))
+        return (ConvergenceResult if kind == "convergence" else StudyResult)(data, directory)
+    except Exception as error:  # of zarr, its codecs, the system
+        raise StoreError(f"the outcome of this study cannot be read ({error}); start it again") from error
 
 
 def with_laws(fits: Mapping[str, "FitResult"]) -> "FitResult":

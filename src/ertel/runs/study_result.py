@@ -16,8 +16,10 @@ from typing import TYPE_CHECKING, Any, Unpack
 import xarray as xr
 
 from ertel.case.case import Case
+from ertel.results.alignment import Comparison
 from ertel.results.convergence import ORDER, SEEN, Limit, limits_of
 from ertel.results.dataset import with_units
+from ertel.results.measurements import Measurement
 from ertel.results.numbers import Number, aligned, html_columns, html_image, number
 from ertel.results.study_table import DONE, MOST_ROWS, TO_DO, flat, table_columns
 from ertel.results.variables import THICKNESS, names_where, prefixed
@@ -94,6 +96,12 @@ class StudyResult:
         from ertel.plots import studies
 
         return studies.figure(self.dataset, **sheet)
+
+    def compare(self, measurement: Measurement) -> Comparison:
+        """The runs beside a measured curve, over what varies; see `Measurement`, kind "curve"."""
+        if not isinstance(measurement, Measurement) or measurement.kind != "curve":
+            raise TypeError(f"measurement = {measurement!r}: must be a Measurement of the kind curve")
+        return measurement.compared(self)
 
     def table(self) -> list[list[str]]:
         """The columns of a table to read, each with its heading first."""

@@ -11,7 +11,6 @@ from ertel.apps.browser.pictures import stamp_of
 from ertel.apps.browser.processes import Phase
 from ertel.apps.browser.site import Site, WatchedPage, address_of, sentence
 from ertel.inputs.case_files import read_text, read_toml
-from ertel.runs.directory import read_case
 
 
 def study_report(study: Path, kind: str, stamp: int) -> tuple[str, str]:
@@ -19,19 +18,13 @@ def study_report(study: Path, kind: str, stamp: int) -> tuple[str, str]:
 
     For the process that draws.  stamp: of the data, see `stamp_of`.  Raises ValueError where they cannot be read.
     """
-    from ertel.runs.arrays import open_data
-    from ertel.runs.fit_result import FitResult
-    from ertel.runs.study_result import StudyResult
+    from ertel.runs.fit_result import open_study
 
+    result = open_study(study)
     try:
-        data = open_data(study / f"{kind}.zarr", consolidated=False).load()
-        best = str(data.attrs.get("best", ""))
-        if not (study / best).resolve().is_relative_to(study.resolve()):
-            raise ValueError(f"{best} lies outside of the study")
-        result = FitResult(data, study, case=read_case(study / best)) if best else StudyResult(data, study)
-        return result._repr_html_(), best
-    except Exception as error:  # of zarr, its codecs, the system
-        raise ValueError(f"the outcome of this study cannot be read ({error}); start it again") from error
+        return result._repr_html_(), str(result.dataset.attrs.get("best", ""))
+    except Exception as error:  # of matplotlib
+        raise ValueError(f"the outcome of this study cannot be shown ({error}); start it again") from error
 
 
 class StudyPage(WatchedPage):

@@ -1,0 +1,112 @@
+"""Measurements and pages: what `ertel compare` does with a file, `ertel fringes` and `ertel report`."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ertel.apps.arguments import Measured, Overwrite, option, path_argument, path_option, run_directories
+from ertel.apps.terminal import BAD_INPUT, bad_input, leave, local_path, placing, print_json, print_path, say, shown
+
+if TYPE_CHECKING:  # it takes long to import
+    from ertel.results.measurements import Measurement
+
+PAGE_HELP = "The file, pdf, png or svg by its ending; default DIR/report.pdf."
+
+
+def measurement_in(file: Path, given: Measured, light: str = "mono", along: str = "x") -> "Measurement":
+    """The measurement in a file.  light: of an intensity."""
+    from ertel.inputs.fits import interferometer
+    from ertel.results.measurements import READ, Measurement
+
+    units: dict[str, Any] = dict(each.partition("=")[::2] for each in given.column or [])
+    if wrong := sorted(units.keys() & {*READ, "optics"}):
+        leave(BAD_INPUT, f"--column {wrong[0]}: must be a place, a time or a quantity, such as x=um or h=nm")
+    with bad_input():
+        rig = interferometer(light, given.wavelength, given.coatings, given.index)
+        names = (given.align or "").replace(",", " ").split()
+        return Measurement.read(file, at=given.at, along=along, align=names, optics=rig, index=given.index, **units)
+
+
+def compare_measured(
+    directory: Path, measurement: "Measurement", plot: Path | None, as_json: bool, overwrite: bool, named: bool
+) -> None:
+    """Print a measurement beside a run, and draw both.  named: whether the user says where."""
+    from ertel import plots
+    from ertel.runs.fit_result import open_study
+    from ertel.runs.store import RunStore
+
+    is_curve = measurement.kind == "curve"
+    result = open_study(directory) if is_curve else RunStore.open(directory).result()
+    with bad_input():
+        found = result.compare(measurement)
+        if plot:
+            with placing(plot.parent, overwrite, may_be_link=named) as place:
+                plots.measured(result.dataset, found).savefig(place / plot.name)
+    if as_json:
+        columns = {name: getattr(found, name).tolist() for name in ("x", "measured", "computed", "difference")}
+        quantity = found.measurement.quantity
+        told = {"rms": found.rms, "shift": dict(found.shift), "warnings": found.warnings}
+        print_json({"quantity": quantity, "at": found.where, **told, **columns})
+    else:
+        print(found)
+    if plot:
+        print_path(plot)
+
+
+def fringes(
+    frame: Annotated[Path, path_argument("FRAME", "PNG or TIFF of an interferogram in monochromatic light.")],
+    pixel: Annotated[str, option("Size of a pixel on the surface, such as 1.2um.", "LENGTH")],
+    line: Annotated[str, option("Through the centre: x, y, or the angle from x towards y (down).", "x|y|ANGLE")] = "x",
+    centre: Annotated[str, option("Column and row of a pixel, or found by symmetry.", "auto|COLUMN,ROW")] = "auto",
+    film: Annotated[str, option("Film in the centre, about: then the film is found, too.", "LENGTH")] = "",
+    wavelength: Annotated[str, option("Wavelength of the light.", "LENGTH")] = "532 nm",
+    coatings: Annotated[str | None, option("Layers on the glass, as of ertel plot.", "LAYERS")] = None,
+    index: Annotated[float | None, option("Index of the oil.", "NUMBER")] = None,
+    out: Annotated[Path | None, path_option("File of columns; default FRAME.csv here.", "FILE")] = None,
+    overwrite: Overwrite = False,
+) -> None:
+    """Read the light along a line of a camera's frame, for ertel compare and ertel fit.
+
+    The file has the columns x_m, intensity and sigma. With --film, about that in the centre, it has those of the film,
+    x_m, h_m and sigma_m, at the points where it cannot as well turn on a fringe as pass it.
+    """
+    import numpy as np
+
+    from ertel.inputs.fits import interferometer
+    from ertel.inputs.frames import line_of_frame
+
+    file = out or Path(f"{frame.stem}.csv")
+    with bad_input():
+        rig = interferometer("mono", wavelength, coatings, index)
+        found = line_of_frame(frame, pixel, line, centre, rig, film)
+        header, columns = "x_m,intensity,sigma", (found.x, found.intensity, np.full_like(found.x, found.noise))
+        if found.h is not None and found.sigma is not None:
+            header, columns = "x_m,h_m,sigma_m", (found.x, found.h, found.sigma)
+        with placing(file.absolute().parent, overwrite) as place:
+            table = np.transpose(columns)[np.isfinite(columns).all(axis=0)]
+            np.savetxt(place / file.name, table, "%.6g", ",", header=header, comments="")
+    column, row = found.centre
+    say(f"centre in column {column:g}, row {row:g}; {len(table)} of {len(found.x)} points are known")
+    print_path(file)
+
+
+def report(
+    directory: Annotated[Path, path_argument("DIR", "Directory of a run, or of a study or fit.", run_directories)],
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", "-o", parser=local_path, metavar="FILE", help="File; default DIR/report.pdf."),
+    ] = None,
+    overwrite: Overwrite = False,
+) -> None:
+    """Write a run, a study or a fit as one page of A4: case, pictures, numbers with their errors, and warnings."""
+    from ertel.apps import reports
+
+    file = out or directory / "report.pdf"
+    if file.suffix not in (".pdf", ".png", ".svg"):
+        leave(BAD_INPUT, f"--out {shown(file)}: must end with .pdf, .png or .svg")
+    with bad_input():
+        page = reports.drawn(reports.page_of(directory))
+        with placing(file.absolute().parent, overwrite, may_be_link=out is not None) as place:
+            page.savefig(place / file.name)
+    print_path(file)
