@@ -288,13 +288,13 @@ def _centre(case: Case) -> Iterator[str]:
 def thermal_warnings(case: Case, heat: Any) -> list[str]:
     """Warnings where the formulas for the temperatures are used outside their range; an empty list if they are not."""
     assert case.thermal is not None
-    warnings, inlet = [], INLET_FACTORS[case.thermal.inlet_factor]
+    warnings, inlet = [], INLET_FACTORS[case.thermal.inlet]
     if heat.inlet.L_t > inlet.largest_L_t:
         warnings.append(
             f"the inlet factor phi_T = {heat.inlet.factor:.3g} ({inlet.source}) is made for {inlet.valid}, and this "
             f"inlet has L_t = {heat.inlet.L_t:.3g}; its film is uncertain"
         )
-    if case.thermal.inlet_factor == "gupta" and heat.inlet.factor < CLEARLY_THINNER:
+    if case.thermal.inlet == "gupta" and heat.inlet.factor < CLEARLY_THINNER:
         warnings.append(
             f"the inlet factor phi_T = {heat.inlet.factor:.3g} makes the film too thin: in a ball's pure rolling by "
             "about 7, 13 and 25 % at L_t = 0.3, 1.1 and 4.6, with sliding by 12 to 40 %"

@@ -140,7 +140,7 @@ def steady_summary(
         if finest.heat is not None:
             values |= heat_numbers(case, finest)
             about = {"iterations": finest.heat.iterations, "converged": finest.heat.converged}
-            parts["thermal"] = {"inlet_factor": case.thermal.inlet_factor, **about}  # type: ignore[union-attr]
+            parts["thermal"] = {"inlet_factor": case.thermal.inlet, **about}  # type: ignore[union-attr]
             warnings += diagnostics.thermal_warnings(case, finest.heat)
         if status.ok:
             values |= stress_numbers(case, {**finest.maps, **grid.coordinates})

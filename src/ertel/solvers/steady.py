@@ -25,13 +25,15 @@ from ertel.equations.approach import balanced
 from ertel.equations.contact import Contact
 from ertel.equations.flow import OilContent, Rate, steady_rate, wedge
 from ertel.equations.state import SteadySolver, level_fields, measure
+from ertel.equations.warm import WarmFlow
 from ertel.numerics import multigrid, newton, stencils
 from ertel.numerics.grid import Grid, check_coarsening, expected_next
 from ertel.numerics.integrals import Plane
 from ertel.numerics.programs import ANY_SIZE, Program, double_precision
+from ertel.numerics.stencils import Pair
 from ertel.solvers import nonlinear
 from ertel.solvers.guesses import motion_of, refined, rough_guess
-from ertel.solvers.heat import Heated, heated
+from ertel.solvers.heat import AGREED, IN_A_ROUND, ROUNDS, Factors, Heated, Rounds, heated
 
 Floats = NDArray[np.float64]
 
@@ -67,7 +69,8 @@ class GridSolution:
     The account of the film and its temperatures are computed once, when they are first asked for.
     history: maximum residual before the first and after each Newton iteration.  convolutions: work on this grid.
     outside: the load that the oil outside the grid carries (double integral of P).  kinked: where a starved film is.
-    P_asperity: what asperities carry of P, None where none touch.
+    P_asperity: what asperities carry of P, None where none touch.  share, theta, T: of a film that is solved with its
+    heat, see `heat.Factors`.
     """
 
     case: Case
@@ -84,6 +87,9 @@ class GridSolution:
     outside: float = 0.0
     kinked: Any = None
     P_asperity: Any = None
+    share: Any = None
+    theta: Any = None
+    T: Any = None
 
     def measure(self) -> dict[str, float]:
         """Films, pressures and load, see `state.measure`, and Delta."""
@@ -120,8 +126,9 @@ class GridSolution:
         U, load = m.entrainment(0.0), m.load(0.0)
         gap_change = discretise.gap_change(self.case, self.grid, 0.0)
         moment = account.Moment(self.approach, U, m.sliding(0.0), gap_change, load, scale)
-        c, rate = discretise.contact_of(self.case, self.grid), steady_rate(U, discretise.layer_of(self.case, self.grid))
-        rate = rate._replace(held=self.kinked)
+        stress = None if self.T is None or self.heat is None else self.heat.stress
+        c, layer = contact_of(self.case, self.grid, self.factors, stress), discretise.layer_of(self.case, self.grid)
+        rate = steady_rate(U, layer)._replace(held=self.kinked)
         fields = self.P_f, self.H, self.P_asperity
         terms, friction, content = _account_program(Plane.of(self.grid), c, *fields, rate, moment)
         around = discretise.outside_of(self.case, self.grid).at(motion_of(self.case, self.approach))
@@ -134,8 +141,12 @@ class GridSolution:
         """Its temperatures; None without a section [thermal]."""
         if self.case.thermal is None:
             return None
-        solid = {} if self.P_asperity is None else {"P_asperity": self.P_asperity}
-        return heated(self.case, self.P_f, self.H, grid=self.grid, **solid)
+        return heated(self.case, self.P_f, self.H, self.grid, self.P_asperity, self.factors)
+
+    @property
+    def factors(self) -> Factors | None:
+        """Those of a film that is solved with its heat."""
+        return None if self.T is None else Factors(self.share, self.theta, self.T)
 
     @property
     def record(self) -> dict[str, float]:
@@ -149,7 +160,8 @@ class GridSolution:
         maps = account.whole_maps(self.whole, self.fields, self.account.friction)
         heat = self.heat
         if heat is not None:
-            maps |= {name: np.asarray(self.whole(getattr(heat, name))) for name in ("T_1", "T_2", "T_film")}
+            maps |= {name: np.asarray(self.whole(getattr(heat, name))) for name in ("T_1", "T_2", "T_film", "share")}
+        if heat is not None and self.T is None:
             warm = dict(zip(("tau_x_warm", "tau_y_warm"), heat.stress, strict=True))
             maps |= {name: np.asarray(self.whole(each, odd=name[4] == "y")) for name, each in warm.items()}
         return maps
@@ -234,15 +246,58 @@ def nested(case: Case, done: Sequence[GridSolution] = ()) -> Iterator[GridSoluti
     if not done:
         compile_ahead(case)
     for grid in reversed(grids[: len(grids) - len(done)]):
-        c = discretise.contact_of(case, grid)
+        factors = first_factors(case, grid, solutions)
+        c = contact_of(case, grid, factors)
         if solutions:
             guess = first_guess(c, solutions[-1], expected_next([s.approach for s in solutions]))
         else:
             first = solve_on_grid(case, grid, c, *rough_guess(case, grid, c))
             guess = first.P, first.approach, first.P_f  # with the oil outside of the lubricated contact
         solution = _agreeing(c, solve_on_grid(case, grid, c, *guess), OUTSIDE)
+        if factors is not None:
+            solution = _with_heat(solution, factors)
         solutions.append(_judged(solution) if grid is grids[0] else solution)
         yield solutions[-1]
+
+
+def first_factors(case: Case, grid: Grid, coarser: Sequence[GridSolution]) -> Factors | None:
+    """The factors of a warm film with which the search on a grid starts; None of a film that is solved without heat."""
+    if case.thermal is None or not case.thermal.is_solved:
+        return None
+    known = coarser[-1].factors if coarser else None
+    return Factors.of_cold(grid) if known is None else known.finer()
+
+
+def contact_of(case: Case, grid: Grid, factors: Factors | None = None, stress: Array | None = None) -> Contact:
+    """The contact at T = 0 with the flow of a warm film, if there is one.  stress: in the middle of the film."""
+    c = discretise.contact_of(case, grid)
+    if factors is None:
+        return c
+    share, *theta = jax.device_put((factors.share, *factors.theta))
+    stress = np.zeros((2, *grid.shape)) if stress is None else stress
+    return replace(c, flow=WarmFlow(share, Pair(*theta), stress, case.motion.entrainment(0.0), c.flow))
+
+
+def _with_heat(s: GridSolution, factors: Factors) -> GridSolution:
+    """The film with its heat, in rounds (`solvers.heat`); stalled where they do not agree."""
+    rounds, films = Rounds(factors), s.measure()
+    for _ in range(ROUNDS):
+        if not s.status.ok:
+            return s
+        found = heated(s.case, s.P_f, s.H, s.grid, s.P_asperity, factors, IN_A_ROUND)
+        factors, last = rounds.next(found), films
+        s = _added(s, solve_on_grid(s.case, s.grid, contact_of(s.case, s.grid, factors), s.P, s.approach, s.P_f))
+        s, films = replace(s, share=factors.share, theta=factors.theta, T=factors.T), s.measure()
+        if max(abs(films[name] - last[name]) for name in ("H_c", "H_min")) <= AGREED * films["H_c"]:
+            return s
+    return replace(s, status=Status.NEWTON_STALLED)
+
+
+def _added(s: GridSolution, again: GridSolution) -> GridSolution:
+    """A solution that goes on from another one, with the work of both."""
+    work = s.newton + again.newton, s.krylov + again.krylov, s.convolutions + again.convolutions
+    history = s.history + again.history[1:]
+    return replace(again, newton=work[0], krylov=work[1], convolutions=work[2], history=history)
 
 
 def grids_of(case: Case) -> list[Grid]:
@@ -282,9 +337,7 @@ def _agreeing(c: Contact, s: GridSolution, allowed: float) -> GridSolution:
         if not s.status.ok or abs(outside.at(motion_of(s.case, s.approach)).load - s.outside) <= allowed * load:
             break
         again = solve_on_grid(s.case, s.grid, c, s.P, s.approach, s.P_f)
-        work = s.newton + again.newton, s.krylov + again.krylov, s.convolutions + again.convolutions
-        history = s.history + again.history[1:]
-        s = replace(again, newton=work[0], krylov=work[1], convolutions=work[2], history=history)
+        s = _added(s, again)
     return s
 
 
@@ -299,7 +352,7 @@ def first_guess(c: Contact, coarse: GridSolution, approach: float) -> tuple[Arra
 
 
 def solve_on_grid(
-    case: Case, grid: Grid, c: Contact, P: Array | Floats, approach: float, P_f: Array | Floats | None = None
+    case: Case, grid: Grid, c: Contact, P: Array | Floats, approach: float, P_f: Array | Floats | None = None,
 ) -> GridSolution:
     """The steady solution on one grid from a first guess of P and the approach; the latter fixes the oil outside.
 
@@ -355,7 +408,7 @@ def compile_ahead(case: Case) -> None:
     def compile_all() -> None:
         with suppress(Exception):  # the run itself meets the error, and says so
             for grid in grids_of(case)[:-1]:  # the coarsest one's is needed at once
-                problem = problem_of(case, grid, discretise.contact_of(case, grid), 0.0)
+                problem = problem_of(case, grid, contact_of(case, grid, first_factors(case, grid, ())), 0.0)
                 zero = np.zeros(grid.shape)
                 _program.ready(problem, zero, 0.0, zero if case.touches else None)
 
