@@ -292,7 +292,9 @@ class Thermal:
     ] = 6.5e-4
     inlet: Annotated[
         thermal.InletName,
-        Meaning("film with heat: solved, or the isothermal one thinner by a formula of inlet shear heating, which is quick"),
+        Meaning(
+            "film with heat: solved, or the isothermal one thinner by a formula of inlet shear heating, which is quick"
+        ),
     ] = "solved"
 
     def completed(self) -> "Thermal":

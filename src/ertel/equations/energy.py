@@ -156,15 +156,15 @@ class Sweep(NamedTuple):
 
 def sweep_of(energy: Energy, m: Motion, softer: Array) -> Sweep:
     """The sweeps for `Energy.change`."""
-    columns, across, film = energy.columns, energy.columns.across, energy.columns.film
+    across, film = energy.columns.across, energy.columns.film
     points, once = softer.shape[0], energy.capacity / (2.0 * energy.spacing)
     each = jnp.eye(points)[:, :, None, None]
     flows = jnp.abs(m.u) + (0.0 if film.shape[0] == 1 else jnp.abs(m.v))
     stays = across.weights * (3.0 * once * flows - energy.expansion * energy.compression(m))
     matrix = each * stays + energy.conductivity / film**2 * across.stiffness[:, :, None, None]
     matrix = matrix - (across.weights * softer)[:, None] * across.weights
-    ends, (own, *before) = matrix[jnp.array(ENDS)], zip(*(rise.split() for rise in energy.rises), strict=True)
-    own = jnp.stack([jnp.broadcast_to(one, film.shape) for one in own])
+    ends, (alone, *before) = matrix[jnp.array(ENDS)], zip(*(rise.split() for rise in energy.rises), strict=True)
+    own = jnp.stack([jnp.broadcast_to(one, film.shape) for one in alone])
     for e, end in enumerate(ENDS):
         matrix = matrix.at[end].set(each[end] + own[e] * film * ends[e])
     carried = [across.weights * once * jnp.maximum(u, 0.0) for u in (m.u, -m.u)]

@@ -10,7 +10,6 @@ and found again in its new columns (`solvers.heat`).
 from dataclasses import dataclass, replace
 from functools import partial
 
-import jax.numpy as jnp
 from jax import Array, tree
 from jax.tree_util import register_dataclass
 

@@ -5,7 +5,7 @@ that those of products of derivatives are, too.  All arrays have the points as t
 the grid.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import jax
 import jax.numpy as jnp

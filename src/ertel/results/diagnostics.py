@@ -13,6 +13,7 @@ from ertel.case.methods import as_written, of_kind
 from ertel.case.rules import computes
 from ertel.case.sections import MOST_NODES, WIDEST_HALF_WIDTH
 from ertel.case.spaces import FRONT_POSITION
+from ertel.case.status import Status
 from ertel.numerics.grid import Extrapolation, allowed_nodes, on_grids
 from ertel.physics.line_scales import LineScales
 from ertel.physics.lubricant import Barus
@@ -77,6 +78,7 @@ def steady_failure(case: Case, solution: "SteadyGrid") -> str:
     if not solution.status.is_solved:
         why = f"residual {solution.residual:.2g}, {case.solver.tolerance:g} is allowed"
         why = why if isfinite(solution.residual) else "the iteration led to values that are not numbers"
+        why = solution.status.value if solution.status is Status.NO_AGREEMENT else why
         if case.touches and _cells(case, case.motion.entrainment(0.0))[0] < CELLS_IN_FRONT:
             return f"the solution failed ({why}): {no_film(case)}"
         return f"the solution failed ({why}), and the run has no result; {solution.status.advice}"
@@ -309,8 +311,8 @@ def thermal_warnings(case: Case, heat: Any) -> list[str]:
             )
     if not heat.converged:
         warnings.append(
-            f"the heat balance did not converge in {heat.iterations} iterations: temperatures and thermal "
-            "traction are not meaningful"
+            f"the temperatures did not converge in {heat.iterations} iterations: they and the traction with heat are "
+            "not meaningful"
         )
     return warnings
 

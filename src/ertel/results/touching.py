@@ -48,7 +48,7 @@ def _thin(case: Case, values: Mapping[str, float | None]) -> Iterator[str]:
             f"the film is thinner than {ROUGH:g} times the roughness: the hills stand in the way of its flow, which "
             "flow factors would show and ertel does not have; it may be off by some 10%"
         )
-    if share > NOTABLE and case.thermal:
+    if share > NOTABLE and case.thermal and not case.thermal.is_solved:
         yield "the asperities carry their share in the isothermal film; heat thins the film, and more of it would touch"
 
 

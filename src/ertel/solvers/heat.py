@@ -57,7 +57,7 @@ LARGEST_CHANGE = 100.0  # K, of a temperature in a round
 REDUCTION = 1e-2  # of the residual of the linear equations
 KRYLOV_LIMIT = 40
 ROUNDS, DEPTH = 40, 4  # at most; of them together
-AGREED = 1e-4  # a change of H_c and of H_min in the last round, over H_c
+AGREED = 3e-5  # a change of H_c and of H_min in the last round, over H_c
 LEAST_RISE = 1e-3  # K
 FIRST_STEP = 0.6  # of the change of c and ln theta
 
@@ -71,8 +71,8 @@ class Heated(NamedTuple):
     points across the film from surface 2 to surface 1, shape (POINTS, n_y, n_x).
     stress: tau_m along X and Y in p_h a/R, zero where P = 0, shape (2, n_y, n_x).  sliding: its force over the load
     along X and Y, in a/R, shape (2,).  share, theta: c, and theta along X and along Y, of these temperatures.
-    weight: of their changes, see `Rounds`.  balance: the heat of the film, what flows into body 1 and into body 2, and what the oil takes along, in W, of
-    a line contact in W/m.
+    weight: of their changes, see `Rounds`.  balance: the heat of the film, what flows into body 1 and into body 2, and
+    what the oil takes along, in W, of a line contact in W/m.
     peclet: numbers of both surfaces.  iterations: changes of the temperatures.  converged: whether they are found.
     """
 
@@ -105,9 +105,9 @@ def heated(
     """The temperatures of a steady contact in SI; raises ValueError if it has no section [thermal].
 
     P, H: pressure of the oil and film on the grid, that of the case unless another is given; the isothermal film where
-    a formula makes it thinner.  P_asperity: the pressure of asperities, which make heat of their own.  factors: with which
-    the film was solved, none of an isothermal film; their temperatures change by `LARGEST_CHANGE` at most.  limit: of
-    the changes of the temperatures.
+    a formula makes it thinner.  P_asperity: the pressure of asperities, which make heat of their own.  factors: with
+    which the film was solved, none of an isothermal film; their temperatures change by `LARGEST_CHANGE` at most.
+    limit: of the changes of the temperatures.
     """
     thermal, s, eta0 = case.thermal, case.scales, case.oil.eta0
     if thermal is None or s is None or eta0 is None:
@@ -130,7 +130,9 @@ def heated(
 
     plane, area = Plane.of(grid), s.a if case.geometry.is_line else s.a**2
     balance = [float(plane.total(part)) * area for part in (found.heat, *found.into[::-1], found.carried)]
-    found = found._replace(**{name: turned(getattr(found, name)) for name in ("T", "stress", "share", "theta", "weight")})
+    found = found._replace(
+        **{name: turned(getattr(found, name)) for name in ("T", "stress", "share", "theta", "weight")}
+    )
     stress = found.stress * jnp.array([np.sign(mean), 1.0])[:, None, None]
     stress = jnp.where(P > 0.0, limited_stress(energy.columns.law, stress, s.p_h * P), 0.0)
     stress = stress.at[0].add(np.sign(slides * mean) * boundary) / s.shear_stress
@@ -140,7 +142,7 @@ def heated(
         film=film,
         T_1=thermal.temperature + T[-1],
         T_2=thermal.temperature + T[0],
-        T_film=thermal.temperature + np.asarray(energy.columns.across.integral(T)),
+        T_film=thermal.temperature + np.asarray(energy.columns.across.integral(found.T)),
         T=T,
         stress=stress,
         sliding=shear_force(plane, stress) / (case.motion.load(0.0) * case.geometry.hertz_load),
@@ -256,7 +258,7 @@ Rise = Moving | Resting
 class _Found(NamedTuple):
     """The temperatures, and what follows from them, with X pointing downstream; see `Heated`.
 
-    stress: t in Pa.  heat, into: W/m^2, the latter of surface 2 and of surface 1.  carried: taken along by the oil, W/m^2.
+    stress: t in Pa.  heat, into: W/m^2, the latter of surface 2 and of surface 1.  carried: with the oil, W/m^2.
     weight: how much a change of c and of theta along X and Y changes the oil that passes, over u_m h, shape (3, n_y,
     n_x).  change: the last one over the largest rise.
     """
@@ -334,9 +336,9 @@ _program = Program(jax.jit(_temperatures), SMALL)
 class Factors(NamedTuple):
     """c and theta of a warm film, theta along X and along Y, and T of `Heated`, from which they follow."""
 
-    share: Array
-    theta: Array
-    T: Array
+    share: Any
+    theta: Any
+    T: Any
 
     @classmethod
     def of_cold(cls, grid: Grid) -> "Factors":
@@ -361,7 +363,8 @@ class Rounds:
     """Anderson's iteration for c and ln theta, in which a change counts by what it does to the oil that passes."""
 
     def __init__(self, factors: Factors):
-        self.at, self.past = np.concatenate([factors.share[None], np.log(factors.theta)]), []
+        self.at = np.concatenate([factors.share[None], np.log(factors.theta)])
+        self.past: list[tuple[Floats, Floats]] = []
 
     def next(self, found: Heated) -> Factors:
         """The factors with which to go on."""
