@@ -1,4 +1,4 @@
-"""Columns of warm oil and their energy equation: closed forms, limits, the balance of heat."""
+"""WarmColumns of warm oil and their energy equation: closed forms, limits, the balance of heat."""
 
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -13,7 +13,7 @@ from jax.tree_util import register_dataclass
 from numpy.testing import assert_allclose
 
 from ertel.equations.across import Vector
-from ertel.equations.columns import Columns
+from ertel.equations.columns import WarmColumns
 from ertel.equations.contact import traceable
 from ertel.equations.energy import Energy, sweep_of
 from ertel.equations.shear import shear
@@ -32,24 +32,26 @@ STEEL = Solid(7850.0, 460.0, 47.0)
 NEWTONIAN = NewtonianOil()
 
 
-def columns(law: Any = NEWTONIAN, u_1: float = 3.0, u_2: float = 1.0, viscosity: float = 10.0) -> Columns:
+def columns(law: Any = NEWTONIAN, u_1: float = 3.0, u_2: float = 1.0, viscosity: float = 10.0) -> WarmColumns:
     """With gradients of up to 20 MPa along X and 6 MPa along Y."""
     draw = np.random.default_rng(3)
     slope = Vector(*(jnp.asarray(draw.uniform(-most, most, SHAPE)) for most in (2e7, 6e6)))
     flat = jnp.ones(SHAPE)
     thermal = traceable(Exponential(BETA))
-    return Columns(traceable(law), thermal, 5e8 * flat, FILM * flat, viscosity * flat, flat, slope, u_1, u_2, ACROSS)
+    return WarmColumns(
+        traceable(law), thermal, 5e8 * flat, FILM * flat, viscosity * flat, flat, slope, u_1, u_2, ACROSS
+    )
 
 
 def test_a_cold_column_has_the_flow_of_an_isothermal_film() -> None:
     """Couette's and Poiseuille's profile; with thinning the stress and the flux of `shear`."""
     cold, z = columns(), np.asarray(ACROSS.z)
-    m, zero = jax.jit(Columns.motion)(cold, jnp.zeros((7, *SHAPE))), jnp.zeros((7, *SHAPE))
+    m, zero = jax.jit(WarmColumns.motion)(cold, jnp.zeros((7, *SHAPE))), jnp.zeros((7, *SHAPE))
     parabola = (z**2 - 0.25) / 2 * FILM / 10.0
     assert_allclose(m.u, 2.0 + 2.0 * z + parabola * np.asarray(cold.gradient.x), rtol=1e-12)
     assert_allclose(m.v, parabola * np.asarray(cold.gradient.y), atol=1e-12)
     thin = columns(ReeEyring(5e6))
-    m, M = jax.jit(Columns.motion)(thin, zero), jax.jit(Columns.mobility)(thin, zero)
+    m, M = jax.jit(WarmColumns.motion)(thin, zero), jax.jit(WarmColumns.mobility)(thin, zero)
     g, s = jnp.stack([thin.gradient.x, thin.gradient.y]), thin.sliding
     known = shear(thin.law, thin.pressure, jnp.stack([s.x, s.y]), g)
     assert_allclose(jnp.stack([m.stress.x, m.stress.y]), known.stress, rtol=1e-6, atol=1.0)
@@ -68,8 +70,8 @@ def test_share_and_mobility_where_the_viscosity_grows_exponentially_across(b: fl
     mean = 0.5 / np.tanh(b / 2) - 1.0 / b
     S_2 = S_0 * (0.25 - 2.0 * mean / b)
     assert_allclose(warm.share(T), 1.0 - mean, rtol=1e-7)  # S = 1
-    assert_allclose(jax.jit(Columns.mobility)(warm, T), S_2 - S_0 * mean**2, rtol=1e-6)
-    m = jax.jit(Columns.motion)(warm, T)
+    assert_allclose(jax.jit(WarmColumns.mobility)(warm, T), S_2 - S_0 * mean**2, rtol=1e-6)
+    m = jax.jit(WarmColumns.motion)(warm, T)
     pressure = (S_2 - S_0 * mean**2) * FILM / 10.0 * np.asarray(warm.gradient.x)
     assert_allclose(ACROSS.integral(m.u), 2.0 * (1.0 - mean) - pressure, rtol=1e-6)
 
@@ -140,7 +142,7 @@ def test_oil_that_slides_along_a_wall_gets_warm_as_by_the_square_root_of_its_way
     nothing = Vector(0.0 * flat, 0.0 * flat)
     across = Lobatto.of(15)
     thermal = traceable(Exponential(BETA))
-    one = Columns(traceable(NewtonianOil()), thermal, flat, h * flat, 1e-9 * flat, flat, nothing, u, u, across)
+    one = WarmColumns(traceable(NewtonianOil()), thermal, flat, h * flat, 1e-9 * flat, flat, nothing, u, u, across)
     walls = (Cold((1, n)), Cold((1, n)))
     energy = Energy(one, 1.8e6 * flat, K, 0.0, 300.0, (5.0, 0.0), walls, 0.0 * flat, spacing, NO_SYMMETRY)
     found = _program(energy, jnp.zeros((15, 1, n)), jnp.ones((2, 1, n)), np.inf, 60)

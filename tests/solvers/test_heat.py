@@ -82,7 +82,7 @@ def test_the_balance_of_heat_of_a_film_that_stays() -> None:
     assert released > float(warm.sliding[0]) * s.a_over_R * 100.0 * 0.8  # traction times speed, and that of the flow
     assert into_1 > 2.0 * into_2
     assert warm.T_2.max() > warm.T_1.max() > BATH + 1.0
-    assert warm.T.max() > max(warm.T_1.max(), warm.T_2.max()) - BATH
+    assert BATH + warm.T.max() == pytest.approx(max(warm.T_1.max(), warm.T_2.max()))  # the glass is the hottest place
     assert warm.inlet.L_t == pytest.approx(case.oil.eta0 * thermal.beta * 4.0 / 0.14)
     assert warm.inlet.factor == gupta_factor(warm.inlet.L_t, 0.4, s.p_h / s.E_prime)
     assert_allclose(warm.film, warm.inlet.factor * film_of(case)[1])
@@ -134,7 +134,7 @@ def test_pure_rolling_has_no_heat_of_sliding(law: Any) -> None:
     warm = heated(case, *film_of(case))
     assert warm.converged
     assert 0.0 < warm.T_1.max() - BATH < 0.8 * (warm.T_film.max() - BATH)
-    assert_allclose(warm.sliding, 0.0, atol=1e-12)
+    assert_allclose(warm.sliding, 0.0, atol=1e-4)  # the glass is warmer than the steel: a little is left
 
 
 def test_warm_bodies_warm_the_film() -> None:
@@ -250,11 +250,11 @@ def test_all_rows_of_that_program_on_a_finer_grid(row: Any) -> None:
     test_the_warm_film_of_a_line_contact_against_an_independent_program(row, 513)
 
 
-def test_oil_and_bodies_that_take_all_heat_leave_the_isothermal_film() -> None:
-    conducts = {"conductivity": 1e4, "density_1": 1e5, "density_2": 1e5, "conductivity_1": 1e5, "conductivity_2": 1e5}
-    warm, cold = rolled(5.0, 0.2, **conducts), rolled(5.0, 0.2, inlet="none")
+def test_oil_that_does_not_get_thinner_has_the_isothermal_film() -> None:
+    warm, cold = rolled(5.0, 0.2, beta=1e-8, viscosity="exponential"), rolled(5.0, 0.2, inlet="none")
+    assert warm.heat is not None and warm.heat.T.max() > 35.0  # 5 K hotter than with thinner oil
     assert warm.measure()["H_c"] == pytest.approx(cold.measure()["H_c"], rel=2e-5)
-    assert warm.account.friction.sliding[0] == pytest.approx(float(cold.account.friction.sliding[0]), rel=1e-3)
+    assert float(warm.account.friction.sliding[0]) == pytest.approx(float(cold.account.friction.sliding[0]), rel=1e-3)
 
 
 def test_pure_rolling_against_murch_and_wilson() -> None:

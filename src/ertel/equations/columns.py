@@ -1,4 +1,4 @@
-"""Columns of warm oil: what a temperature that varies across the film makes of its flow.
+"""WarmColumns of warm oil: what a temperature that varies across the film makes of its flow.
 
 With zeta from -1/2 at surface 2 to 1/2 at surface 1, the oil at each height is softer than that of the inlet's
 temperature T0 at the same pressure by the factor f = eta(p, T0)/eta(p, T).  As in `shear`, whose symbols these are, the
@@ -39,7 +39,7 @@ from ertel.physics.thermal import WarmViscosity
 ON_THE_WAY = (0.5 - 0.75**0.5 / 3.0, 0.5 + 0.75**0.5 / 3.0)  # two Gauss points of the way from no gradient to all of it
 
 
-class Motion(NamedTuple):
+class OilMotion(NamedTuple):
     """The movement of the oil at the points across the film.
 
     stress: t in Pa.  u, v: along X and along Y, m/s, shape (points, n_y, n_x).  heat: W/m^3, of the same shape.
@@ -53,7 +53,7 @@ class Motion(NamedTuple):
 
 @register_dataclass
 @dataclass(frozen=True)
-class Columns:
+class WarmColumns:
     """The columns of a film, in SI; fields of shape (n_y, n_x).
 
     pressure: Pa.  film: h in m.  viscosity: eta(p, T0) in Pa s, with log_ratio, its logarithm over that at p = 0.
@@ -81,14 +81,14 @@ class Columns:
         """f for temperatures above T0, in K."""
         return jnp.exp(-self.warm.change(self.log_ratio, warmer))
 
-    def motion(self, warmer: Array) -> Motion:
+    def motion(self, warmer: Array) -> OilMotion:
         """Velocities and heat at temperatures above T0, of shape (points, n_y, n_x)."""
         f = self.softness(warmer)
         t = self._stress(f, self.gradient)
         tau = t + self.across.z * self.gradient
         rate = f * self.law.fluidity(length(tau), self.pressure) / self.viscosity
         u, v = (self.film * self.across.from_below(rate * along) for along in (tau.x, tau.y))
-        return Motion(t, self.u_2 + u, v, rate * square(tau))
+        return OilMotion(t, self.u_2 + u, v, rate * square(tau))
 
     def share(self, warmer: Array) -> Array:
         """c."""

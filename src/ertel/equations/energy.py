@@ -29,7 +29,7 @@ import jax.numpy as jnp
 from jax import Array
 from jax.tree_util import register_dataclass
 
-from ertel.equations.columns import Columns, Motion
+from ertel.equations.columns import OilMotion, WarmColumns
 from ertel.numerics.grid import Symmetry
 
 ENDS = (0, -1)  # surface 2 and surface 1
@@ -45,7 +45,7 @@ class Energy:
     surface 1.  solid: heat of asperities, W/m^2.  spacing: m.
     """
 
-    columns: Columns
+    columns: WarmColumns
     capacity: Array
     conductivity: Any
     expansion: Any
@@ -56,35 +56,35 @@ class Energy:
     spacing: Any
     even: Symmetry = field(metadata={"static": True})
 
-    def wrong(self, T: Array, m: Motion) -> Array:
-        """What is wrong with temperatures, W/m^3 inside the film and K at both surfaces.  m: their motion."""
+    def residual(self, T: Array, m: OilMotion) -> Array:
+        """The residual of temperatures, W/m^3 inside the film and K at both surfaces.  m: their motion."""
         kept = self._kept(T, m, m.heat, self.inlet)
         for end, body, rise, flux in zip(ENDS, self.bodies, self.rises, self.fluxes(T, m), strict=True):
             kept = kept.at[end].set(T[end] - body - rise(flux))
         return kept
 
-    def fluxes(self, T: Array, m: Motion) -> tuple[Array, Array]:
+    def fluxes(self, T: Array, m: OilMotion) -> tuple[Array, Array]:
         """The heat into body 2 and into body 1, W/m^2."""
         kept = self._kept(T, m, m.heat, self.inlet)
         first, last = (0.5 * self.solid - self.columns.film * kept[end] for end in ENDS)
         return first, last
 
-    def change(self, d: Array, m: Motion, softer: Array) -> Array:
-        """The change of `wrong` by a change of the temperatures.  softer: that of the heat of a column 1 K warmer."""
+    def change(self, d: Array, m: OilMotion, softer: Array) -> Array:
+        """The change of `residual` by a change of the temperatures.  softer: that of the heat of a column 1 K warmer."""
         kept = self._kept(d, m, softer * self.columns.across.integral(d), 0.0)
         for end, rise in zip(ENDS, self.rises, strict=True):
             kept = kept.at[end].set(d[end] - rise(-self.columns.film * kept[end]))
         return kept
 
-    def compression(self, m: Motion) -> Array:
+    def compression(self, m: OilMotion) -> Array:
         """u dp/dx + v dp/dy at each height, W/m^3."""
         return (m.u * self.columns.gradient.x + m.v * self.columns.gradient.y) / self.columns.film
 
-    def carried(self, T: Array, m: Motion) -> Array:
+    def carried(self, T: Array, m: OilMotion) -> Array:
         """rho c (u dT/dx + v dT/dy), W/m^3."""
         return self.capacity * (_along_x(T, m.u, self.spacing) + _along_y(T, m.v, self.spacing, self.even))
 
-    def _kept(self, T: Array, m: Motion, heat: Array, inlet: Any) -> Array:
+    def _kept(self, T: Array, m: OilMotion, heat: Array, inlet: Any) -> Array:
         across, film = self.columns.across, self.columns.film
         compressed = self.expansion * (inlet + T) * self.compression(m)
         return across.weights * (self.carried(T, m) - heat - compressed) + self.conductivity / film**2 * across.stiff(T)
@@ -115,7 +115,7 @@ def _upwind(speed: Array, *T: Array) -> Array:
 # -- sweeps ------------------------------------------------------------------------------------------------------------
 
 
-class Sweep(NamedTuple):
+class ColumnSweep(NamedTuple):
     """The columns of the linear system, one after the other along X (first axis).
 
     inverse: of the system of each column, (n_x, points, points, n_y).  size: its diagonal, (points, n_y, n_x).  ends:
@@ -154,7 +154,7 @@ class Sweep(NamedTuple):
         return jnp.moveaxis(T, 0, -1)
 
 
-def sweep_of(energy: Energy, m: Motion, softer: Array) -> Sweep:
+def sweep_of(energy: Energy, m: OilMotion, softer: Array) -> ColumnSweep:
     """The sweeps for `Energy.change`."""
     across, film = energy.columns.across, energy.columns.film
     points, once = softer.shape[0], energy.capacity / (2.0 * energy.spacing)
@@ -168,7 +168,7 @@ def sweep_of(energy: Energy, m: Motion, softer: Array) -> Sweep:
     for e, end in enumerate(ENDS):
         matrix = matrix.at[end].set(each[end] + own[e] * film * ends[e])
     carried = [across.weights * once * jnp.maximum(u, 0.0) for u in (m.u, -m.u)]
-    return Sweep(
+    return ColumnSweep(
         _columns_first(_inverted(matrix)),
         matrix[jnp.arange(points), jnp.arange(points)],
         _columns_first(ends),

@@ -34,7 +34,15 @@ class Lobatto:
 
     @classmethod
     def of(cls, points: int) -> "Lobatto":
-        """The points by their number, at least 3."""
+        """The points by their number, at least 3.
+
+        Examples
+        --------
+        >>> from ertel.numerics.programs import double_precision
+        >>> with double_precision():
+        ...     print(Lobatto.of(3).weights.ravel() * 6)
+        [1. 4. 1.]
+        """
         top = np.eye(points)[-1]  # the Legendre polynomial of degree n - 1
         x = np.concatenate([[-1.0], np.sort(legendre.legroots(legendre.legder(top)).real), [1.0]])
         weights = 2.0 / (points * (points - 1) * legendre.legval(x, top) ** 2)

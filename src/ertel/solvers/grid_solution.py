@@ -23,12 +23,12 @@ from ertel.numerics.lobatto import Lobatto
 from ertel.numerics.programs import ANY_SIZE, Program
 from ertel.numerics.stencils import Pair
 from ertel.solvers.guesses import motion_of
-from ertel.solvers.heat import Factors, Heated, heated
+from ertel.solvers.heat import Heated, WarmFactors, heated
 
 Floats = NDArray[np.float64]
 
 
-def contact_of(case: Case, grid: Grid, factors: Factors | None = None, stress: Array | None = None) -> Contact:
+def warm_contact(case: Case, grid: Grid, factors: WarmFactors | None = None, stress: Array | None = None) -> Contact:
     """The contact at T = 0 with the flow of a warm film, if there is one.  stress: in the middle of the film."""
     c = discretise.contact_of(case, grid)
     if factors is None:
@@ -54,7 +54,7 @@ class GridSolution:
     history: maximum residual before the first and after each Newton iteration.  convolutions: work on this grid.
     outside: the load that the oil outside the grid carries (double integral of P).  kinked: where a starved film is.
     P_asperity: what asperities carry of P, None where none touch.  share, theta, T: of a film that is solved with its
-    heat, see `heat.Factors`.
+    heat, see `heat.WarmFactors`.
     """
 
     case: Case
@@ -111,7 +111,7 @@ class GridSolution:
         gap_change = discretise.gap_change(self.case, self.grid, 0.0)
         moment = account.Moment(self.approach, U, m.sliding(0.0), gap_change, load, scale)
         stress = None if self.T is None or self.heat is None else self.heat.stress
-        c, layer = contact_of(self.case, self.grid, self.factors, stress), discretise.layer_of(self.case, self.grid)
+        c, layer = warm_contact(self.case, self.grid, self.factors, stress), discretise.layer_of(self.case, self.grid)
         rate = steady_rate(U, layer)._replace(held=self.kinked)
         fields = self.P_f, self.H, self.P_asperity
         terms, friction, content = _account_program(Plane.of(self.grid), c, *fields, rate, moment)
@@ -128,9 +128,9 @@ class GridSolution:
         return heated(self.case, self.P_f, self.H, self.grid, self.P_asperity, self.factors)
 
     @property
-    def factors(self) -> Factors | None:
+    def factors(self) -> WarmFactors | None:
         """Those of a film that is solved with its heat."""
-        return None if self.T is None else Factors(self.share, self.theta, self.T)
+        return None if self.T is None else WarmFactors(self.share, self.theta, self.T)
 
     @property
     def record(self) -> dict[str, float]:

@@ -34,7 +34,7 @@ from ertel.case.estimates import grid_of, share_of, starvation
 from ertel.case.sections import Inlet
 from ertel.equations.account import shear_force
 from ertel.equations.across import Vector
-from ertel.equations.columns import Columns
+from ertel.equations.columns import WarmColumns
 from ertel.equations.contact import opened, traceable
 from ertel.equations.energy import Energy, sweep_of
 from ertel.equations.flow import flow_aligned, steady_rate
@@ -99,7 +99,7 @@ def heated(
     H: Any,
     grid: Grid | None = None,
     P_asperity: Any = None,
-    factors: "Factors | None" = None,
+    factors: "WarmFactors | None" = None,
     limit: int = LIMIT,
 ) -> Heated:
     """The temperatures of a steady contact in SI; raises ValueError if it has no section [thermal].
@@ -125,7 +125,7 @@ def heated(
     boundary = 0.0 if P_asperity is None or case.surfaces is None else case.surfaces.friction * s.p_h * P_asperity
     solid = jnp.broadcast_to(abs(slides * mean) * jnp.asarray(boundary), grid.shape)
     energy = _energy(case, grid, turned(P), turned(film), speeds, turned(solid))
-    _, theta, T = (turned(jnp.asarray(each)) for each in factors or Factors.of_cold(grid))
+    _, theta, T = (turned(jnp.asarray(each)) for each in factors or WarmFactors.of_cold(grid))
     found = _program(energy, T, theta, inf if factors is None else LARGEST_CHANGE, limit)
 
     plane, area = Plane.of(grid), s.a if case.geometry.is_line else s.a**2
@@ -178,7 +178,7 @@ def _energy(case: Case, grid: Grid, P: Array, film: Array, speeds: tuple[float, 
     laws = traceable(case.oil.fluidity_law), traceable(thermal.viscosity_of(eta0))
     ratio = jnp.log(oil.viscosity(P))
     gradient = Vector(*(s.p_h * h * node_slopes(P, spacing, grid.even)))
-    columns = Columns(*laws, s.p_h * P, h, eta0 * jnp.exp(ratio), ratio, gradient, *speeds, Lobatto.of(POINTS))
+    columns = WarmColumns(*laws, s.p_h * P, h, eta0 * jnp.exp(ratio), ratio, gradient, *speeds, Lobatto.of(POINTS))
     rises = [_rise(*each, s.a, grid, case.geometry) for each in zip(thermal.bodies, speeds, strict=True)]
     return Energy(
         columns,
@@ -225,7 +225,7 @@ class Moving:
         return heat @ self.response.T
 
     def split(self) -> tuple[Array, Array, Array]:
-        """K of a node by itself, and by the nodes before it, downstream and back, for `energy.Sweep`."""
+        """K of a node by itself, and by the nodes before it, downstream and back, for `energy.ColumnSweep`."""
         return self.response[0, 0], jnp.tril(self.response, -1), jnp.triu(self.response, 1)
 
 
@@ -300,7 +300,7 @@ def _temperatures(energy: Energy, T: Array, held: Array, largest: Any, limit: An
             there = sweep(r * sweep.size)
             return there + sweep(r * sweep.size - change(there), back=True)
 
-        wrong = now.wrong(T, m) / sweep.size
+        wrong = now.residual(T, m) / sweep.size
         d, _ = gcr(lambda d: change(d) / sweep.size, direction, -wrong, REDUCTION, KRYLOV_LIMIT)
         rise = jnp.maximum(jnp.max(jnp.abs(T + d)), LEAST_RISE)
         return T + d, jnp.max(jnp.abs(d)) / rise, n + 1
@@ -333,7 +333,7 @@ _program = Program(jax.jit(_temperatures), SMALL)
 # -- rounds ------------------------------------------------------------------------------------------------------------
 
 
-class Factors(NamedTuple):
+class WarmFactors(NamedTuple):
     """c and theta of a warm film, theta along X and along Y, and T of `Heated`, from which they follow."""
 
     share: Any
@@ -341,13 +341,13 @@ class Factors(NamedTuple):
     T: Any
 
     @classmethod
-    def of_cold(cls, grid: Grid) -> "Factors":
+    def of_cold(cls, grid: Grid) -> "WarmFactors":
         """Those of a film without heat."""
         return cls(np.ones(grid.shape), np.ones((2, *grid.shape)), np.zeros((POINTS, *grid.shape)))
 
-    def finer(self) -> "Factors":
+    def finer(self) -> "WarmFactors":
         """On the grid that has a node between each two of this one, by straight lines."""
-        return Factors(*(_finer(_finer(each, -1), -2) for each in self))
+        return WarmFactors(*(_finer(_finer(each, -1), -2) for each in self))
 
 
 def _finer(field: Any, axis: int) -> Any:
@@ -362,11 +362,11 @@ def _finer(field: Any, axis: int) -> Any:
 class Rounds:
     """Anderson's iteration for c and ln theta, in which a change counts by what it does to the oil that passes."""
 
-    def __init__(self, factors: Factors):
+    def __init__(self, factors: WarmFactors):
         self.at = np.concatenate([factors.share[None], np.log(factors.theta)])
         self.past: list[tuple[Floats, Floats]] = []
 
-    def next(self, found: Heated) -> Factors:
+    def next(self, found: Heated) -> WarmFactors:
         """The factors with which to go on."""
         weight = np.asarray(found.weight)
         new = np.concatenate([np.asarray(found.share)[None], np.log(found.theta)])
@@ -380,4 +380,4 @@ class Rounds:
             shares = np.linalg.lstsq(matrix, (weight * step).ravel(), rcond=1e-8)[0]
             less = [share * (way + each) for share, way, each in zip(shares, ways, steps, strict=True)]
             self.at = self.at + step - sum(less)
-        return Factors(self.at[0], np.exp(self.at[1:]), found.T)
+        return WarmFactors(self.at[0], np.exp(self.at[1:]), found.T)

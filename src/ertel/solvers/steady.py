@@ -29,9 +29,9 @@ from ertel.numerics import multigrid, newton
 from ertel.numerics.grid import Grid, check_coarsening, expected_next
 from ertel.numerics.programs import Program, double_precision
 from ertel.solvers import nonlinear
-from ertel.solvers.grid_solution import GridSolution, contact_of
+from ertel.solvers.grid_solution import GridSolution, warm_contact
 from ertel.solvers.guesses import motion_of, refined, rough_guess
-from ertel.solvers.heat import AGREED, IN_A_ROUND, ROUNDS, Factors, Rounds, heated
+from ertel.solvers.heat import AGREED, IN_A_ROUND, ROUNDS, Rounds, WarmFactors, heated
 
 Floats = NDArray[np.float64]
 
@@ -123,7 +123,7 @@ def nested(case: Case, done: Sequence[GridSolution] = ()) -> Iterator[GridSoluti
         compile_ahead(case)
     for grid in reversed(grids[: len(grids) - len(done)]):
         factors = first_factors(case, grid, solutions)
-        c = contact_of(case, grid, factors)
+        c = warm_contact(case, grid, factors)
         if solutions:
             guess = first_guess(c, solutions[-1], expected_next([s.approach for s in solutions]))
         else:
@@ -136,21 +136,21 @@ def nested(case: Case, done: Sequence[GridSolution] = ()) -> Iterator[GridSoluti
         yield solutions[-1]
 
 
-def first_factors(case: Case, grid: Grid, coarser: Sequence[GridSolution]) -> Factors | None:
+def first_factors(case: Case, grid: Grid, coarser: Sequence[GridSolution]) -> WarmFactors | None:
     """The factors of a warm film with which the search on a grid starts; None of a film that is solved without heat."""
     if case.thermal is None or not case.thermal.is_solved:
         return None
     known = coarser[-1].factors if coarser else None
-    return Factors.of_cold(grid) if known is None else known.finer()
+    return WarmFactors.of_cold(grid) if known is None else known.finer()
 
 
-def _with_heat(s: GridSolution, factors: Factors) -> GridSolution:
+def _with_heat(s: GridSolution, factors: WarmFactors) -> GridSolution:
     """The film with its heat, in rounds (`solvers.heat`); stalled where they do not agree."""
     rounds, films = Rounds(factors), s.measure()
     for _ in range(ROUNDS):
         found = heated(s.case, s.P_f, s.H, s.grid, s.P_asperity, factors, IN_A_ROUND)
         factors, last = rounds.next(found), films
-        s = _added(s, solve_on_grid(s.case, s.grid, contact_of(s.case, s.grid, factors), s.P, s.approach, s.P_f))
+        s = _added(s, solve_on_grid(s.case, s.grid, warm_contact(s.case, s.grid, factors), s.P, s.approach, s.P_f))
         s, films = replace(s, share=factors.share, theta=factors.theta, T=factors.T), s.measure()
         if not s.status.ok or max(abs(films[name] - last[name]) for name in ("H_c", "H_min")) <= AGREED * films["H_c"]:
             return s
@@ -266,7 +266,7 @@ def compile_ahead(case: Case) -> None:
     def compile_all() -> None:
         with suppress(Exception):  # the run itself meets the error, and says so
             for grid in grids_of(case)[:-1]:  # the coarsest one's is needed at once
-                problem = problem_of(case, grid, contact_of(case, grid, first_factors(case, grid, ())), 0.0)
+                problem = problem_of(case, grid, warm_contact(case, grid, first_factors(case, grid, ())), 0.0)
                 zero = np.zeros(grid.shape)
                 _program.ready(problem, zero, 0.0, zero if case.touches else None)
 
