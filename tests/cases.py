@@ -74,7 +74,7 @@ def impact(M: float, L: float, nodes: int, **sections: dict[str, Any]) -> Case:
 
 
 _OTHERS: dict[str, Any] = {
-    **{"nodes": 129, "method": "radial", "half_width_y": 6.0, "until": 2.0, "surface": 2, "inlet_factor": "none"},
+    **{"nodes": 129, "method": "radial", "half_width_y": 6.0, "until": 2.0, "surface": 2},
     "start": None,  # left out
     "asperities": {"law": "greenwood-tripp", "density": 0.04, "sharpness": 0.1},
     **{"density": "incompressible", "rheology": {"law": "ree-eyring", "tau0": "5000000.0 Pa"}},
@@ -87,7 +87,9 @@ def _other(key: str, value: Any) -> Any:
         return not value
     if key == "viscosity":
         return {"roelands": "barus", "houpert": "exponential"}[value]
-    if key in _OTHERS:
+    if value == "solved":  # [thermal] inlet; that of [solver] is a length
+        return "none"
+    if key in _OTHERS and not str(value).endswith("kg/m^3"):
         return _OTHERS[key]
     number, _, unit = str(value).partition(" ")
     changed = 1.01 * float(number) + 0.001 * (not unit)

@@ -19,7 +19,7 @@ from ertel.numerics.grid import NO_SYMMETRY, Symmetry
 from ertel.physics import hertz
 from ertel.results import variables
 from ertel.results.dataset import Frame, assemble, assemble_steady
-from ertel.solvers.steady import GridSolution
+from ertel.solvers.grid_solution import GridSolution
 
 every_symmetry = pytest.mark.parametrize(
     "even", [NO_SYMMETRY, Symmetry(y=True), Symmetry(x=True), Symmetry(True, True)], ids=str

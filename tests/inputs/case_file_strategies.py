@@ -180,7 +180,7 @@ rheologies = st.one_of([tables(FLUIDITY_LAWS[name], law=st.just(name)) for name 
 limited = tables(FLUIDITY_LAWS["limited"], law=st.just("limited"), base=rheologies)
 rheologies = st.one_of(st.sampled_from(["newtonian", "carreau"]), rheologies, limited)
 warm, inlets = st.sampled_from([*WARM_VISCOSITIES]), st.sampled_from([*INLET_FACTORS])
-thermal = tables(Thermal, viscosity=warm, inlet_factor=inlets)
+thermal = tables(Thermal, viscosity=warm, inlet=inlets)
 
 
 @st.composite

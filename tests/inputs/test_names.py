@@ -113,9 +113,10 @@ def test_names_give_all_thermal_data():
     assert (found.temperature, found.temperature_1, found.temperature_2) == (313.15, 313.15, 313.15)
     assert found.conductivity == 0.14
     assert found.beta == pytest.approx(0.0367, abs=1e-4)
+    assert (found.density, found.expansion) == (pytest.approx(795, abs=5), pytest.approx(8e-4, rel=0.15))
     assert found.bodies[0].conductivity == 47.0 and found.bodies[0].density == 7850.0
     assert found.bodies[1].heat_capacity == 880.0
-    assert (found.viscosity, found.inlet_factor) == ("houpert", "gupta")
+    assert (found.viscosity, found.inlet) == ("houpert", "solved")
 
 
 def test_given_thermal_data_win():
@@ -135,9 +136,9 @@ def test_resolved_thermal_data_are_written_and_read_back():
 
 
 def test_numbers_do_without_names():
-    found = warm({**HOT, "inlet_factor": "none", "viscosity": "exponential"}, ELASTIC, NUMBERS).thermal
+    found = warm({**HOT, "inlet": "none", "viscosity": "exponential"}, ELASTIC, NUMBERS).thermal
     assert found.bodies[0] == found.bodies[1]
-    assert (found.viscosity, found.inlet_factor) == ("exponential", "none")
+    assert (found.viscosity, found.inlet) == ("exponential", "none")
 
 
 def test_thermal_data_mean_the_same_in_python():
@@ -150,9 +151,9 @@ def test_thermal_data_mean_the_same_in_python():
 def test_an_inlet_far_too_hot_for_the_formula():
     contact = {**BODIES, "mean_speed": "500 m/s", "load": "2000 N"}
     oil = {**NAMED, "oil": "iso-vg-100"}
-    with pytest.raises(ConfigError, match=r'^thermal.inlet_factor = "gupta": its formula gives phi_T = -'):
-        warm({}, contact, oil)
-    assert warm({"inlet_factor": "wilson-sheu"}, contact, oil).thermal
+    with pytest.raises(ConfigError, match=r'^thermal.inlet = "gupta": its formula gives phi_T = -'):
+        warm({"inlet": "gupta"}, contact, oil)
+    assert warm({"inlet": "wilson-sheu"}, contact, oil).thermal
 
 
 def test_heat_needs_a_law_of_shear_thinning_where_the_surfaces_slide():

@@ -160,9 +160,9 @@ THERMAL: list[tuple[Data, Data, Data, list[str]]] = [
     ({}, BODIED, NAMED | {"oil": "pao-100"}, ["conductivity: missing; the library has none ", '"pao-100"']),
     ({"temperature": "80 degC"}, BODIED, NAMED, ['temperature = "80 degC": differs from lubricant.temperature = "4']),
     ({"temperature_1": 60}, BODIED, NAMED, ["temperature_1 = 60: must be a temperature with its unit"]),
-    ({"inlet_factor": "moes"}, BODIED, NAMED, ["inlet_factor = \"moes\": allowed: 'gupta', 'wilson-sheu'"]),
+    ({"inlet": "moes"}, BODIED, NAMED, ["inlet = \"moes\": allowed: 'solved', 'gupta', 'wilson-sheu'"]),
     ({"viscosity": "vogel"}, BODIED, NAMED, ["viscosity = \"vogel\": allowed: 'houpert' or 'exponential'"]),
-    ({"density": "1 kg/m^3"}, BODIED, NAMED, ['density = "1 kg/m^3": unknown key; did you mean ']),
+    ({"inlet_factor": "none"}, BODIED, NAMED, ['inlet_factor = "none": unknown key; ']),
     (HOT | {"temperature": "-140 degC"}, BODIED, NUMBERS, ['viscosity = "houpert": temperature = 133.15 K: ', "138 K"]),
 ]
 

@@ -35,6 +35,7 @@ def test_inlet_factors_by_name() -> None:
     assert found == {
         "gupta": thermal.gupta_factor(1, 0.2, 0.002),
         "wilson-sheu": thermal.wilson_sheu_factor(1, 0.2),
+        "solved": 1.0,
         "none": 1.0,
     }
     assert {factor.formula(0.0, 0.5, 0.002) for factor in thermal.INLET_FACTORS.values()} == {1.0}

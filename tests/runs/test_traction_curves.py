@@ -113,11 +113,11 @@ HOT = {"temperature": "313.15 K", "conductivity": "0.14 W/(m*K)", "beta": "0.035
 def test_heat_lowers_the_traction(newtonian: Any) -> None:
     """Each point has the friction of the warm film at its own slide-to-roll ratio; a Newtonian film serves all."""
     case = physical()
-    warm_case = parse_case({**case.to_data(), "thermal": HOT})
+    warm_case = parse_case({**case.to_data(), "thermal": HOT | {"inlet": "gupta"}})
     curve = traction(warm_case, slide_to_roll=[0.0, 0.1])
     data, cold = curve.dataset, newtonian.dataset.sel(slide_to_roll=[0.0, 0.1])
     np.testing.assert_allclose(data["mu_sliding"], cold["mu_sliding"], rtol=1e-12)
-    assert data["mu_sliding_warm"][0] == 0.0
+    assert abs(data["mu_sliding_warm"][0]) < 1e-9
     assert 0.0 < float(data["mu_sliding_warm"][1]) < float(cold["mu_sliding"][1])
     assert data["newton_iterations"].values.tolist()[1] == 0
     at = replace(warm_case, contact=replace(warm_case.contact, slide_to_roll=0.1))
@@ -128,7 +128,7 @@ def test_heat_lowers_the_traction(newtonian: Any) -> None:
     assert float(data["T_film_max"][1]) == pytest.approx(float(np.max(found.T_film)), rel=1e-9)
     np.testing.assert_allclose(data["h_c_warm"], data["phi_T"] * cold["h_c"], rtol=1e-12)
     spent = data["power_loss_warm"] - data["power_loss_warm"][0]
-    np.testing.assert_allclose(spent, data["mu_sliding_warm"] * 20.0 * data["slide_to_roll"], rtol=1e-6, atol=1e-12)
+    np.testing.assert_allclose(spent, data["mu_sliding_warm"] * 20.0 * data["slide_to_roll"], rtol=1e-6, atol=1e-9)
     for part in ("mu_sliding_warm", "T_film_max (degC)", "have the heat"):
         assert part in repr(curve)
     panels = {axes.get_ylabel(): axes for axes in curve.plot().axes}

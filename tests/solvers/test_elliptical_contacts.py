@@ -23,7 +23,7 @@ from ertel.physics.surfaces import Feature, Waviness
 from ertel.results.summary import comparisons
 from ertel.runs.response import respond, respond_in_rolling, respond_linearly
 from ertel.solvers import steady
-from ertel.solvers.steady import GridSolution
+from ertel.solvers.grid_solution import GridSolution
 from ertel.solvers.transient import Transient2D
 
 D, M, L = 0.4, 50.0, 5.0

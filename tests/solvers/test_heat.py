@@ -9,18 +9,24 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from closed_forms import flash_temperature
 from numpy.testing import assert_allclose
 
+import ertel
 from ertel.case.case import Case
 from ertel.case.estimates import grid_of
+from ertel.case.status import Status
 from ertel.equations import discretise
 from ertel.equations.account import friction
 from ertel.inputs.case_files import parse_case
 from ertel.numerics.integrals import Plane
+from ertel.numerics.programs import double_precision
+from ertel.physics.fluidity import ReeEyring
 from ertel.physics.geometry import CIRCLE
+from ertel.physics.lubricant import Oil
 from ertel.physics.thermal import gupta_factor
+from ertel.solvers.grid_solution import GridSolution
 from ertel.solvers.heat import Heated, heated
+from ertel.solvers.steady import steady_film
 
 CONTACT = {
     "kind": "rolling",
@@ -37,7 +43,12 @@ BATH = 313.15  # K
 
 def case_of(contact: dict[str, Any] | None = None, **thermal: Any) -> Case:
     return parse_case(
-        {"contact": {**CONTACT, **(contact or {})}, "lubricant": OIL, "solver": {"nodes": 33}, "thermal": thermal}
+        {
+            "contact": {**CONTACT, **(contact or {})},
+            "lubricant": OIL,
+            "solver": {"nodes": 33},
+            "thermal": {"inlet": "gupta", **thermal},
+        }
     )
 
 
@@ -61,22 +72,17 @@ def usual() -> tuple[Case, Heated]:
     return case, heated(case, *film_of(case))
 
 
-def test_the_balance_of_heat() -> None:
-    """Both fluxes that the temperatures of the film imply heat the surfaces to just these temperatures."""
+def test_the_balance_of_heat_of_a_film_that_stays() -> None:
+    """What sliding and flow release goes into both bodies, the slower of which is glass, and away with the oil."""
     case, warm = usual()
-    thermal, s, grid = case.thermal, case.scales, grid_of(case)
+    thermal, s = case.thermal, case.scales
     assert thermal and s and warm.converged
-    film = np.asarray(warm.film) * s.film
-    heat = np.asarray(warm.stress[0]) * s.shear_stress * 0.4 * 2.0
-    assert_allclose(warm.heat, heat, rtol=1e-4, atol=1e-6 * heat.max())
-    crossing = thermal.conductivity * (warm.T_2 - warm.T_1) / film
-    for T, flux, body, speed in zip(
-        (warm.T_1, warm.T_2), (heat / 2 + crossing, heat / 2 - crossing), thermal.bodies, (2.4, 1.6), strict=True
-    ):
-        assert_allclose(T - BATH, flash_temperature(flux, body, speed, grid.spacing * s.a), atol=1e-3)
-    above = heat * film / (12 * thermal.conductivity)
-    assert_allclose(warm.T_film, (warm.T_1 + warm.T_2) / 2 + above, atol=1e-3)
-    assert warm.T_2.max() > warm.T_1.max() > BATH + 1.0  # the glass is the warmer one
+    released, into_1, into_2, carried = warm.balance
+    assert into_1 + into_2 + carried == pytest.approx(released, rel=1e-4)
+    assert released > float(warm.sliding[0]) * s.a_over_R * 100.0 * 0.8  # traction times speed, and that of the flow
+    assert into_1 > 2.0 * into_2
+    assert warm.T_2.max() > warm.T_1.max() > BATH + 1.0
+    assert BATH + warm.T.max() == pytest.approx(max(warm.T_1.max(), warm.T_2.max()))  # the glass is the hottest place
     assert warm.inlet.L_t == pytest.approx(case.oil.eta0 * thermal.beta * 4.0 / 0.14)
     assert warm.inlet.factor == gupta_factor(warm.inlet.L_t, 0.4, s.p_h / s.E_prime)
     assert_allclose(warm.film, warm.inlet.factor * film_of(case)[1])
@@ -84,7 +90,7 @@ def test_the_balance_of_heat() -> None:
 
 @pytest.mark.parametrize("rheology", [OIL["rheology"], pytest.param("newtonian", marks=pytest.mark.slow)], ids=str)
 def test_without_heat_the_friction_is_the_isothermal_one(rheology: Any) -> None:
-    case = case_of(beta="1e-8 / K", viscosity="exponential", inlet_factor="none")
+    case = case_of(beta="1e-8 / K", viscosity="exponential", inlet="none")
     case = parse_case({**case.to_data(), "lubricant": {**OIL, "rheology": rheology}})
     P, H = film_of(case)
     warm, grid = heated(case, P, H), grid_of(case)
@@ -94,13 +100,13 @@ def test_without_heat_the_friction_is_the_isothermal_one(rheology: Any) -> None:
     hotter = float(np.max(warm.T_film)) - case.thermal.temperature
     left = 1.01e-8 * hotter  # of the viscosity, by the least beta that is allowed
     assert left < 1e-4
-    assert_allclose(warm.stress, cold.stress, rtol=left, atol=1e-12)
+    assert_allclose(warm.stress, cold.stress, rtol=left, atol=1e-9)
     assert_allclose(warm.sliding, cold.sliding, rtol=left)
 
 
 def test_heat_reduces_the_traction_and_more_so_with_sliding() -> None:
     slow, fast = heated_at(0.2), heated_at(1.0)
-    cold = {"beta": "1e-8 / K", "viscosity": "exponential", "inlet_factor": "none"}
+    cold = {"beta": "1e-8 / K", "viscosity": "exponential", "inlet": "none"}
     share = [float(hot.sliding[0] / heated_at(S, **cold).sliding[0]) for hot, S in ((slow, 0.2), (fast, 1.0))]
     assert 0.2 < share[1] < share[0] < 1.0
     assert fast.T_film.max() > slow.T_film.max() > BATH
@@ -120,18 +126,21 @@ LIMITED = {"law": "limited", "base": OIL["rheology"], "Lambda": 0.05}
 
 @pytest.mark.parametrize("law", [OIL["rheology"], pytest.param(LIMITED, marks=pytest.mark.slow)], ids=str)
 def test_pure_rolling_has_no_heat_of_sliding(law: Any) -> None:
-    """The stress is zero everywhere, where the length of a vector, which a limit asks for, has no derivative."""
+    """The stress is zero everywhere, where the length of a vector, which a limit asks for, has no derivative.
+
+    The flow by the pressure alone warms the film.
+    """
     case = parse_case({**case_of({"slide_to_roll": 0.0}).to_data(), "lubricant": {**OIL, "rheology": law}})
     warm = heated(case, *film_of(case))
     assert warm.converged
-    assert_allclose([warm.T_1, warm.T_2, warm.T_film], BATH, rtol=1e-12)
-    assert_allclose(warm.sliding, 0.0, atol=1e-12)
+    assert 0.0 < warm.T_1.max() - BATH < 0.8 * (warm.T_film.max() - BATH)
+    assert_allclose(warm.sliding, 0.0, atol=1e-4)  # the glass is warmer than the steel: a little is left
 
 
 def test_warm_bodies_warm_the_film() -> None:
     warm = heated_at(0.0, temperature_1="60 degC", temperature_2="50 degC")
     inside = np.asarray(warm.stress[0]).shape[1] * 3 // 4
-    assert 323.15 < warm.T_film[0, inside] < 333.15
+    assert 323.15 < warm.T_film[0, inside] < 334.15
     assert warm.converged
     sliding, cold = heated_at(0.2, temperature_1="60 degC", temperature_2="60 degC"), heated_at(0.2)
     assert float(sliding.sliding[0]) < float(cold.sliding[0])
@@ -156,15 +165,7 @@ def test_temperature_of_a_body_at_rest_under_hertzian_heat() -> None:
     assert s and thermal
     heat = 1e8 * film_of(case)[0]
     exact = pi * 1e8 * s.a / (4 * thermal.bodies[1].conductivity)
-    assert _rise(thermal.bodies[1], 0.0, 0.0, s.a, grid, CIRCLE)(heat).max() == pytest.approx(exact, rel=0.01)
-
-
-def test_the_start_does_not_matter() -> None:
-    case, warm = usual()
-    again = heated(case, *film_of(case), heat=30.0 * warm.heat)
-    assert again.converged
-    assert_allclose(again.T_film, warm.T_film, atol=1e-3)
-    assert_allclose(again.sliding, warm.sliding, rtol=1e-6)
+    assert _rise(thermal.bodies[1], 0.0, s.a, grid, CIRCLE)(heat).max() == pytest.approx(exact, rel=0.01)
 
 
 def test_heat_thins_what_a_flooded_inlet_lets_pass_and_not_the_layer() -> None:
@@ -173,7 +174,9 @@ def test_heat_thins_what_a_flooded_inlet_lets_pass_and_not_the_layer() -> None:
     factors = []
     for layer in (1e-4, 0.3, 20.0):  # over the flooded film
         oil = {**OIL, "layer": f"{layer * case.film_scale * case.scales.film} m"}
-        thin = parse_case({"contact": CONTACT, "lubricant": oil, "solver": {"nodes": 33}, "thermal": {}})
+        thin = parse_case(
+            {"contact": CONTACT, "lubricant": oil, "solver": {"nodes": 33}, "thermal": {"inlet": "gupta"}}
+        )
         factors.append(heated(thin, *film_of(case)).inlet.factor)
     assert factors[0] == pytest.approx(1.0, abs=1e-6) and factors[2] == pytest.approx(flooded.inlet.factor, rel=1e-3)
     assert flooded.inlet.factor < factors[1] < 1.0 and factors[1] > 0.9
@@ -184,3 +187,98 @@ def test_a_case_without_thermal_data_has_no_temperatures() -> None:
     P, H = film_of(case)
     with pytest.raises(ValueError, match=r"^thermal: the case has no such section"):
         heated(case, P, H)
+
+
+# -- the film that is solved with its heat -----------------------------------------------------------------------------
+
+STEEL = {"density": 7850, "heat_capacity": 460, "conductivity": 47}
+GLASS = {"density": 2500, "heat_capacity": 840, "conductivity": 1.05}
+
+
+@cache
+def roller(speed: float, slides: float, first: str = "steel", second: str = "steel", **changed: Any) -> Any:
+    """The line contact of an independent program: R = 10 mm, 200 N/mm, 848 MPa; Eyring's stress follows the speed."""
+    nodes, inlet = changed.pop("nodes", 129), changed.pop("inlet", "solved")
+    bodies = {"steel": STEEL, "glass": GLASS}
+    thermal = {"temperature": 313.0, "beta": 0.04, "conductivity": 0.14, "inlet": inlet}
+    for number, name in enumerate((first, second), 1):
+        thermal |= {f"{key}_{number}": value for key, value in bodies[name].items()}
+    thermal |= changed
+    oil = Oil(eta0=0.04, alpha=20e-9, rheology=ReeEyring(1e7 if abs(slides) > 1.5 else 5e6))
+    contact = {"radius": 0.01, "length": 0.01, "load": 2000.0, "E_prime": 226e9, "oil": oil, "nodes": nodes}
+    return ertel.rolling(**contact, mean_speed=speed, slide_to_roll=slides, thermal=thermal)
+
+
+@cache
+def rolled(*given: Any, **changed: Any) -> GridSolution:
+    with double_precision():
+        return steady_film(roller(*given, **changed)).finest
+
+
+# speed, S, the bodies (1 is the fast one); H_c with heat over that without, largest rise in K, c at X = 0, traction
+PROGRAM = [
+    (5.0, 0.0, "steel", "steel", 0.919, 6.9, 1.0, 0.0),
+    (10.0, 0.0, "steel", "steel", 0.790, 20.3, 1.0, 0.0),
+    (20.0, 0.0, "steel", "steel", 0.568, 47.5, 1.0, 0.0),
+    (5.0, 0.2, "steel", "steel", 0.915, 29.7, 1.0, 0.0269),
+    (10.0, 0.2, "steel", "steel", 0.782, 60.0, 1.0, 0.0190),
+    (5.0, 1.0, "steel", "steel", 0.841, 97.0, 1.017, 0.0186),
+    (10.0, 1.0, "steel", "steel", 0.690, 148.0, 1.004, 0.0114),
+    (2.0, 1.9, "steel", "steel", 0.646, 111.0, 1.399, 0.0282),
+    (2.0, 1.9, "glass", "steel", 0.877, 130.0, 0.907, 0.0157),
+    (2.0, 1.9, "steel", "glass", 0.613, 132.0, 1.477, 0.0221),
+]
+
+
+@pytest.mark.parametrize("row", [PROGRAM[0], PROGRAM[3], PROGRAM[9]], ids=str)
+def test_the_warm_film_of_a_line_contact_against_an_independent_program(row: Any, nodes: int = 129) -> None:
+    *given, ratio, hottest, share, traction = row
+    warm, cold = rolled(*given, nodes=nodes), rolled(*given, nodes=nodes, inlet="none")
+    assert warm.status is Status.CONVERGED and warm.heat is not None and warm.heat.converged
+    assert warm.measure()["H_c"] / cold.measure()["H_c"] == pytest.approx(ratio, rel=0.012)
+    assert float(warm.heat.T.max()) == pytest.approx(hottest, rel=0.03)
+    assert float(warm.heat.share[0, np.abs(warm.grid.x).argmin()]) == pytest.approx(share, abs=0.006)
+    scales = warm.case.scales
+    assert scales and float(warm.heat.sliding[0]) * scales.a_over_R == pytest.approx(traction, rel=0.02, abs=1e-9)
+    released, into_1, into_2, carried = warm.heat.balance
+    assert into_1 + into_2 + carried == pytest.approx(released, rel=1e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("row", PROGRAM, ids=str)
+def test_all_rows_of_that_program_on_a_finer_grid(row: Any) -> None:
+    test_the_warm_film_of_a_line_contact_against_an_independent_program(row, 513)
+
+
+def test_oil_that_does_not_get_thinner_has_the_isothermal_film() -> None:
+    warm, cold = rolled(5.0, 0.2, beta=1e-8, viscosity="exponential"), rolled(5.0, 0.2, inlet="none")
+    assert warm.heat is not None and warm.heat.T.max() > 35.0  # 5 K hotter than with thinner oil
+    assert warm.measure()["H_c"] == pytest.approx(cold.measure()["H_c"], rel=2e-5)
+    assert float(warm.account.friction.sliding[0]) == pytest.approx(float(cold.account.friction.sliding[0]), rel=1e-3)
+
+
+def test_pure_rolling_against_murch_and_wilson() -> None:
+    """phi_T = 3.94/(3.94 + L_t^0.62)."""
+    warm, cold = rolled(5.0, 0.0), rolled(5.0, 0.0, inlet="none")
+    assert warm.heat is not None
+    factor = 3.94 / (3.94 + warm.heat.inlet.L_t**0.62)
+    assert warm.measure()["H_c"] / cold.measure()["H_c"] == pytest.approx(factor, rel=0.04)
+
+
+def test_the_mirror_of_sliding() -> None:
+    """S to -S with the bodies exchanged: the same film, upside down."""
+    one, other = rolled(2.0, 1.9, "steel", "glass"), rolled(2.0, -1.9, "glass", "steel")
+    assert other.measure()["H_c"] == pytest.approx(one.measure()["H_c"], rel=2e-4)
+    assert_allclose(other.heat.T, one.heat.T[::-1], atol=0.05)
+    assert other.account.friction.sliding[0] == pytest.approx(-float(one.account.friction.sliding[0]), rel=1e-3)
+
+
+def test_the_balances_of_mass_and_energy_hold_with_heat() -> None:
+    s = rolled(2.0, 1.9, "steel", "glass")
+    terms, scales = s.account.terms, s.case.scales
+    assert scales and s.heat
+    cold = rolled(2.0, 1.9, "steel", "glass", inlet="none").account.terms
+    lost, lost_cold = (1.0 - each["outflow"] / each["inflow"] for each in (terms, cold))
+    assert abs(lost) < max(2.0 * abs(lost_cold), 0.025)  # of second order: a quarter on 257 nodes
+    power = float(s.account.friction.power) * scales.load / 0.01 * scales.a * scales.a_over_R / scales.t0  # per length
+    assert power == pytest.approx(s.heat.balance[0], rel=0.02)  # both are all that the oil is heated by

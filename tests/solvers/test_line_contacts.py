@@ -18,6 +18,7 @@ from ertel.physics.surfaces import Feature, Waviness
 from ertel.runs.drive import simulate
 from ertel.runs.response import respond_in_rolling
 from ertel.solvers import steady
+from ertel.solvers.grid_solution import GridSolution
 from ertel.solvers.transient import Transient2D
 
 LINE = {"radius_ratio": 0}
@@ -31,7 +32,7 @@ def rolling(M: float = 10, L: float = 10, nodes: int = 129, oil: Any = None, **s
 
 
 @cache
-def film(M: float = 10, L: float = 10, nodes: int = 129, layer: float | None = None) -> steady.GridSolution:
+def film(M: float = 10, L: float = 10, nodes: int = 129, layer: float | None = None) -> GridSolution:
     oil = {"layer": layer} if layer else {}
     return steady.SteadyFilm(rolling(M, L, nodes, oil)).solve([])
 

@@ -29,6 +29,7 @@ from ertel.runs.outlook import warnings_of
 from ertel.runs.response import respond_in_rolling, respond_linearly
 from ertel.runs.result import Result
 from ertel.solvers import steady
+from ertel.solvers.grid_solution import GridSolution
 from ertel.solvers.radial import RadialImpact
 from ertel.solvers.transient import Transient2D
 
@@ -44,7 +45,7 @@ def case_of(kind: str, layer: Any, M: float = 200, **solver: Any) -> Case:
 
 
 @cache
-def rolled_on(layer: float | None, nodes: int = 65) -> steady.GridSolution:
+def rolled_on(layer: float | None, nodes: int = 65) -> GridSolution:
     return steady.steady_film(case_of("rolling", layer, method="steady", nodes=nodes)).finest
 
 

@@ -25,8 +25,8 @@ from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature, Waviness
 from ertel.runs.response import respond_in_rolling
 from ertel.solvers import steady
+from ertel.solvers.grid_solution import GridSolution
 from ertel.solvers.response import RoughnessWave, wave_response
-from ertel.solvers.steady import GridSolution
 from ertel.solvers.transient import Transient2D
 
 # the response has no oil outside that takes part

@@ -192,11 +192,11 @@ def film_rows(case: "Case", films: "Sequence[FormulaFilm]", computed: Mapping[st
     """Film thicknesses by the formulas, with their deviation from a computed film thickness if there is one.
 
     computed: H_c and H_min; the deviation is from their extrapolated value where there is one.  A formula that is not
-    made for such a contact is in brackets.  Flooded films have no deviation beside layers of oil.  All are without
-    heat.
+    made for such a contact is in brackets.  Flooded films have no deviation beside layers of oil.  All formulas are
+    without heat.
     """
     both = [computed[name] for name in FILMS] if computed else []
-    title = "computed" if case.thermal is None else "computed, without heat"
+    title = "computed" if case.thermal is None or case.thermal.is_solved else "computed, without heat"
 
     def row(name: str, films: Iterable[float | None], notes: Iterable[str]) -> list[str]:
         """The films in a row; a note follows each where there is something to compare with."""

@@ -352,10 +352,10 @@ def _thermal(case: Case) -> Complaints:
         yield "thermal.viscosity", str(error)
     pressure = scales.p_h * case.geometry.grown(case.motion.load(0.0))[1] / scales.E_prime
     speed = case.motion.entrainment(0.0) * scales.front_speed
-    inlet = thermal.inlet(eta0, pressure, speed, case.motion.slide_to_roll)
+    inlet = thermal.inlet_of(eta0, pressure, speed, case.motion.slide_to_roll)
     if not inlet.factor > 0:
         at = f"its formula gives phi_T = {inlet.factor:.3g} at the thermal loading L_t = {inlet.L_t:.3g}"
-        yield "thermal.inlet_factor", f'{at}; must be above zero, use "wilson-sheu" or "none"'
+        yield "thermal.inlet", f'{at}; must be above zero, use "wilson-sheu" or "none"'
 
 
 GIVEN = (_name, _reference, method_suits, _shapes)  # rules for what is given

@@ -285,7 +285,21 @@ class Thermal:
         thermal.ViscosityName,
         Meaning("how it falls with the temperature: more under pressure, or equally at all pressures"),
     ] = "houpert"
-    inlet_factor: Annotated[thermal.InletName, Meaning("formula of the film with inlet shear heating")] = "gupta"
+    density: Annotated[
+        float, units.DENSITY, Meaning("of the oil in the inlet; left out: that of the named oil, or 870 kg/m^3")
+    ] = 870.0
+    heat_capacity: Annotated[
+        float, units.HEAT_CAPACITY, Meaning("of the oil; left out: that of the named oil, or 2000 J/(kg*K)")
+    ] = 2000.0
+    expansion: Annotated[
+        float, units.EXPANSION, Meaning("thermal expansion of the oil; left out: that of the named oil, or 0.00065 / K")
+    ] = 6.5e-4
+    inlet: Annotated[
+        thermal.InletName,
+        Meaning(
+            "film with heat: solved, or the isothermal one thinner by a formula of inlet shear heating, which is quick"
+        ),
+    ] = "solved"
 
     def completed(self) -> "Thermal":
         """The same with the temperature of the oil for a body whose own is left out."""
@@ -304,14 +318,19 @@ class Thermal:
         T = self.temperature
         return (self.temperature_1 or T) - T, (self.temperature_2 or T) - T
 
+    @property
+    def is_solved(self) -> bool:
+        """Whether the film is solved with its heat."""
+        return self.inlet == "solved"
+
     def viscosity_of(self, eta0: float) -> thermal.WarmViscosity:
         """The law of the warm oil's viscosity.  Raises ValueError for an eta0 (Pa s) for which it has no meaning."""
         return thermal.WARM_VISCOSITIES[self.viscosity].of(eta0, self.beta, self.temperature)
 
-    def inlet(self, eta0: float, p_h_over_E: float, mean_speed: float, slide_to_roll: float) -> "Inlet":
+    def inlet_of(self, eta0: float, p_h_over_E: float, mean_speed: float, slide_to_roll: float) -> "Inlet":
         """Inlet shear heating; eta0 in Pa s, mean_speed in m/s."""
         L_t = thermal.thermal_loading(eta0, self.beta, mean_speed, self.conductivity)
-        factor = thermal.INLET_FACTORS[self.inlet_factor].formula(L_t, abs(slide_to_roll), p_h_over_E)
+        factor = thermal.INLET_FACTORS[self.inlet].formula(L_t, abs(slide_to_roll), p_h_over_E)
         return Inlet(L_t, factor)
 
 

@@ -11,6 +11,7 @@ class Status(Enum):
     INTERRUPTED = "interrupted"
     NEWTON_STALLED = "Newton iteration stalled"
     FILM_VANISHED = "the film vanishes on this grid"
+    NO_AGREEMENT = "film and temperatures do not agree"
     STEP_TOO_SMALL = "the time step became too small"
 
     @property
@@ -39,5 +40,8 @@ class Status(Enum):
 _ADVICE = {
     Status.NEWTON_STALLED: "use more nodes where the film is thin, or shorter steps in time",
     Status.FILM_VANISHED: "use as many nodes as the warning says (solver.nodes)",
+    Status.NO_AGREEMENT: (
+        'give the law by which the oil thins (lubricant.rheology) if it has none, or use thermal.inlet = "gupta"'
+    ),
     Status.STEP_TOO_SMALL: "refine the grid (solver.nodes), check the lubricant, or loosen time.tolerance",
 }

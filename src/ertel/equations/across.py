@@ -128,7 +128,7 @@ def sums_by_nodes(law: Fluidity, pressure: Array, t: Vector, g: Vector, nodes: N
 def moments_by_nodes(law: Fluidity, pressure: Array, t: Vector, g: Vector, nodes: Nodes) -> Moments:
     """The sums over the Gauss nodes."""
     phi, slope = with_slope(law, pressure, _sizes(t, g, nodes[0]))
-    return _assembled(_sums(nodes, phi, range(3)), _sums(nodes, slope, range(5)), t, g)
+    return assembled(_sums(nodes, phi, range(3)), _sums(nodes, slope, range(5)), t, g)
 
 
 def _sums(nodes: Nodes, values: Array, powers: Sequence[int]) -> Sequence[Array]:
@@ -138,7 +138,7 @@ def _sums(nodes: Nodes, values: Array, powers: Sequence[int]) -> Sequence[Array]
     return [jnp.sum(weight * zeta**k * both[k % 2], axis=0) for k in powers]
 
 
-def _assembled(s: Sequence[Array], r: Sequence[Array], t: Vector, g: Vector) -> Moments:
+def assembled(s: Sequence[Array], r: Sequence[Array], t: Vector, g: Vector) -> Moments:
     """From the sums with phi and with phi'/|tau|, by the power of zeta."""
     products = _products(t, g)
     return Moments(s, *(_tensor(s[k], r[k : k + 3], products) for k in range(3)))
@@ -202,4 +202,4 @@ def series_moments(series: Series, of_stress: Sequence[Sequence[Array | float]],
     ones, squares, _ = of_stress
     s = [one + rest for one, rest in zip(ones, series_sums(series, of_stress), strict=False)]
     r = [2.0 * series.first * one + 4.0 * series.second * square for one, square in zip(ones, squares, strict=True)]
-    return _assembled(s, r, t, g)
+    return assembled(s, r, t, g)

@@ -31,7 +31,7 @@ from ertel.equations.touch import Asperities
 from ertel.numerics import halfspace
 from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
 from ertel.numerics.integrals import Plane
-from ertel.numerics.stencils import FloatLike, Pair, diffusion, inside, integral
+from ertel.numerics.stencils import FloatLike, Pair, diffusion, face_fluxes, inside, integral
 from ertel.physics.geometry import Geometry
 from ertel.physics.lubricant import Lubricant
 
@@ -72,6 +72,15 @@ class PressureFlow:
     def at(self, contact: "Contact", P: Array, H: Array) -> "PressureFlow":
         """This flow with what takes long to find in the film, so that the other methods need not find it again."""
         return self
+
+    def dragged(self, mass: Array) -> Array:
+        """The oil that moves with the surfaces at their mean speed, of a full gap."""
+        return mass
+
+    def fluxes(self, contact: "Contact", P: Array, H: Array) -> tuple[Array, Array]:
+        """Minus the Poiseuille flux through the faces across X, shape (n, n + 1), and across Y, shape (n + 1, n)."""
+        in_x, in_y = face_fluxes(Pair(mobility(contact, P, H)), P, contact.even)
+        return in_x / contact.spacing, in_y / contact.spacing
 
     def gain(self, contact: "Contact", P: Array, H: Array) -> Array:
         """- div(Poiseuille flux): what the flow brings to each node; without meaning on the edge.  Shape (n, n)."""
@@ -149,8 +158,8 @@ def pressure_load(contact: Contact, P: Array) -> Array:
 
 
 def mass(contact: Contact, P: Array, H: Array) -> Array:
-    """rho H."""
-    return contact.lubricant.density(P) * H
+    """rho H; of a warm film, which is steady, what moves with the surfaces at their mean speed (`warm`)."""
+    return contact.flow.dragged(contact.lubricant.density(P) * H)
 
 
 def mobility(contact: Contact, P: Array, H: Array) -> Array:

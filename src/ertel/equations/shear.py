@@ -127,16 +127,37 @@ class _Iterate(NamedTuple):
 def _solved(
     law: Fluidity, points: int, pressure: Array, sliding: Vector, gradient: Vector, guess: Vector | None
 ) -> "SolvedFilm":
-    """The solution, with the number of iterations, the same at each point.
+    """The solution, with the number of iterations, the same at each point."""
+    resting = _resting(law, points, pressure, gradient)
+    aim, _ = _bent(law, pressure, sliding / resting)
+    nodes = across.gauss_nodes(law, points, pressure, aim, gradient)
+
+    def moments(t: Vector) -> Moments:
+        return across.moments_by_nodes(law, pressure, t, gradient, nodes)
+
+    t, iterations = middle_stress(law, pressure, sliding, gradient, resting, moments, guess)
+    count = jnp.full(pressure.shape, iterations)
+    _, by_pressure = _with_change(lambda p: across.sums_by_nodes(law, p, t, gradient, nodes), pressure)
+    return _solution(moments(t), by_pressure, t, gradient, count)
+
+
+def middle_stress(
+    law: Fluidity,
+    pressure: Array,
+    sliding: Vector,
+    gradient: Vector,
+    resting: Array,
+    moments: Callable[[Vector], Moments],
+    guess: Vector | None = None,
+) -> tuple[Vector, Array]:
+    """tau_m and the number of iterations.  moments: of the film with this tau_m.  resting: its fluidity F, see below.
 
     With the fluidity F of the film without sliding, measured along the gradient, and psi(v) = stress(|v|) v/|v|, the
     equation is psi(sliding(tau_m)/F) = psi(s/F).  For Eyring's law and sliding along the gradient its left side is
     tau_m itself.  In other directions F is the largest fluidity of the resting film; the first guess, psi(s/F),
     is then rather too small than too large.
     """
-    resting = _resting(law, points, pressure, gradient)
     aim, _ = _bent(law, pressure, sliding / resting)
-    nodes = across.gauss_nodes(law, points, pressure, aim, gradient)
 
     def unsolved(it: _Iterate) -> Array:
         return (it.left > 1.0) & (it.iterations < LIMIT)
@@ -144,7 +165,7 @@ def _solved(
     def improve(it: _Iterate) -> _Iterate:
         """Try the change; where it does not reduce the residual, try half of it next."""
         t = it.stress + it.change
-        m = across.moments_by_nodes(law, pressure, t, gradient, nodes)
+        m = moments(t)
         now, unbent = _bent(law, pressure, _flow(m.s, t, gradient)[0] / resting)
         residual = length(aim - now)
         better = residual < it.residual
@@ -159,10 +180,7 @@ def _solved(
     far = jnp.full_like(pressure, jnp.inf)
     first = _Iterate(guess or aim, 0.0 * aim, far, jnp.max(far), jnp.zeros((), jnp.int32))
     last = jax.lax.while_loop(unsolved, improve, first)
-    t = last.stress + last.change
-    count = jnp.full(pressure.shape, last.iterations)
-    _, by_pressure = _with_change(lambda p: across.sums_by_nodes(law, p, t, gradient, nodes), pressure)
-    return _solution(across.moments_by_nodes(law, pressure, t, gradient, nodes), by_pressure, t, gradient, count)
+    return last.stress + last.change, last.iterations
 
 
 def _resting(law: Fluidity, points: int, pressure: Array, gradient: Vector) -> Array:

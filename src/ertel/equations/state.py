@@ -240,7 +240,7 @@ class SteadySolver(Protocol):
 
     grids: coarsest first, each with its `coordinates` and its number of `nodes`; the last one is that of the case.  A
     solution on a grid has P, H and its history of residuals, its plain numbers and its status as
-    `solvers.steady.GridSolution`, all of which are stored, and its `record` and `maps`, which are shown.
+    `solvers.grid_solution.GridSolution`, all of which are stored, and its `record` and `maps`, which are shown.
     """
 
     grids: Sequence[Any]

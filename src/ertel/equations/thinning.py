@@ -70,8 +70,10 @@ class ThinningFlow(PressureFlow):
 
     def gain(self, contact: Contact, P: Array, H: Array) -> Array:
         """- div(Poiseuille flux), shape (n, n)."""
-        fluxes = self._fluxes(contact, P, H, self.sheared or self._solved(contact, P, H))
-        return divergence(*fluxes) / contact.spacing
+        return divergence(*self.fluxes(contact, P, H)) / contact.spacing
+
+    def fluxes(self, contact: Contact, P: Array, H: Array) -> tuple[Array, Array]:
+        return self._fluxes(contact, P, H, self.sheared or self._solved(contact, P, H))
 
     def details(self, contact: Contact, P: Array, H: Array, sliding: Array | float, plane: Plane) -> Details:
         """The flow at every node when the surfaces slide by U S; `sheared`, where it is given, is of that sliding."""

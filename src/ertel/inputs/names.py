@@ -242,8 +242,9 @@ def _with_thermal_data(data: Mapping[str, Any]) -> dict[str, Any]:
     units = {key: mark for key, mark in marks(Thermal).items() if isinstance(mark, Unit)}
     library = _of_the_library(lubricant, contact, T)
     completed = {**{key: with_unit(value, units[key]) for key, value in library.items()}, **given}
+    needed = {item.name for item in fields(Thermal) if item.default is MISSING}
     for key, unit in units.items():
-        if key not in completed and key not in ("temperature_1", "temperature_2"):
+        if key in needed and key not in completed:
             raise ValueError(f"thermal.{key}: missing; {_advice(key, unit, lubricant, contact)}")
     return {**data, "thermal": completed}
 
@@ -266,9 +267,8 @@ def _of_the_library(lubricant: Mapping[str, Any], contact: Mapping[str, Any], T:
     data: dict[str, float] = {}
     if T is not None and "oil" in lubricant:
         oil = named("lubricant", oil_of, lubricant)
-        data["beta"] = oil.thinning_at(T)
-        if oil.thermal:
-            data["conductivity"] = oil.thermal.data.conductivity
+        data |= {"beta": oil.thinning_at(T), "density": oil.density_at(T), "expansion": oil.expansion_at(T)}
+        data |= vars(oil.thermal.data) if oil.thermal else {}
     for number, key in enumerate(MATERIAL_KEYS, 1):
         if contact.get(key) in oils.material_names():
             body = oils.material(contact[key])

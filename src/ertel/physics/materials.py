@@ -99,6 +99,10 @@ class NamedOil:
         colder, warmer = self.viscosity_at(T - SMALL_STEP), self.viscosity_at(T + SMALL_STEP)
         return log(colder / warmer) / (2 * SMALL_STEP)
 
+    def expansion_at(self, T: float) -> float:
+        """Thermal expansion at ambient pressure, - d ln(rho)/dT (1/K), at T (K)."""
+        return log(self.density_at(T - SMALL_STEP) / self.density_at(T + SMALL_STEP)) / (2 * SMALL_STEP)
+
     def pressure_laws_at(self, T: float) -> Oil:
         """alpha (1/Pa), viscosity law and density law at T (K)."""
         return self.pressure.data.at(Ambient(T, self.viscosity_at(T), self.density_at(T), self.viscosity.data))

@@ -77,8 +77,9 @@ class InletFactor(NamedTuple):
     largest_L_t: float
 
 
-InletName = Literal["gupta", "wilson-sheu", "none"]
+InletName = Literal["solved", "gupta", "wilson-sheu", "none"]
 INLET_FACTORS: dict[InletName, InletFactor] = {
+    "solved": InletFactor(lambda *_: 1.0, "the film is solved with its heat", "any L_t", inf),
     "gupta": InletFactor(gupta_factor, "Gupta et al. 1992, Zhu and Cheng", "L_t up to about 1", 1.0),
     "wilson-sheu": InletFactor(
         lambda L_t, S, _: wilson_sheu_factor(L_t, S), "Wilson and Sheu 1983", "L_t up to about 1, low load", 1.0
@@ -99,6 +100,7 @@ INLET_FACTORS: dict[InletName, InletFactor] = {
 # The moving kernel is singular at x' = x.  It is integrated exactly over every cell, with q linear between the nodes.
 
 Floats = NDArray[np.float64]
+AT_REST_ON_A_LINE = 0.1  # likewise of a strip that is a hundred times as long as wide, whose ends cool its middle
 SLOWEST = 5.0  # Peclet number below which heat that flows along the surface counts
 AT_REST = 4.0 / pi  # Peclet number of a circle with uniform heat that is as hot in its middle at rest as by the formula
 

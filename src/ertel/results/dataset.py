@@ -27,7 +27,7 @@ from ertel.results.variables import named_with_unit, names_where, variable_attri
 from ertel.version import installed_version
 
 Arrays = dict[str, tuple[tuple[str, ...], Any]]  # dimensions and values by the name of the variable
-SteadyGrid = Any  # the steady contact on one grid, `solvers.steady.GridSolution`, which results do not import
+SteadyGrid = Any  # the steady contact on one grid, `solvers.grid_solution.GridSolution`, which results do not import
 FILE = "file"  # the attribute of measured heights with the name that the plain data of the case use
 
 
@@ -91,6 +91,8 @@ def assemble_steady(case: Case, grid: Any, solutions: Sequence[SteadyGrid]) -> x
     work only.
     """
     fields = names_over(case, "map", *(["heated map"] if case.thermal else []))
+    if case.thermal and case.thermal.is_solved:  # the film itself is the warm one
+        fields = [name for name in fields if not name.endswith("_warm")]
     space: Mapping[str, Any] = grid.coordinates
     nothing = np.full([len(axis) for axis in space.values()], np.nan)
     maps = solutions[-1].maps if solutions and solutions[-1].status.is_solved else dict.fromkeys(fields, nothing)
@@ -106,6 +108,9 @@ def assemble_steady(case: Case, grid: Any, solutions: Sequence[SteadyGrid]) -> x
         "grid": (("grid",), np.array([s.grid.nodes for s in solutions], dtype=np.int64)),
         "iteration": (("iteration",), np.arange(len(histories))),
     }
+    if case.thermal and solutions and solutions[-1].status.is_solved:
+        heights, T = solutions[-1].across
+        arrays |= {"zeta": (("zeta",), heights), "T_across": (("zeta", "X"), T)}
     return _dataset(case, arrays)
 
 

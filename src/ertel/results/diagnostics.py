@@ -13,6 +13,7 @@ from ertel.case.methods import as_written, of_kind
 from ertel.case.rules import computes
 from ertel.case.sections import MOST_NODES, WIDEST_HALF_WIDTH
 from ertel.case.spaces import FRONT_POSITION
+from ertel.case.status import Status
 from ertel.numerics.grid import Extrapolation, allowed_nodes, on_grids
 from ertel.physics.line_scales import LineScales
 from ertel.physics.lubricant import Barus
@@ -76,6 +77,7 @@ def steady_failure(case: Case, solution: "SteadyGrid") -> str:
     if not solution.status.is_solved:
         why = f"residual {solution.residual:.2g}, {case.solver.tolerance:g} is allowed"
         why = why if isfinite(solution.residual) else "the iteration led to values that are not numbers"
+        why = solution.status.value if solution.status is Status.NO_AGREEMENT else why
         if case.touches and _cells(case, case.motion.entrainment(0.0))[0] < CELLS_IN_FRONT:
             return f"the solution failed ({why}): {no_film(case)}"
         return f"the solution failed ({why}), and the run has no result; {solution.status.advice}"
@@ -287,16 +289,16 @@ def _centre(case: Case) -> Iterator[str]:
 def thermal_warnings(case: Case, heat: Any) -> list[str]:
     """Warnings where the formulas for the temperatures are used outside their range; an empty list if they are not."""
     assert case.thermal is not None
-    warnings, inlet = [], INLET_FACTORS[case.thermal.inlet_factor]
+    warnings, inlet = [], INLET_FACTORS[case.thermal.inlet]
     if heat.inlet.L_t > inlet.largest_L_t:
         warnings.append(
             f"the inlet factor phi_T = {heat.inlet.factor:.3g} ({inlet.source}) is made for {inlet.valid}, and this "
             f"inlet has L_t = {heat.inlet.L_t:.3g}; its film is uncertain"
         )
-    if case.thermal.inlet_factor == "gupta" and heat.inlet.factor < CLEARLY_THINNER:
+    if case.thermal.inlet == "gupta" and heat.inlet.factor < CLEARLY_THINNER:
         warnings.append(
             f"the inlet factor phi_T = {heat.inlet.factor:.3g} makes the film too thin: in a ball's pure rolling by "
-            "about 7, 13 and 25 % at L_t = 0.3, 1.1 and 4.6, with sliding by 12 to 40 %"
+            'about 7, 12 and 23 % at L_t = 0.3, 1.1 and 4.6, with sliding by 11 to 31 %; thermal.inlet = "solved" does not'
         )
     for number, peclet in enumerate(heat.peclet, 1):
         if slow_excess(peclet) > slow_excess(SLOWEST):
@@ -308,8 +310,8 @@ def thermal_warnings(case: Case, heat: Any) -> list[str]:
             )
     if not heat.converged:
         warnings.append(
-            f"the heat balance did not converge in {heat.iterations} iterations: temperatures and thermal "
-            "traction are not meaningful"
+            f"the temperatures did not converge in {heat.iterations} iterations: they and the traction with heat are "
+            "not meaningful"
         )
     return warnings
 

@@ -332,10 +332,9 @@ def _extreme_lines(summary: Outcome) -> Iterator[str]:
 def _thermal_lines(summary: Outcome) -> Iterator[str]:
     """Film, traction and temperatures with the heat of the contact, a line each; none without a section [thermal]."""
     table = numbers(summary)
-    if "phi_T" not in table:
-        return
-    cold = ", ".join(f"{n.about.symbol} {n.full_text}" for n in table.values() if f"{n.name}_warm" in summary)
-    yield f"without heat: {cold} (phi_T = {summary['phi_T']:.4g}, L_t = {summary['L_t']:.3g})"
+    if "phi_T" in table:
+        cold = ", ".join(f"{n.about.symbol} {n.full_text}" for n in table.values() if f"{n.name}_warm" in summary)
+        yield f"without heat: {cold} (phi_T = {summary['phi_T']:.4g}, L_t = {summary['L_t']:.3g})"
     if "T_film_mean" not in table:
         return
     surface_1, surface_2, film, mean = (

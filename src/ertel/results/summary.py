@@ -140,7 +140,10 @@ def steady_summary(
         if finest.heat is not None:
             values |= heat_numbers(case, finest)
             about = {"iterations": finest.heat.iterations, "converged": finest.heat.converged}
-            parts["thermal"] = {"inlet_factor": case.thermal.inlet_factor, **about}  # type: ignore[union-attr]
+            heat = dict(
+                zip(("released", "into_body_1", "into_body_2", "with_the_oil"), finest.heat.balance, strict=True)
+            )
+            parts["thermal"] = {"inlet": case.thermal.inlet, **about, "heat_W": heat}  # type: ignore[union-attr]
             warnings += diagnostics.thermal_warnings(case, finest.heat)
         if status.ok:
             values |= stress_numbers(case, {**finest.maps, **grid.coordinates})
@@ -150,22 +153,26 @@ def steady_summary(
 def heat_numbers(case: Case, solution: SteadyGrid) -> dict[str, float | None]:
     """The numbers of a steady contact with heat; coefficients are plain numbers, temperatures in K.
 
-    H_c_warm, H_min_warm: the films on the grid with the factor phi_T of the inlet formula, see `solvers.heat`; as shown
-    they are extrapolated.  L_t: thermal loading.  mu_sliding_warm: traction coefficient of the warm film.  T_1_max,
+    L_t: thermal loading.  T_1_max,
     T_2_max, T_film_max: highest temperatures of the surfaces and of the film (mean across it).  T_film_mean: that of
-    the film on average over the contact, weighted with the pressure.  Temperatures and traction are None where the heat
-    balance, which has one solution, has not converged.
+    the film on average over the contact, weighted with the pressure.  They are None where they have not converged.
+    With a formula of the inlet besides: phi_T, its factor.  H_c_warm, H_min_warm: the films on the grid with that
+    factor; as shown they are extrapolated.  mu_sliding_warm: traction coefficient of that film.
     """
     heat, maps = solution.heat, solution.maps
     assert case.scales is not None
-    films = {f"{name}_warm": heat.inlet.factor * solution.record[name] for name in FILMS}
+    assert case.thermal is not None
+    quick = {} if case.thermal.is_solved else {"mu_sliding_warm": float(heat.sliding[0]) * case.scales.a_over_R}
     warm = {
-        "mu_sliding_warm": float(heat.sliding[0]) * case.scales.a_over_R,
+        **quick,
         **{f"{name}_max": float(np.max(maps[name])) for name in ("T_1", "T_2", "T_film")},
         "T_film_mean": float(np.average(maps["T_film"], weights=maps["P"])),
     }
     found = warm if heat.converged else dict.fromkeys(warm)
-    return {**films, "L_t": heat.inlet.L_t, "phi_T": heat.inlet.factor, **found}
+    if quick:
+        films = {f"{name}_warm": heat.inlet.factor * solution.record[name] for name in FILMS}
+        found |= {**films, "phi_T": heat.inlet.factor}
+    return {"L_t": heat.inlet.L_t, **found}
 
 
 def _stresses(case: Case, data: xr.Dataset, status: Status) -> dict[str, float]:

@@ -45,7 +45,7 @@ def _thin(case: Case, H_min: float) -> Iterator[str]:
             f"the film is thinner than {ROUGH:g} times the roughness: the hills stand in the way of its flow, which "
             "flow factors would show and ertel does not have; it may be off by some 10%"
         )
-    if case.thermal:
+    if case.thermal and not case.thermal.is_solved:
         yield "the asperities carry their share in the isothermal film; heat thins the film, and more of it would touch"
 
 

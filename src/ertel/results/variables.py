@@ -111,6 +111,7 @@ AXES = {
     "Y": Variable("position along y", "Y", *LENGTH),
     "Z": Variable("depth below the surface of a body", "Z", *LENGTH),
     "r": Variable("distance from the centre", "r", *LENGTH),
+    "zeta": Variable("height in the film over the film thickness, -1/2 at surface 2", "zeta"),
     "grid": Variable("nodes per side of a grid", "n"),
     "iteration": Variable("Newton iteration", "k"),
 }
@@ -219,10 +220,14 @@ MAPS = {
     "tau_y": Variable("shear stress in the middle of the film along y", "tau_y", *SHEAR, is_across=True),
     "loss": Variable("power loss per area", "q", "p_h* a*^2/(R t0)", "power_per_area", "W/m2"),
 }
+ACROSS = {  # the film of a steady contact with [thermal], in the plane Y = 0
+    "T_across": Variable("temperature across the film at Y = 0", "T", KELVIN, comment="from surface 2 to surface 1"),
+}
 HEATED_MAPS = {  # of a steady contact with [thermal], see `solvers.heat`
     "T_1": Variable("temperature of surface 1", "T_1", KELVIN),
     "T_2": Variable("temperature of surface 2", "T_2", KELVIN),
     "T_film": Variable("temperature of the film", "T_film", KELVIN, comment="mean across the film"),
+    "share": Variable("oil that the surfaces drag along, over that of a film that is equally warm across", "c"),
     "tau_x_warm": Variable("shear stress in the middle of the warm film along x", "tau_x", *SHEAR),
     "tau_y_warm": Variable("shear stress in the middle of the warm film along y", "tau_y", *SHEAR, is_across=True),
 }
@@ -232,7 +237,10 @@ OTHERS = {"history": Variable("maximum residual after each iteration", "res"), "
 
 def _all() -> Iterator[tuple[str, Variable]]:
     """The variables by name; one with heat stands behind the same without."""
-    steps, maps = {"axis": AXES, "": CASES, "step": STEPS}, {"map": MAPS, "heated map": HEATED_MAPS, "other": OTHERS}
+    steps, maps = (
+        {"axis": AXES, "": CASES, "step": STEPS},
+        {"map": MAPS, "heated map": HEATED_MAPS, "across": ACROSS, "other": OTHERS},
+    )
     for over, part in [*steps.items(), ("grid", GRIDS), ("", RUNS), *maps.items()]:
         for name, variable in part.items():
             si_name = (variable.si_name or name.lower()) if variable.scale else ""

@@ -34,7 +34,9 @@ def program_of(case: Case) -> str:
     laws = [_structure(law) for law in (oil.viscosity_law, oil.density_law, traceable(case.oil.fluidity_law))]
     shape = (grid.nodes, grid.nodes_y, case.contact.ratio, tuple(grid.even))
     moves = (case.motion.flows, case.motion.inertia > 0)
-    return repr((case.kind, case.solver.method, shape, laws, moves, case.thermal is not None, case.touches))
+    return repr(
+        (case.kind, case.solver.method, shape, laws, moves, case.thermal and case.thermal.is_solved, case.touches)
+    )
 
 
 def _structure(law: object) -> tuple[str, object, list[tuple[int, ...]]]:

@@ -46,7 +46,7 @@ Observer = Callable[[Any], object]
 
 COUNTED = ("approach", "residual", "newton", "krylov", "convolutions", "outside")  # the plain numbers of a GridSolution
 FIELDS = ("P", "H", "history")
-OPTIONAL = ("kinked", "P_asperity")  # fields that only some films have
+OPTIONAL = ("kinked", "P_asperity", "share", "theta", "T")  # fields that only some films have
 
 
 @dataclass(frozen=True)

@@ -239,7 +239,7 @@ class TractionCurve(StudyResult):
             remarks.append(
                 "coefficients are in units a/R, films in a^2/R, stresses in p_h a/R: the case is dimensionless"
             )
-        if self.case.thermal:
+        if self.case.thermal and not self.case.thermal.is_solved:
             remarks.append(WARM)
         return [*remarks, *(f"warning: {warning}" for warning in self.warnings)]
 

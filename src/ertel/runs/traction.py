@@ -41,7 +41,8 @@ from ertel.runs.outlook import beyond
 from ertel.runs.store import RunStore
 from ertel.runs.study_result import CURVE_AXES, TractionCurve, point_numbers
 from ertel.runs.workers import Condition, LocalWorker, check_fork, never
-from ertel.solvers.steady import GridSolution, Rolling
+from ertel.solvers.grid_solution import GridSolution
+from ertel.solvers.steady import Rolling
 
 NAME = "traction"  # of the files with the points
 
@@ -217,6 +218,12 @@ def _film(case: Case, axis: str, film: str | None) -> FilmChoice:
         if film == "once":
             raise ConfigError(f'film = "once": the film depends on {axis}; leave it out, or use film = "each"')
         return "each"
+    if case.thermal and case.thermal.is_solved:
+        if film == "once":
+            raise ConfigError(
+                'film = "once": the film changes with its heat; leave it out, or use thermal.inlet = "gupta"'
+            )
+        return "each"
     return film or ("once" if case.oil.is_newtonian else "each")  # type: ignore[return-value]
 
 
@@ -301,7 +308,8 @@ def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyR
     thinnest = values.get("H_min", 0.0) * scales.film if scales else None
     warnings, status = [*beyond(case, thinnest), *diagnostics.steady_warnings(case, film.solutions)], film.status
     if status.ok and (warm := solution.heat):
-        values |= _warm_values(solution, values)
+        solved = case.thermal is not None and case.thermal.is_solved
+        values |= heat_numbers(case, solution) if solved else _warm_values(solution, values)
         warnings += diagnostics.thermal_warnings(case, warm)
         status = status if warm.converged else Status.NEWTON_STALLED
     if status.ok:

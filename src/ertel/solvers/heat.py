@@ -1,40 +1,26 @@
-"""Temperatures of a steady contact and the traction of its warm film, to the depth that practice uses.
+"""The temperatures of a steady film and, in turn, the film that it becomes: rounds of two equations.
 
-The film's shape and pressure are those of the isothermal contact.  Three things are added to them:
+The energy equation (`equations.energy`) gives the temperatures in a film.  They give the share c and the mobility theta
+of each column (`equations.columns`), with which Reynolds' equation gives another film (`equations.warm`), and so on
+until the film stays.
 
-* the inlet.  Its shear heating makes the film thinner by the factor phi_T everywhere (`physics.thermal`).
-* the heat of sliding, tau_m.(u1 - u2) per area.  The film conducts it to the surfaces, which get warm as they pass
-  through the contact (`physics.thermal`) or, at rest, in all directions; the mean temperature of the film lies above
-  theirs.  The heat of the pressure flow is left out: it arises in the inlet, where it is that of
-  phi_T, and the oil carries it along.
-* the viscosity at the film's mean temperature, from which the stress tau_m follows.
+* The energy equation takes the flow as given that the pressure drives through a column, not its gradient: where the oil
+  gets thinner, the gradient falls with 1/theta.  At a given gradient the heat of an inlet would grow with its
+  temperature without end.
+* The next c and theta are those of the last rounds together that leave the least change (Anderson DG. J ACM
+  1965;12:547-560), measured by the oil that flows.
+* No round changes a temperature by more than `LARGEST_CHANGE`: the first ones have the heat of a cold film, which may
+  be thousands of kelvins.
 
-Heat is conducted across the film only, with one temperature for the viscosity (Nahme R. Ing Arch 1940;11:191-209 has
-one that varies across the film).  A surface below the Peclet number `thermal.AT_REST` counts as one at rest.
+With a formula of the inlet, phi_T (`physics.thermal`), there are no rounds.  The temperatures are then those of the
+isothermal film, thinner by phi_T everywhere.
 
-The balance of heat
--------------------
-The film releases the heat q(T_f) per area, tau_m.(u1 - u2), which falls as the film gets warmer.  It conducts the heat
-to both surfaces, and they warm up as the heat flows into them.  With the resistance r = h/k of the film
-
-    q_1 = q/2 + c,   q_2 = q/2 - c,   r c = T_2 - T_1                      (conduction across the film, `thermal`)
-    T_i = T_b,i + K_i q_i                                                  (flash temperature of each surface)
-    T_f = (T_1 + T_2)/2 + r q/12                                           (mean over the film)
-    q = q(T_f)
-
-K_i is linear, of any kind: a moving surface, one at rest, or none at all (walls that stay cold).  Newton's iteration
-solves for q and c at all nodes together, with `gcr` for its linear equations, which need nothing but K_1 and K_2.
-
-There is exactly one solution.  Take the difference d of two, and sums over all nodes.  The released heat falls with
-the temperature, so the sum of dq dT_f is not above zero.  The surfaces store heat and never give back more than they
-took, so that the sums of dq_i K_i dq_i are not below zero.  By the equations, dq dT_f is the sum of dq_1 K_1 dq_1,
-dq_2 K_2 dq_2, r dc^2 and r dq^2/12.  Therefore dq = 0.  What is known as two branches near the traction's maximum is
-one of two things: an iteration T <- T(q(T)) that jumps to and fro, or two speeds of sliding with the same traction.
+A surface below the Peclet number `thermal.AT_REST` counts as one at rest.
 """
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from math import isinf, pi
+from functools import partial
+from math import inf, isinf, pi
 from typing import Any, NamedTuple
 
 import jax
@@ -47,35 +33,47 @@ from ertel.case.case import Case
 from ertel.case.estimates import grid_of, share_of, starvation
 from ertel.case.sections import Inlet
 from ertel.equations.account import shear_force
+from ertel.equations.across import Vector
+from ertel.equations.columns import WarmColumns
 from ertel.equations.contact import opened, traceable
-from ertel.equations.shear import shear
+from ertel.equations.energy import Energy, sweep_of
+from ertel.equations.flow import flow_aligned, steady_rate
 from ertel.numerics import halfspace
 from ertel.numerics.grid import Grid, Symmetry
 from ertel.numerics.integrals import Plane
+from ertel.numerics.lobatto import Lobatto
 from ertel.numerics.newton import gcr
-from ertel.numerics.programs import ANY_SIZE, Program, exportable
+from ertel.numerics.programs import Program, exportable
 from ertel.numerics.stencils import inside, node_slopes
-from ertel.physics.fluidity import Fluidity, limited_stress
+from ertel.physics.fluidity import limited_stress
 from ertel.physics.geometry import Geometry
-from ertel.physics.lubricant import Lubricant
-from ertel.physics.thermal import AT_REST, Floats, Solid, WarmViscosity, peclet_number, response
+from ertel.physics.thermal import AT_REST, AT_REST_ON_A_LINE, Floats, Solid, peclet_number, response
 
-TOLERANCE = 1e-6  # of the last change of T_f over its largest rise; the error is about its square
-LIMIT = 100  # of Newton iterations; each makes a film that is far too stiff e times less so
+POINTS = 7  # across the film
+TOLERANCE = 1e-5  # of the last change of T, over its largest rise
+LIMIT = 60  # of changes of the temperatures of a film that stays
+IN_A_ROUND = 2  # changes of the temperatures
+LARGEST_CHANGE = 100.0  # K, of a temperature in a round
 REDUCTION = 1e-2  # of the residual of the linear equations
 KRYLOV_LIMIT = 40
+ROUNDS, DEPTH = 40, 4  # at most; of them together
+AGREED = 3e-5  # a change of H_c and of H_min in the last round, over H_c
+LEAST_RISE = 1e-3  # K
+FIRST_STEP = 0.6  # of the change of c and ln theta
 
 
 class Heated(NamedTuple):
     """The temperatures of a contact and the friction of its warm film.
 
-    inlet: L_t and phi_T, on layers of oil the factor of `_of_layer`.  film: phi_T H in a^2/R, of the film's shape
-    (n_y, n_x), as are all maps.  T_1, T_2, T_film: temperatures of the surfaces and mean temperature of the film, in K;
-    where P = 0 T_film is the mean of the surfaces.
-    heat: of sliding per area, in W/m^2.  stress: tau_m along X and Y in p_h a/R, zero where P = 0, shape (2, n_y, n_x).
-    sliding: its force over the load along X and Y, in a/R, shape (2,); times a/R it is the traction coefficient.
-    peclet: numbers of both surfaces.  iterations: of Newton's method; applications: how often the temperatures of both
-    surfaces were computed from their heat, a convolution each; converged: whether the temperatures are found.
+    inlet: L_t and phi_T, which is 1 where the film is solved with its heat, and on layers of oil the factor of
+    `_of_layer`.  film: H in a^2/R.  Maps have its shape (n_y, n_x).
+    T_1, T_2, T_film: temperatures of the surfaces and the mean across the film, K.  T: above that of the inlet at the
+    points across the film from surface 2 to surface 1, shape (POINTS, n_y, n_x).
+    stress: tau_m along X and Y in p_h a/R, zero where P = 0, shape (2, n_y, n_x).  sliding: its force over the load
+    along X and Y, in a/R, shape (2,).  share, theta: c, and theta along X and along Y, of these temperatures.
+    weight: of their changes, see `Rounds`.  balance: the heat of the film, what flows into body 1 and into body 2, and
+    what the oil takes along, in W, of a line contact in W/m.
+    peclet: numbers of both surfaces.  iterations: changes of the temperatures.  converged: whether they are found.
     """
 
     inlet: Inlet
@@ -83,95 +81,78 @@ class Heated(NamedTuple):
     T_1: Floats
     T_2: Floats
     T_film: Floats
-    heat: Floats
+    T: Floats
     stress: Array
     sliding: Array
+    share: Array
+    theta: Array
+    weight: Array
+    balance: tuple[float, ...]
     peclet: tuple[float, ...]
     iterations: int
-    applications: int
     converged: bool
 
 
-@register_dataclass
-@dataclass(frozen=True)
-class _Film:
-    """The film without its temperature.  P: of the oil, in p_h.  H: phi_T h in m.  speed: u1 - u2 in m/s.
-
-    spacing: in m.  boundary: the stress of asperities along X, in Pa.
-    """
-
-    law: Fluidity
-    warm: WarmViscosity
-    oil: Lubricant
-    eta0: float
-    p_h: float
-    P: Array
-    H: Array
-    speed: float
-    spacing: float
-    boundary: Array | float
-    even: Symmetry = field(metadata={"static": True})
-
-    def stress(self, warmer: Array) -> Array:
-        """tau_m in Pa along X and Y in a film that is so much warmer (K) than the inlet; zero where P = 0."""
-        log_ratio = jnp.log(self.oil.viscosity(self.P))
-        viscosity = self.eta0 * jnp.exp(log_ratio + self.warm.change(log_ratio, warmer))
-        gradient = self.p_h * self.H * node_slopes(self.P, self.spacing, self.even)
-        sliding = viscosity * self.speed / self.H
-        pressure = self.p_h * self.P
-        sheared = shear(self.law, pressure, jnp.stack([sliding, jnp.zeros_like(sliding)]), gradient)
-        stress = jnp.where(self.P > 0.0, limited_stress(self.law, sheared.stress, pressure), 0.0)
-        return stress.at[0].add(self.boundary)
-
-    def __call__(self, warmer: Array) -> tuple[Array, Array]:
-        """The heat tau_m.(u1 - u2) in W/m^2, and its derivative by the temperature at the node."""
-        stress, slope = jax.jvp(self.stress, (warmer,), (jnp.ones_like(warmer),))
-        return self.speed * stress[0], self.speed * slope[0]
-
-
-_stress_program = Program(jax.jit(_Film.stress), ANY_SIZE)
-
-
 def heated(
-    case: Case, P: Any, H: Any, heat: Floats | None = None, grid: Grid | None = None, P_asperity: Any = 0.0
+    case: Case,
+    P: Any,
+    H: Any,
+    grid: Grid | None = None,
+    P_asperity: Any = None,
+    factors: "WarmFactors | None" = None,
+    limit: int = LIMIT,
 ) -> Heated:
     """The temperatures of a steady contact in SI; raises ValueError if it has no section [thermal].
 
-    P, H: pressure of the oil and isothermal film on the grid, that of the case unless another is given.  P_asperity:
-    the pressure of asperities, which make heat of their own.  heat: of sliding per
-    area (W/m^2), from which the iteration starts, none if it is left out.
+    P, H: pressure of the oil and film on the grid, that of the case unless another is given; the isothermal film where
+    a formula makes it thinner.  P_asperity: the pressure of asperities, which make heat of their own.  factors: with
+    which the film was solved, none of an isothermal film; their temperatures change by `LARGEST_CHANGE` at most.
+    limit: of the changes of the temperatures.
     """
     thermal, s, eta0 = case.thermal, case.scales, case.oil.eta0
     if thermal is None or s is None or eta0 is None:
         raise ValueError("thermal: the case has no such section, and so no data for temperatures")
-    S, mean, grid = case.motion.slide_to_roll, case.motion.entrainment(0.0) * s.front_speed, grid or grid_of(case)
+    grid, mean = grid or grid_of(case), case.motion.entrainment(0.0) * s.front_speed
     size, pressure = case.geometry.grown(case.motion.load(0.0))  # the contact, by a load that [motion] changes
+    slides = case.motion.slide_to_roll
+    inlet = _of_layer(case, thermal.inlet_of(eta0, s.p_h * pressure / s.E_prime, mean, slides))
+    speeds = abs(mean) * (1.0 + 0.5 * slides), abs(mean) * (1.0 - 0.5 * slides)
     half_width = s.a * case.geometry.extent[0] * size
-    inlet = _of_layer(case, thermal.inlet(eta0, s.p_h * pressure / s.E_prime, mean, S))
-    film = opened(inlet.factor * jnp.asarray(H))
-    sheared = _sheared(case, grid, thermal.viscosity_of(eta0), P, film, S * mean)
-    if case.surfaces and case.touches:
-        along_x = case.surfaces.friction * np.sign(S * mean)
-        sheared = replace(sheared, boundary=along_x * s.p_h * jnp.asarray(P_asperity))
-    moving = list(zip(thermal.bodies, (mean * (1.0 + 0.5 * S), mean * (1.0 - 0.5 * S)), strict=True))
-    peclet = tuple(peclet_number(body, speed, half_width) for body, speed in moving)
-    at = s.a, grid, case.geometry
-    rises = [_rise(body, speed, number, *at) for (body, speed), number in zip(moving, peclet, strict=True)]
-    warm = warmed(sheared, rises, np.asarray(sheared.H) / thermal.conductivity, thermal.warmer, heat)
-    stress = _stress_program(sheared, warm.film) / s.shear_stress
+    peclet = tuple(peclet_number(body, speed, half_width) for body, speed in zip(thermal.bodies, speeds, strict=True))
+
+    turned = partial(flow_aligned, steady_rate(mean))  # X points downstream
+    P, film = jnp.asarray(P), opened(inlet.factor * jnp.asarray(H))
+    boundary = 0.0 if P_asperity is None or case.surfaces is None else case.surfaces.friction * s.p_h * P_asperity
+    solid = jnp.broadcast_to(abs(slides * mean) * jnp.asarray(boundary), grid.shape)
+    energy = _energy(case, grid, turned(P), turned(film), speeds, turned(solid))
+    _, theta, T = (turned(jnp.asarray(each)) for each in factors or WarmFactors.of_cold(grid))
+    found = _program(energy, T, theta, inf if factors is None else LARGEST_CHANGE, limit)
+
+    plane, area = Plane.of(grid), s.a if case.geometry.is_line else s.a**2
+    balance = [float(plane.total(part)) * area for part in (found.heat, *found.into[::-1], found.carried)]
+    found = found._replace(
+        **{name: turned(getattr(found, name)) for name in ("T", "stress", "share", "theta", "weight")}
+    )
+    stress = found.stress * jnp.array([np.sign(mean), 1.0])[:, None, None]
+    stress = jnp.where(P > 0.0, limited_stress(energy.columns.law, stress, s.p_h * P), 0.0)
+    stress = stress.at[0].add(np.sign(slides * mean) * boundary) / s.shear_stress
+    T = np.asarray(found.T)
     return Heated(
         inlet=inlet,
         film=film,
-        T_1=thermal.temperature + warm.surface_1,
-        T_2=thermal.temperature + warm.surface_2,
-        T_film=thermal.temperature + warm.film,
-        heat=warm.x[0],
+        T_1=thermal.temperature + T[-1],
+        T_2=thermal.temperature + T[0],
+        T_film=thermal.temperature + np.asarray(energy.columns.across.integral(found.T)),
+        T=T,
         stress=stress,
-        sliding=shear_force(Plane.of(grid), stress) / (case.motion.load(0.0) * case.geometry.hertz_load),
+        sliding=shear_force(plane, stress) / (case.motion.load(0.0) * case.geometry.hertz_load),
+        share=found.share,
+        theta=found.theta,
+        weight=found.weight,
+        balance=tuple(balance),
         peclet=peclet,
-        iterations=int(warm.iterations),
-        applications=int(warm.applications),
-        converged=bool(warm.converged),
+        iterations=int(found.iterations),
+        converged=bool(found.change <= TOLERANCE),
     )
 
 
@@ -181,38 +162,71 @@ def _of_layer(case: Case, inlet: Inlet) -> Inlet:
     With the share R(r) of the flooded film on a layer r times as thick (`estimates.share_of`), the warm film is phi_T
     R(r/phi_T) times the cold flooded one: phi_T of that on much oil, all of the layer on little.
     """
+    if inlet.factor == 1.0:
+        return inlet
     r, share = starvation(case)
     if isinf(r):
         return inlet
     return inlet._replace(factor=inlet.factor * share_of(case, r / inlet.factor) / share)
 
 
-def _sheared(case: Case, grid: Grid, warm: WarmViscosity, P: Any, film: Array, speed: float) -> _Film:
-    s, eta0 = case.scales, case.oil.eta0
-    assert s is not None and eta0 is not None  # `heated`
-    law, warm, oil = traceable(case.oil.fluidity_law), traceable(warm), traceable(case.lubricant)
-    return _Film(law, warm, oil, eta0, s.p_h, jnp.asarray(P), film * s.film, speed, grid.spacing * s.a, 0.0, grid.even)
+def _energy(case: Case, grid: Grid, P: Array, film: Array, speeds: tuple[float, float], solid: Any) -> Energy:
+    """The energy equation of a film, of which X points downstream.  film: in a^2/R."""
+    thermal, s, eta0 = case.thermal, case.scales, case.oil.eta0
+    assert thermal is not None and s is not None and eta0 is not None  # `heated`
+    oil, spacing, h = traceable(case.lubricant), grid.spacing * s.a, _of_oil(P, film) * s.film
+    laws = traceable(case.oil.fluidity_law), traceable(thermal.viscosity_of(eta0))
+    ratio = jnp.log(oil.viscosity(P))
+    gradient = Vector(*(s.p_h * h * node_slopes(P, spacing, grid.even)))
+    columns = WarmColumns(*laws, s.p_h * P, h, eta0 * jnp.exp(ratio), ratio, gradient, *speeds, Lobatto.of(POINTS))
+    rises = [_rise(*each, s.a, grid, case.geometry) for each in zip(thermal.bodies, speeds, strict=True)]
+    return Energy(
+        columns,
+        thermal.density * thermal.heat_capacity * oil.density(P),
+        thermal.conductivity,
+        thermal.expansion,
+        thermal.temperature,
+        thermal.warmer[::-1],
+        (rises[1], rises[0]),
+        solid,
+        spacing,
+        grid.even,
+    )
 
 
-def _rise(body: Solid, speed: float, peclet: float, a: float, grid: Grid, geometry: Geometry) -> "Rise":
-    if peclet >= AT_REST:
-        return Moving(response(body, speed, grid.shape[1], grid.spacing * a))
+def _of_oil(P: Array, film: Array) -> Array:
+    """The film of oil: in a cavity what came out of the last full gap upstream."""
+    columns = jnp.arange(P.shape[1])
+    last = jnp.maximum.accumulate(jnp.where(P > 0.0, columns, 0), axis=1)
+    return jnp.where(P > 0.0, film, jnp.minimum(film, jnp.take_along_axis(film, last, axis=1)))
+
+
+# -- how warm a surface gets -------------------------------------------------------------------------------------------
+
+
+def _rise(body: Solid, speed: float, a: float, grid: Grid, geometry: Geometry) -> "Rise":
+    peclet = peclet_number(body, speed, a * geometry.extent[0])
+    if peclet >= (AT_REST_ON_A_LINE if geometry.is_line else AT_REST):
+        return Moving(jnp.asarray(response(body, speed, grid.shape[1], grid.spacing * a)))
     # a source of the length l on a line heats its middle by ln(l/x)/(pi k), which is the sum of 1/(2 pi k r)
     resistance = a / ((1.0 if geometry.is_line else 2.0) * pi * body.conductivity)
-    return Resting(halfspace.spectrum(grid, resistance, reach=geometry.reach), grid.even)
+    return Resting(halfspace.spectrum(grid, resistance, reach=geometry.reach), grid.shape, grid.even)
 
 
-# -- the balance of heat -----------------------------------------------------------------------------------------------
-
-
-class Moving(NamedTuple):
+@register_dataclass
+@dataclass(frozen=True)
+class Moving:
     """K_i of a surface that passes through the contact.  response: from `thermal.response`."""
 
-    response: Any
+    response: Array
 
-    def __call__(self, heat: Any) -> Any:
+    def __call__(self, heat: Array) -> Array:
         """The temperature rise (K) from the heat flux into the surface (W/m^2)."""
         return heat @ self.response.T
+
+    def split(self) -> tuple[Array, Array, Array]:
+        """K of a node by itself, and by the nodes before it, downstream and back, for `energy.ColumnSweep`."""
+        return self.response[0, 0], jnp.tril(self.response, -1), jnp.triu(self.response, 1)
 
 
 @register_dataclass
@@ -221,107 +235,149 @@ class Resting:
     """K_i of a surface at rest.  kernel: of the half space, with 1/(2 pi k) as its compliance."""
 
     kernel: Array
+    shape: tuple[int, int] = field(metadata={"static": True})
     even: Symmetry = field(metadata={"static": True})
 
-    def __call__(self, heat: Any) -> Any:
+    def __call__(self, heat: Array) -> Array:
         """The temperature rise (K) from the heat flux into the surface (W/m^2)."""
         return halfspace.surface_displacement(self.kernel, inside(jnp.asarray(heat), self.even), self.even)
+
+    def split(self) -> tuple[Array, Array, Array]:
+        """As of `Moving`; a sweep counts all heat as the node's own, the most that it can be."""
+        nothing = jnp.zeros((self.shape[1], self.shape[1]))
+        return self(jnp.ones(self.shape)), nothing, nothing
 
 
 Rise = Moving | Resting
 
 
+# -- the temperatures of a film ----------------------------------------------------------------------------------------
+
+
 @exportable
-class Warmed(NamedTuple):
-    """Temperatures and the work to find them.
+class _Found(NamedTuple):
+    """The temperatures, and what follows from them, with X pointing downstream; see `Heated`.
 
-    x: q and c in W/m^2.  surface_1, surface_2, film: T_1, T_2, T_f in K.  iterations: of Newton's method.
-    applications: how often K_1 and K_2 were applied.
+    stress: t in Pa.  heat, into: W/m^2, the latter of surface 2 and of surface 1.  carried: with the oil, W/m^2.
+    weight: how much a change of c and of theta along X and Y changes the oil that passes, over u_m h, shape (3, n_y,
+    n_x).  change: the last one over the largest rise.
     """
 
-    x: Any
-    surface_1: Any
-    surface_2: Any
-    film: Any
-    iterations: Any
-    applications: Any
-    converged: Any
+    T: Array
+    stress: Array
+    share: Array
+    theta: Array
+    heat: Array
+    into: tuple[Array, Array]
+    carried: Array
+    weight: Array
+    iterations: Array
+    change: Array
 
 
-def warmed(
-    release: Callable[[Any], tuple[Any, Any]],
-    rises: Sequence[Rise],
-    resistance: Floats,
-    bodies: Sequence[float] = (0.0, 0.0),
-    heat: Floats | None = None,
-) -> Warmed:
-    """The temperatures of the film and of both surfaces.
+def _temperatures(energy: Energy, T: Array, held: Array, largest: Any, limit: Any) -> _Found:
+    """Changes of the temperatures T until they stay, see `heated`."""
+    across, start, c = energy.columns.across, T, energy.columns
+    cold = c.mobility(jnp.zeros_like(T))
 
-    release: q (W/m^2) and dq/dT_f <= 0 at T_f; traceable by JAX, and a pytree.  rises: K_1 and K_2, linear.
-    resistance: r = h/k of the film, m^2 K/W, above zero, of any shape.  bodies: T_b,1 and T_b,2, in the scale in which
-    `release` takes T_f.  heat: q from which the iteration starts; a film that releases none if it is left out.
-    """
-    q = np.zeros_like(resistance) if heat is None else heat
-    return jax.device_get(_program(_Balance(release, tuple(rises), resistance, tuple(bodies)), q))
+    def eased(theta: Array) -> Energy:
+        """The equation with the gradient that drives the same flow as `held` does."""
+        x, y = jnp.minimum(1.0, held / theta)
+        return replace(energy, columns=replace(c, gradient=Vector(x * c.gradient.x, y * c.gradient.y)))
 
+    def unsolved(state: Any) -> Array:
+        T, change, n = state
+        return (change > TOLERANCE) & (n < limit) & jnp.all(jnp.isfinite(T))
 
-class _Balance(NamedTuple):
-    """The equations for x = (q, c), see `warmed`."""
+    def improve(state: Any) -> Any:
+        T, _, n = state
+        now = eased(c.mobility(T) / cold)
+        m, warmer = jax.jvp(now.columns.motion, (T,), (jnp.ones_like(T),))
+        softer = jnp.minimum(warmer.heat, 0.0)
+        sweep, change = sweep_of(now, m, softer), partial(now.change, m=m, softer=softer)
 
-    release: Any
-    rises: Sequence[Rise]
-    resistance: Any
-    bodies: Sequence[Any]
+        def direction(_: Array, r: Array) -> Array:
+            there = sweep(r * sweep.size)
+            return there + sweep(r * sweep.size - change(there), back=True)
 
-    def rise(self, x: Array) -> tuple[Array, Array, Array]:
-        """The rise of the temperatures of both surfaces and of the film by the heat."""
-        rise_1, rise_2 = self.rises[0](0.5 * x[0] + x[1]), self.rises[1](0.5 * x[0] - x[1])
-        return rise_1, rise_2, 0.5 * (rise_1 + rise_2) + self.resistance * x[0] / 12.0
+        wrong = now.residual(T, m) / sweep.size
+        d, _ = gcr(lambda d: change(d) / sweep.size, direction, -wrong, REDUCTION, KRYLOV_LIMIT)
+        rise = jnp.maximum(jnp.max(jnp.abs(T + d)), LEAST_RISE)
+        return T + d, jnp.max(jnp.abs(d)) / rise, n + 1
 
-    def temperatures(self, x: Array) -> tuple[Array, Array, Array]:
-        """T_1, T_2 and T_f."""
-        (body_1, body_2), (rise_1, rise_2, film) = self.bodies, self.rise(x)
-        return body_1 + rise_1, body_2 + rise_2, 0.5 * (body_1 + body_2) + film
-
-    def newton_change(self, w: Warmed, coldest: Array) -> tuple[Array, Array]:
-        """The change of x, and how often K_1 and K_2 were applied for it.
-
-        Each equation is divided by about the diagonal of its own derivative.
-        """
-        # no film gets colder than both bodies, but an iterate may, and the viscosity of very cold oil is not a number
-        release, slope = self.release(jnp.maximum(w.film, coldest))
-        ones = jnp.ones_like(self.resistance)
-        # the most that they resist, under heat everywhere upstream
-        surfaces = self.rises[0](ones) + self.rises[1](ones)
-        along, across = 1.0 - slope * (0.25 * surfaces + self.resistance / 12.0), self.resistance + surfaces
-        wrong = (w.x[0] - release) / along, (self.resistance * w.x[1] + w.surface_1 - w.surface_2) / across
-
-        def derivative(d: Array) -> Array:
-            rise_1, rise_2, film = self.rise(d)
-            return jnp.stack([(d[0] - slope * film) / along, (self.resistance * d[1] + rise_1 - rise_2) / across])
-
-        return gcr(derivative, lambda k, r: r, -jnp.stack(wrong), REDUCTION, KRYLOV_LIMIT)
+    T, change, n = jax.lax.while_loop(unsolved, improve, (T, jnp.asarray(jnp.inf), jnp.zeros((), jnp.int32)))
+    most = jnp.max(jnp.abs(T - start))
+    T = start + (T - start) * jnp.minimum(1.0, largest / jnp.maximum(most, LEAST_RISE))
+    theta = c.mobility(T) / cold
+    now = eased(theta)
+    m, film = now.columns.motion(T), c.film
+    driven = [c.film * jnp.abs(g) / (6.0 * c.viscosity * (c.u_1 + c.u_2)) for g in (c.gradient.x, c.gradient.y)]
+    return _Found(
+        T=T,
+        stress=jnp.stack([m.stress.x, m.stress.y]),
+        share=c.share(T),
+        theta=theta,
+        heat=film * across.integral(m.heat + energy.expansion * (energy.inlet + T) * now.compression(m)) + energy.solid,
+        into=now.fluxes(T, m),
+        carried=film * across.integral(now.carried(T, m)),
+        weight=jnp.minimum(jnp.stack([jnp.where(c.pressure > 0.0, 1.0, 0.0), *driven]), 1.0),
+        iterations=n,
+        change=jnp.where(most > largest, jnp.inf, change),
+    )
 
 
-def _solved(balance: _Balance, q: Array) -> Warmed:
-    """Newton's iteration from the heat q."""
-    coldest = jnp.minimum(*balance.bodies)
-
-    def is_unsolved(w: Warmed) -> Array:
-        return ~w.converged & (w.iterations < LIMIT) & jnp.all(jnp.isfinite(w.film))
-
-    def improve(w: Warmed) -> Warmed:
-        change, applications = balance.newton_change(w, coldest)
-        T_1, T_2, film = balance.temperatures(w.x + change)
-        rise = jnp.maximum(jnp.max(jnp.abs(film - coldest)), 1e-300)
-        converged = jnp.max(jnp.abs(film - w.film)) <= TOLERANCE * rise
-        done = w.applications + applications + 1
-        return Warmed(w.x + change, T_1, T_2, film, w.iterations + 1, done, converged)
-
-    x = jnp.stack([q, jnp.zeros_like(q)])
-    zero = jnp.zeros((), jnp.int32)
-    start = Warmed(x, *balance.temperatures(x), zero, zero + 2, zero > 0)
-    return jax.lax.while_loop(is_unsolved, improve, start)
+SMALL = POINTS * 40 * 65  # entries of T on a grid that is solved in less time than its program is optimised
+_program = Program(jax.jit(_temperatures), SMALL)
 
 
-_program = Program(jax.jit(_solved), ANY_SIZE)
+# -- rounds ------------------------------------------------------------------------------------------------------------
+
+
+class WarmFactors(NamedTuple):
+    """c and theta of a warm film, theta along X and along Y, and T of `Heated`, from which they follow."""
+
+    share: Any
+    theta: Any
+    T: Any
+
+    @classmethod
+    def of_cold(cls, grid: Grid) -> "WarmFactors":
+        """Those of a film without heat."""
+        return cls(np.ones(grid.shape), np.ones((2, *grid.shape)), np.zeros((POINTS, *grid.shape)))
+
+    def finer(self) -> "WarmFactors":
+        """On the grid that has a node between each two of this one, by straight lines."""
+        return WarmFactors(*(_finer(_finer(each, -1), -2) for each in self))
+
+
+def _finer(field: Any, axis: int) -> Any:
+    field = np.moveaxis(np.asarray(field), axis, 0)
+    if len(field) == 1:
+        return np.moveaxis(field, 0, axis)
+    finer = np.repeat(field, 2, axis=0)[:-1]
+    finer[1::2] = 0.5 * (field[1:] + field[:-1])
+    return np.moveaxis(finer, 0, axis)
+
+
+class Rounds:
+    """Anderson's iteration for c and ln theta, in which a change counts by what it does to the oil that passes."""
+
+    def __init__(self, factors: WarmFactors):
+        self.at = np.concatenate([factors.share[None], np.log(factors.theta)])
+        self.past: list[tuple[Floats, Floats]] = []
+
+    def next(self, found: Heated) -> WarmFactors:
+        """The factors with which to go on."""
+        weight = np.asarray(found.weight)
+        new = np.concatenate([np.asarray(found.share)[None], np.log(found.theta)])
+        step = new - self.at
+        self.past = [*self.past, (self.at, step)][-DEPTH:]
+        if len(self.past) == 1:
+            self.at = self.at + FIRST_STEP * step
+        else:
+            ways, steps = ([now - before for before in earlier] for *earlier, now in zip(*self.past, strict=True))
+            matrix = np.stack([(weight * each).ravel() for each in steps], axis=1)
+            shares = np.linalg.lstsq(matrix, (weight * step).ravel(), rcond=1e-8)[0]
+            less = [share * (way + each) for share, way, each in zip(shares, ways, steps, strict=True)]
+            self.at = self.at + step - sum(less)
+        return WarmFactors(self.at[0], np.exp(self.at[1:]), found.T)

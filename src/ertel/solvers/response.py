@@ -43,8 +43,8 @@ from ertel.numerics.programs import require_double
 from ertel.numerics.stencils import FloatLike, inside, upstream_slope
 from ertel.physics.motion import constant
 from ertel.solvers import nonlinear
+from ertel.solvers.grid_solution import GridSolution
 from ertel.solvers.nonlinear import PRECISION, Problem
-from ertel.solvers.steady import GridSolution
 from ertel.solvers.transient import FALLING, Transient2D
 
 NODES_PER_WAVE = 4  # a coarse grid that has fewer is for long waves alone

@@ -7,9 +7,9 @@ guess on the next finer grid (nested iteration), and gives an error estimate of 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from threading import Thread
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -20,18 +20,18 @@ from numpy.typing import NDArray
 from ertel.case.case import Case
 from ertel.case.estimates import grid_of, largest_film
 from ertel.case.status import Status
-from ertel.equations import account, contact, discretise
+from ertel.equations import contact, discretise
 from ertel.equations.approach import balanced
 from ertel.equations.contact import Contact
-from ertel.equations.flow import OilContent, Rate, steady_rate, wedge
-from ertel.equations.state import SteadySolver, level_fields, measure
-from ertel.numerics import multigrid, newton, stencils
+from ertel.equations.flow import steady_rate
+from ertel.equations.state import SteadySolver
+from ertel.numerics import multigrid, newton
 from ertel.numerics.grid import Grid, check_coarsening, expected_next
-from ertel.numerics.integrals import Plane
-from ertel.numerics.programs import ANY_SIZE, Program, double_precision
+from ertel.numerics.programs import Program, double_precision
 from ertel.solvers import nonlinear
+from ertel.solvers.grid_solution import GridSolution, warm_contact
 from ertel.solvers.guesses import motion_of, refined, rough_guess, unbalanced
-from ertel.solvers.heat import Heated, heated
+from ertel.solvers.heat import AGREED, IN_A_ROUND, ROUNDS, Rounds, WarmFactors, heated
 
 Floats = NDArray[np.float64]
 
@@ -51,118 +51,6 @@ OPTIONS = newton.Options(newton_limit=100, newton_least=2, krylov_limit=18, firs
 ALGORITHMS = nonlinear.Algorithms(nonlinear.approach_as_unknown, nonlinear.line_preconditioner, OPTIONS)
 
 _program = Program(nonlinear.solve, SMALL)
-
-
-class SteadyAccount(NamedTuple):
-    """The terms of the balances and the coefficients of the friction by name, the friction, and the oil there."""
-
-    terms: dict[str, float]
-    friction: account.Friction
-    oil: OilContent
-
-
-@dataclass(frozen=True)
-class GridSolution:
-    """The steady contact of a case on one grid: fields of its shape, approach in a^2/R, status and work.
-
-    The account of the film and its temperatures are computed once, when they are first asked for.
-    history: maximum residual before the first and after each Newton iteration.  convolutions: work on this grid.
-    outside: the load that the oil outside the grid carries (double integral of P).  kinked: where a starved film is.
-    P_asperity: what asperities carry of P, None where none touch.
-    """
-
-    case: Case
-    grid: Grid
-    P: Any
-    H: Any
-    approach: float
-    residual: float
-    status: Status
-    newton: int
-    krylov: int
-    convolutions: float
-    history: tuple[float, ...] = ()
-    outside: float = 0.0
-    kinked: Any = None
-    P_asperity: Any = None
-
-    def measure(self) -> dict[str, float]:
-        """Films, pressures and load, see `state.measure`, and Delta."""
-        return {"Delta": self.approach, **self._values, "load": self._values["load"] + self.outside}
-
-    @cached_property
-    def _values(self) -> dict[str, float]:
-        return measure(self.grid, self.P, self.H)
-
-    @property
-    def fields(self) -> dict[str, Array]:
-        """P, H and the oil that is there, as mass, as in a `State`."""
-        return level_fields(self.P, None if self.P_asperity is None else self.P_f, self.H, self.content.oil)
-
-    @property
-    def P_f(self) -> Any:
-        """The pressure of the oil."""
-        return self.P if self.P_asperity is None else self.P - self.P_asperity
-
-    @property
-    def content(self) -> OilContent:
-        """The oil that is there."""
-        return self.account.oil
-
-    @property
-    def load(self) -> float:
-        """The double integral of P on the grid."""
-        return self._values["load"]
-
-    @cached_property
-    def account(self) -> SteadyAccount:
-        """Its balances, its friction and its oil."""
-        m, scale = self.case.motion, self.case.geometry.hertz_load
-        U, load = m.entrainment(0.0), m.load(0.0)
-        gap_change = discretise.gap_change(self.case, self.grid, 0.0)
-        moment = account.Moment(self.approach, U, m.sliding(0.0), gap_change, load, scale)
-        c, rate = discretise.contact_of(self.case, self.grid), steady_rate(U, discretise.layer_of(self.case, self.grid))
-        rate = rate._replace(held=self.kinked)
-        fields = self.P_f, self.H, self.P_asperity
-        terms, friction, content = _account_program(Plane.of(self.grid), c, *fields, rate, moment)
-        around = discretise.outside_of(self.case, self.grid).at(motion_of(self.case, self.approach))
-        around = around._replace(load=self.outside)
-        terms = account.with_outside(jax.tree.map(float, jax.device_get(terms)), 0.0, around, scale)
-        return SteadyAccount(terms, friction, content)
-
-    @cached_property
-    def heat(self) -> Heated | None:
-        """Its temperatures; None without a section [thermal]."""
-        if self.case.thermal is None:
-            return None
-        solid = {} if self.P_asperity is None else {"P_asperity": self.P_asperity}
-        return heated(self.case, self.P_f, self.H, grid=self.grid, **solid)
-
-    @property
-    def record(self) -> dict[str, float]:
-        """Its numbers by name: those of `measure`, of the account, and the work."""
-        work = {"newton_iterations": self.newton, "krylov_iterations": self.krylov, "convolutions": self.convolutions}
-        return {**self.measure(), **self.account.terms, "residual": self.residual, **work}
-
-    @property
-    def maps(self) -> dict[str, Floats]:
-        """Its fields on the whole plane by name: those of `account.whole_maps`, and the temperatures."""
-        maps = account.whole_maps(self.whole, self.fields, self.account.friction)
-        heat = self.heat
-        if heat is not None:
-            maps |= {name: np.asarray(self.whole(getattr(heat, name))) for name in ("T_1", "T_2", "T_film")}
-            warm = dict(zip(("tau_x_warm", "tau_y_warm"), heat.stress, strict=True))
-            maps |= {name: np.asarray(self.whole(each, odd=name[4] == "y")) for name, each in warm.items()}
-        return maps
-
-    def whole(self, field: Any, odd: bool = False) -> Any:
-        """A field on the whole plane, shape (nodes, nodes), or along a line.
-
-        The grid may keep one side of an axis of symmetry only.
-
-        odd: whether it changes its sign at the axis Y = 0.
-        """
-        return stencils.shown(np.asarray(field), self.grid.even, odd)  # type: ignore[arg-type]
 
 
 class SteadyFilm(SteadySolver):
@@ -235,7 +123,8 @@ def nested(case: Case, done: Sequence[GridSolution] = ()) -> Iterator[GridSoluti
     if not done:
         compile_ahead(case)
     for grid in reversed(grids[: len(grids) - len(done)]):
-        c = discretise.contact_of(case, grid)
+        factors = first_factors(case, grid, solutions)
+        c = warm_contact(case, grid, factors)
         if solutions:
             guess: Any = first_guess(c, solutions[-1], expected_next([s.approach for s in solutions]))
             if c.asperities is not None and unbalanced(c, *guess) > ASTRAY:  # a steep law in a very thin film
@@ -244,8 +133,38 @@ def nested(case: Case, done: Sequence[GridSolution] = ()) -> Iterator[GridSoluti
             first = solve_on_grid(case, grid, c, *rough_guess(case, grid, c))
             guess = first.P, first.approach, first.P_f  # with the oil outside of the lubricated contact
         solution = _agreeing(c, solve_on_grid(case, grid, c, *guess), OUTSIDE)
+        if factors is not None:
+            solution = _with_heat(solution, factors)
         solutions.append(_judged(solution) if grid is grids[0] else solution)
         yield solutions[-1]
+
+
+def first_factors(case: Case, grid: Grid, coarser: Sequence[GridSolution]) -> WarmFactors | None:
+    """The factors of a warm film with which the search on a grid starts; None of a film that is solved without heat."""
+    if case.thermal is None or not case.thermal.is_solved:
+        return None
+    known = coarser[-1].factors if coarser else None
+    return WarmFactors.of_cold(grid) if known is None else known.finer()
+
+
+def _with_heat(s: GridSolution, factors: WarmFactors) -> GridSolution:
+    """The film with its heat, in rounds (`solvers.heat`); stalled where they do not agree."""
+    rounds, films = Rounds(factors), s.measure()
+    for _ in range(ROUNDS):
+        found = heated(s.case, s.P_f, s.H, s.grid, s.P_asperity, factors, IN_A_ROUND)
+        factors, last = rounds.next(found), films
+        s = _added(s, solve_on_grid(s.case, s.grid, warm_contact(s.case, s.grid, factors), s.P, s.approach, s.P_f))
+        s, films = replace(s, share=factors.share, theta=factors.theta, T=factors.T), s.measure()
+        if not s.status.ok or max(abs(films[name] - last[name]) for name in ("H_c", "H_min")) <= AGREED * films["H_c"]:
+            return s
+    return replace(s, status=Status.NO_AGREEMENT)
+
+
+def _added(s: GridSolution, again: GridSolution) -> GridSolution:
+    """A solution that goes on from another one, with the work of both."""
+    work = s.newton + again.newton, s.krylov + again.krylov, s.convolutions + again.convolutions
+    history = s.history + again.history[1:]
+    return replace(again, newton=work[0], krylov=work[1], convolutions=work[2], history=history)
 
 
 def grids_of(case: Case) -> list[Grid]:
@@ -285,9 +204,7 @@ def _agreeing(c: Contact, s: GridSolution, allowed: float) -> GridSolution:
         if not s.status.ok or abs(outside.at(motion_of(s.case, s.approach)).load - s.outside) <= allowed * load:
             break
         again = solve_on_grid(s.case, s.grid, c, s.P, s.approach, s.P_f)
-        work = s.newton + again.newton, s.krylov + again.krylov, s.convolutions + again.convolutions
-        history = s.history + again.history[1:]
-        s = replace(again, newton=work[0], krylov=work[1], convolutions=work[2], history=history)
+        s = _added(s, again)
     return s
 
 
@@ -302,7 +219,12 @@ def first_guess(c: Contact, coarse: GridSolution, approach: float) -> tuple[Arra
 
 
 def solve_on_grid(
-    case: Case, grid: Grid, c: Contact, P: Array | Floats, approach: float, P_f: Array | Floats | None = None
+    case: Case,
+    grid: Grid,
+    c: Contact,
+    P: Array | Floats,
+    approach: float,
+    P_f: Array | Floats | None = None,
 ) -> GridSolution:
     """The steady solution on one grid from a first guess of P and the approach; the latter fixes the oil outside.
 
@@ -340,17 +262,6 @@ def problem_of(case: Case, grid: Grid, c: Contact, outside: float) -> nonlinear.
     )
 
 
-def _account(
-    space: Plane, c: Contact, P: Array, H: Array, P_asperity: Array | None, rate: Rate, m: account.Moment
-) -> tuple[dict[str, Array], account.Friction, OilContent]:
-    content = contact.steady_oil(c, P, H, rate)
-    change = wedge(content, m.U, c.spacing)
-    return *account.account(space, c, P, H, m, content.oil, content.passing, change, P_asperity), content
-
-
-_account_program = Program(jax.jit(_account), ANY_SIZE)
-
-
 def compile_ahead(case: Case) -> None:
     """Compile the programs of a steady film, or load them, in the background: the finest grid's takes the longest."""
 
@@ -358,7 +269,7 @@ def compile_ahead(case: Case) -> None:
     def compile_all() -> None:
         with suppress(Exception):  # the run itself meets the error, and says so
             for grid in grids_of(case)[:-1]:  # the coarsest one's is needed at once
-                problem = problem_of(case, grid, discretise.contact_of(case, grid), 0.0)
+                problem = problem_of(case, grid, warm_contact(case, grid, first_factors(case, grid, ())), 0.0)
                 zero = np.zeros(grid.shape)
                 _program.ready(problem, zero, 0.0, zero if case.touches else None)
 
