@@ -52,17 +52,6 @@ def test_runs_are_listed_with_their_numbers(runs):
     assert plane["numbers"]["h_min_extreme"]["units"] == "m"
 
 
-def test_an_unfinished_and_a_damaged_run_are_listed(tmp_path):
-    case = ertel.impact(M=20, L=5, method="radial", nodes=17, until=0.02)
-    ertel.run(case, tmp_path / "stopped", observers=[lambda item: True])
-    ertel.run(case, tmp_path / "damaged")
-    (tmp_path / "stopped" / "summary.json").unlink()
-    (tmp_path / "damaged" / "case.toml").write_text("no case")
-    found = {run["directory"]: run for run in json.loads(ertel_("ls", str(tmp_path), "--json").stdout)}
-    assert found["damaged"]["status"] == "damaged"
-    assert found["stopped"]["status"] == "unfinished" and 0 < found["stopped"]["done"] < 1
-
-
 # -- compare ----------------------------------------------------------------------------------------------------------
 
 

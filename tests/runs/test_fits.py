@@ -360,34 +360,6 @@ def pressure() -> Measurement:
     return Measurement("history", "p_c", p[[-2, -1]], t[[-2, -1]], sigma=0.01 * p[-1])
 
 
-@pytest.mark.slow
-def test_a_fit_that_is_killed_goes_on_and_computes_nothing_twice(
-    pressure: Measurement, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    computed, run_case = [], studies.run_case
-
-    def counted(directory: str, *arguments: Any) -> str:
-        computed.append(Path(directory).name)
-        return run_case(directory, *arguments)
-
-    monkeypatch.setattr(studies, "run_case", counted)
-    whole = fit(SHORT, pressure, ONE, tmp_path / "whole")
-    assert whole.values["eta0"] == pytest.approx(0.02, rel=1e-3)
-    once = list(computed)
-    assert len(once) == len(set(once)) == whole.dataset.attrs["runs"] > 4
-    computed.clear()
-    with killed(monkeypatch, studies, "run_case", count=3):
-        fit(SHORT, pressure, ONE, tmp_path / "cut")
-    assert len(computed) == 3 and not (tmp_path / "cut" / "fit.zarr").exists()
-    again = fit(SHORT, pressure, ONE, tmp_path / "cut")
-    assert computed == once
-    assert again.dataset.drop_attrs().equals(whole.dataset.drop_attrs())
-    assert ertel.open(tmp_path / "cut" / again.dataset.attrs["best"]).case.oil.eta0 == again.values["eta0"]
-    assert (tmp_path / "cut" / "fit.png").read_bytes().startswith(b"\x89PNG")
-    table = (tmp_path / "cut" / "fit.csv").read_text().splitlines()
-    assert table[0].startswith("measurement,quantity,conditions") and len(table) == 3
-
-
 def test_a_file_with_lists_is_one_measurement_for_each_value(tmp_path: Path) -> None:
     (tmp_path / "ball.toml").write_text(ertel.to_toml(parse_case(SHORT)))
     text = """

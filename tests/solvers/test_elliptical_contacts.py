@@ -129,7 +129,8 @@ def test_reversed_flow_turns_the_film_by_half_a_turn() -> None:
 # -- work and grids ---------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("ratio", [0.1, pytest.param(10.0, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("ratio", [0.1, 10.0])
 def test_the_work_does_not_grow_with_the_ellipticity(ratio: float) -> None:
     def iterations(ratio: float) -> float:
         s = steady.steady_film(rolled(33, ratio=ratio, M=200.0, L=10.0)).finest
@@ -178,6 +179,7 @@ def at_rest(*features: Feature) -> Case:
     return replace(rolled(33, 35.0), drive=Drive(slide_to_roll=-2.0), roughness=features)
 
 
+@pytest.mark.slow
 def test_a_steady_film_stays_as_it_is() -> None:
     case = parse_case({**rolled(33, 35.0).to_data(), "solver": {"method": "transient", "nodes": 33}})
     first, *_, last = march(Transient2D(case), 0.1, 3)[::-1]
@@ -185,6 +187,7 @@ def test_a_steady_film_stays_as_it_is() -> None:
     assert last.approach == pytest.approx(first.approach, abs=2e-5)
 
 
+@pytest.mark.slow
 def test_the_response_to_waves_is_the_change_of_the_steady_film() -> None:
     """But for the oil outside: it follows Delta in the steady film, and is left as it is in the response."""
     A = 1e-4

@@ -254,7 +254,7 @@ def test_a_rebound_loses_no_oil_to_its_cavity() -> None:
     assert_allclose(late, early, rtol=0.02)  # the oil stays; BDF2 swings a little where a node has just emptied
 
 
-@pytest.mark.parametrize(("layer", "imbalance"), [(None, 0.05), (0.15, 1e-5)])
+@pytest.mark.parametrize(("layer", "imbalance"), [pytest.param(None, 0.05, marks=pytest.mark.slow), (0.15, 1e-5)])
 def test_a_contact_that_rolls_back_finds_what_it_left(layer: float | None, imbalance: float) -> None:
     """The cavity behind the contact becomes its inlet; on a layer the film of both ways is nearly the same."""
     case = case_of("rolling", layer, M=20, method="transient", nodes=33)
@@ -266,6 +266,7 @@ def test_a_contact_that_rolls_back_finds_what_it_left(layer: float | None, imbal
     assert back == pytest.approx(there, rel=0.15 if layer is None else 0.01)
 
 
+@pytest.mark.slow
 def test_a_ball_that_falls_again_finds_the_cavity_that_it_left() -> None:
     """A load pulls the ball back into the pool, which has not filled all of the gap again."""
     case = case_of("impact", None, M=20, nodes=33)
@@ -301,6 +302,7 @@ def test_the_oil_before_a_ball_that_falls_on_a_moving_layer_is_the_layer() -> No
     assert float(levels[0].P.max()) > 0.5
 
 
+@pytest.mark.slow
 def test_a_rigid_sphere_meets_a_layer() -> None:
     """Before it gives way: the wet radius is 2 sqrt(h - H_0), and the force (1 - H_0/H_f)^2 of the flooded one.
 
@@ -405,7 +407,8 @@ def under_a_load_that_swings(nodes: int, until: float) -> Result:
     )
 
 
-@pytest.mark.parametrize(("until", "imbalance"), [(0.3, 1e-5), pytest.param(6.0, 1e-6, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize(("until", "imbalance"), [(0.3, 1e-5), (6.0, 1e-6)])
 def test_the_oil_upstream_is_the_layer_while_the_load_swings(until: float, imbalance: float) -> None:
     """No waves run from the meniscus: the oil before it is the layer, and no node is dried or flooded by them.
 

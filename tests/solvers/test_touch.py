@@ -155,6 +155,7 @@ def test_the_friction_of_asperities_is_a_share_of_the_load():
     assert panel.get_title().startswith("Pressure of asperities")
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_a_starved_film_and_the_mirror_of_a_reversed_flow():
     thin = rolled(speed=0.5).summary

@@ -175,9 +175,9 @@ def isoviscous(lambda_bar: float, nodes: int, own_law: bool = False, **time: obj
     return parse_case({"contact": contact, "lubricant": oil, "solver": {"nodes": nodes}, "time": time})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("nodes", "viscosities", "tolerance"),
-    [(33, (1e-2, 1e-4), 1e-3), pytest.param(65, (1e-2, 1e-3, 1e-4), 5e-5, marks=pytest.mark.slow)],
+    ("nodes", "viscosities", "tolerance"), [(33, (1e-2, 1e-4), 1e-3), (65, (1e-2, 1e-3, 1e-4), 5e-5)]
 )
 def test_without_viscosity_the_ball_comes_back_with_its_speed(
     nodes: int, viscosities: tuple[float, ...], tolerance: float
@@ -198,10 +198,9 @@ OILS: dict[str, Callable[[], Case]] = {
     "barus, compressible": lambda: impact(200, 10, 65, lubricant={"viscosity": "barus"}),
     "isoviscous by its own law": lambda: isoviscous(0.0137, 65, own_law=True),
 }
-OWN_PROGRAMS = "barus, compressible", "isoviscous by its own law"
 
 
-@pytest.mark.parametrize("oil", [pytest.param(o, marks=[pytest.mark.slow] if o in OWN_PROGRAMS else []) for o in OILS])
+@pytest.mark.parametrize("oil", [pytest.param(o, marks=[pytest.mark.slow] if o != "roelands" else []) for o in OILS])
 def test_work_per_step_is_bounded(oil: str) -> None:
     """Work is counted, not timed: what a step costs must not creep up."""
     s = simulate(OILS[oil]()).summary
@@ -258,6 +257,7 @@ def test_one_compilation_serves_every_case_of_a_shape() -> None:
     assert compilations() == before
 
 
+@pytest.mark.slow
 def test_the_film_formula_for_trapped_oil() -> None:
     """Isoviscous: H_c = 0.3135 sqrt(lambda_bar); Barus incompressible: 0.69 to 0.92 sqrt(L/M), 0.85 for L = 10.
 

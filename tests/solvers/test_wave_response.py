@@ -139,6 +139,7 @@ def test_at_rest_it_is_the_change_of_the_steady_film(case: Case, close: float) -
     assert int(found["response_krylov"].max()) <= 17
 
 
+@pytest.mark.slow
 def test_waves_at_rest_under_a_thick_oil_are_flattened_to_its_compression() -> None:
     """Hooke's linear theory at Q = 2400: C/(1 + C) of the height.  Eight nodes in a wave."""
     case = rolling(**BALL, nodes=65, half_width=2.0, inlet=2.5)
