@@ -4,11 +4,10 @@ import json
 import signal
 from pathlib import Path
 
-import numpy as np
 import pytest
 import xarray as xr
 from app_runs import CASE_FILES, given, raising, refused
-from cases import ertel_, names, physics, stop_after
+from cases import ertel_, names
 from matplotlib.figure import Figure
 
 import ertel
@@ -18,7 +17,7 @@ from ertel.apps.process import MOVED
 from ertel.inputs.case_files import load_case
 from ertel.runs import compile, store
 from ertel.runs.directory import ask_to_stop, is_asked_to_stop, read_progress
-from ertel.runs.store import RunStore, compute
+from ertel.runs.store import RunStore
 
 # -- answers at once --------------------------------------------------------------------------------------------------
 

@@ -29,7 +29,7 @@ from ertel.runs.store import RunStore, compute
 IMPACT = CASES["impact"]
 
 
-@pytest.fixture(params=["impact", "steady"])
+@pytest.fixture(params=["impact", pytest.param("steady", marks=pytest.mark.slow)])
 def runs(request, kinds):
     return kinds[request.param]
 
@@ -212,7 +212,7 @@ def test_steady_data_are_written_again_from_the_checkpoint(steady, copy):
 # -- the summary ------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("text", ["", "{", "[]", "{}", '{"status": "converged"}', "\xff", "[" * 900])
+@pytest.mark.parametrize("text", ["", "[]", '{"status": "converged"}', "[" * 900])
 def test_a_damaged_summary_is_written_again(impact, copy, text):
     directory = copy(impact.finished)
     (directory / "summary.json").write_bytes(text.encode("latin-1"))
@@ -221,13 +221,12 @@ def test_a_damaged_summary_is_written_again(impact, copy, text):
     assert impact.resumed(directory)
 
 
-@pytest.mark.parametrize(("kind", "other"), [("impact", "steady"), ("steady", "impact")])
-def test_the_summary_of_another_case_is_refused(kinds, copy, kind, other):
-    directory = copy(kinds[kind].finished)
-    shutil.copy(kinds[other].finished / "summary.json", directory)
+def test_the_summary_of_another_case_is_refused(kinds, copy):
+    directory = copy(kinds["impact"].finished)
+    shutil.copy(kinds["radial"].finished / "summary.json", directory)
     with pytest.raises(StoreError, match=r"summary\.json is not that of case\.toml"):
         ertel.open(directory)
-    assert kinds[kind].resumed(directory)
+    assert kinds["impact"].resumed(directory)
 
 
 # -- the checkpoint ---------------------------------------------------------------------------------------------------

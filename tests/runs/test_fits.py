@@ -11,7 +11,6 @@ import tomli_w
 import xarray as xr
 from cases import SMALL
 from made_up import BALL_FALLS, dry_impact
-from stored_runs import killed
 
 import ertel
 from ertel.case.case import Case
@@ -22,7 +21,6 @@ from ertel.optics import CHROMIUM, SILICA, Constant, Interferometer, Layer, Mono
 from ertel.results.alignment import light_along
 from ertel.results.measurements import Measurement
 from ertel.results.profiles import profile
-from ertel.runs import studies
 from ertel.runs.fit import FitError, fit, solve_fit
 from ertel.runs.fit_problem import fit_problem, load_fit_problem
 from ertel.runs.fit_result import FitPoint, FitResult
