@@ -152,11 +152,6 @@ def test_laws_scale_themselves():
     assert case.lubricant.viscosity(0.5) == pytest.approx(Roelands(20e-9, 0.6).viscosity(0.5 * p_h), rel=1e-14)
 
 
-def test_quantities_for_records():
-    assert ertel.quantity("20 nm") == Quantity(2e-8, "m")
-    assert ertel.quantity("5 ms") == Quantity(5e-3, "s")
-
-
 # -- what is refused: field, value, what is allowed -------------------------------------------------------------------
 
 
@@ -188,15 +183,10 @@ BALL = {**IN_SI, "oil": OIL}
     ("function", "given", "said"),
     [
         (ertel.impact, {**BALL, "radius": -0.01}, 'contact.radius = "-0.01 m": must be'),
-        (ertel.impact, {**MOES, "time_tolerance": 2}, "time.tolerance = 2: must be less than 1"),
-        (ertel.rolling, {**ROLLING, "slide_to_roll": float("nan"), "oil": OIL}, "contact.slide_to_roll = NaN"),
         (ertel.impact, {**BALL, "radius": np.ones(2)}, 'contact.radius = "[1. 1.]": must be a quantity above zero'),
-        (ertel.impact, {**BALL, "nodes": np.ones(2)}, 'solver.nodes = "[1. 1.]": must be an integer'),
         (ertel.impact, {**BALL, "motion": {"load": np.ones((2, 2))}}, "motion.load = "),
-        (ertel.impact, {**BALL, "roughness": [ertel.Spot(np.ones(2), 0.1)]}, 'roughness[1].radius = "[1. 1.]": must'),
         (ertel.impact, {**BALL, "roughness": 5}, "roughness = 5: must be a list of shapes, features or tables"),
         (ertel.impact, {**BALL, "oil": 5}, "oil = 5: must be made by Oil(eta0=..., alpha=...), or be the name"),
-        (ertel.impact, {**BALL, "radius": 1e-300}, 'contact.radius = "1e-300 m": must be between 1e-06 and 100 m'),
     ],
     ids=lambda value: getattr(value, "__name__", str(value)),
 )
@@ -211,15 +201,10 @@ def test_wrong_and_absurd_input_is_refused_in_the_same_sentences(function, given
     ("given", "said"),
     [
         ({"eta0": "18.6 mPa"}, "eta0 = '18.6 mPa': has the wrong dimension"),
-        ({"eta0": np.ones(2)}, "eta0 = array([1., 1.]): must be a quantity above zero"),
         ({"eta0": "1 m**(9**9**9)"}, "eta0 = '1 m**(9**9**9)': has an unknown unit"),
-        ({"alpha": -1e-8}, "alpha = -1e-08: must be finite and above zero"),
-        ({"z": -1.0}, "z = -1.0: must be greater than 0"),
         ({"z": np.ones(2)}, "z = array([1., 1.]): must be a number"),
-        ({"z": 10**400}, "z = 1000000"),
         ({"viscosity": "baras"}, 'viscosity = "baras": '),
         ({"viscosity": "\x1b" * 10**6}, "viscosity = "),
-        ({"viscosity": "\u202etxt"}, 'viscosity = "\\u202etxt": '),
     ],
     ids=lambda value: str(value)[:40],
 )

@@ -13,7 +13,6 @@ from cases import python
 from ertel.case import case
 from ertel.case.sections import SECTIONS
 from ertel.inputs import layout, oils
-from ertel.inputs.case_files import parse_case
 from ertel.inputs.layout import DataSheet
 from ertel.inputs.quantities import parse_quantity
 from ertel.inputs.templates import json_schema
@@ -119,10 +118,6 @@ def complaints(place, value):
     return [error.message for error in VALIDATOR.iter_errors(data)]
 
 
-def test_it_is_a_schema():
-    jsonschema.Draft202012Validator.check_schema(SCHEMA)
-
-
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_examples_are_valid(path):
     assert list(VALIDATOR.iter_errors(tomllib.loads(path.read_text(encoding="utf-8")))) == []
@@ -176,11 +171,3 @@ def test_what_is_right(place, value):
 @pytest.mark.parametrize(("place", "value"), WRONG, ids=str)
 def test_what_is_wrong(place, value):
     assert complaints(place, value)
-
-
-def test_contact_is_needed():
-    assert list(VALIDATOR.iter_errors({"solver": {"nodes": 129}}))
-
-
-def test_a_case_that_the_schema_takes_is_read():
-    assert parse_case(CASE).kind == "rolling"

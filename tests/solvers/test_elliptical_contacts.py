@@ -99,9 +99,8 @@ def dropped(ratio: float, lambda_bar: float, time_unit: float, **solver: Any) ->
     return march(method, 0.1 * time_unit, 6)[0], method
 
 
-@pytest.mark.parametrize(
-    ("nodes", "long", "half_width"), [(33, 33, 4.5), pytest.param(33, 49, 3.0, marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("nodes", "long", "half_width"), [(33, 33, 4.5), (33, 49, 3.0)])
 def test_an_impact_does_not_know_which_axis_is_called_x(nodes: int, long: int, half_width: float) -> None:
     """lambda_bar goes as R^2/(t0 b^2 p_h) with t0 = b^2/(R v0): as kappa^4/D^3 on swapping; times as kappa^2/D."""
     unit, lambda_bar = KAPPA**2 / D, 0.01

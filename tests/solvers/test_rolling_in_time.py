@@ -167,6 +167,7 @@ def test_a_curvature_and_a_slide_to_roll_ratio_that_change_are_mirrored_with_the
     assert largest(first.H, there.H) > 0.1  # at the edge of the grid
 
 
+@pytest.mark.slow
 def test_a_ratio_given_as_a_signal_is_the_ratio() -> None:
     """The position of the roughness and the friction; where it changes, both follow."""
     wave = Feature(Waviness(0.02, 0.8))
@@ -328,6 +329,7 @@ def check_steps(halvings: Sequence[int], periods: int = 2) -> None:
     assert growth < 1.5 * 2 ** ((halvings[-1] - halvings[0]) / 3)
 
 
+@pytest.mark.slow
 def test_refining_in_time_does_not_drift() -> None:
     check_refining((0, 3), periods=1)
     check_steps((0, 3), periods=1)

@@ -177,6 +177,7 @@ def test_smooth_surfaces_are_the_limit_of_no_asperities():
     assert rough["H_c"] == pytest.approx(smooth["H_c"], rel=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_a_rough_ball_hits_an_oiled_plate():
     """The energy of the asperities comes back: with them the ball loses less.  At most 1.5 Newton iterations a step."""

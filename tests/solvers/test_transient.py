@@ -148,9 +148,8 @@ def test_second_order_in_time() -> None:
     assert orders([at_max_approach(r.dataset).H.values[8:25, 8:25] for r in results])[-1] > 1.8
 
 
-@pytest.mark.parametrize(
-    "tolerances", [(1e-4, 1e-5, 1e-6), pytest.param((1e-4, 1e-5, 1e-6, 1e-7), marks=pytest.mark.slow)], ids=len
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("tolerances", [(1e-4, 1e-5, 1e-6), (1e-4, 1e-5, 1e-6, 1e-7)], ids=len)
 def test_the_tolerance_rules_the_time_error(tolerances: tuple[float, ...]) -> None:
     """Steps grow with the cube root of the tolerance, so the error of a run falls with its power 2/3: 4.6 a decade.
 
@@ -237,6 +236,7 @@ def test_iterations_do_not_grow_with_the_grid(grids: tuple[int, ...]) -> None:
     assert max(counts) < 5
 
 
+@pytest.mark.slow
 def test_a_cavity_grows_and_shrinks_in_few_iterations() -> None:
     """When the ball turns back, the edge of the cavity passes many nodes in a step: 4 iterations at most, on any grid.
 
@@ -406,6 +406,7 @@ def test_the_time_error_sees_the_contact_and_the_roughness(nodes: int, size: flo
     assert coarsenings(case, 4 / (nodes - 1), 6) == times
 
 
+@pytest.mark.slow
 def test_a_film_without_pressure_outside_the_middle_of_its_grid_is_solved_there() -> None:
     """Most of a rebound: the same steps but for one, and the same result for less work.
 

@@ -99,7 +99,7 @@ def test_the_dense_matrix_has_the_same_solution() -> None:
     assert found.approach == pytest.approx(approach, abs=1e-5)
 
 
-@pytest.mark.parametrize("slide", [0.0, 0.5])
+@pytest.mark.parametrize("slide", [pytest.param(0.0, marks=pytest.mark.slow), 0.5])
 def test_time_steps_of_one_cell_come_to_the_same_film(slide: float) -> None:
     """(H(A) - H(-A))/(2 A) of runs from which the start has left: equal but for the square of the height A."""
     A, steps, h = 1e-3, 48, film().grid.spacing
