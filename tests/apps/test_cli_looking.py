@@ -12,7 +12,7 @@ import pytest
 import xarray as xr
 from app_runs import given, refused
 from cases import SMALL_IMPACT, ertel_
-from made_up import BALL_FALLS, BALL_ROLLS, MOES_FALLS, dry_impact, steady
+from made_up import BALL_FALLS, dry_impact
 from matplotlib.figure import Figure
 from PIL import Image
 
@@ -120,7 +120,7 @@ def test_files_that_ertel_did_not_write_stay(runs, tmp_path):
         assert file.read_bytes() == before
         ertel_(*given_, "--overwrite")
         assert ertel_(*given_).stdout == f"{file}\n" and file.read_bytes() != before
-    for kind in ("png", "svg", "pdf"):  # of a user who draws with Matplotlib, too; an SVG may speak of ertel
+    for kind in ("svg",):  # of a user who draws with Matplotlib, too; it may speak of ertel
         picture, again = tmp_path / f"pressure.{kind}", ("plot", plane, "--what", "pressure", "--format", kind)
         Figure().savefig(picture, metadata={"Title": "drawn beside ertel"} if kind != "png" else None)
         before = picture.read_bytes()
@@ -205,8 +205,7 @@ def test_refused(runs, monkeypatch, command, said):
 
 @pytest.fixture(scope="module")
 def data():
-    ball = dry_impact(BALL_FALLS).isel(frame=slice(0, 50, 16))
-    return {"ball": ball, "moes": dry_impact(MOES_FALLS), "rolls": steady(BALL_ROLLS)}
+    return {"ball": dry_impact(BALL_FALLS).isel(frame=slice(0, 50, 16))}
 
 
 @pytest.fixture
@@ -218,10 +217,9 @@ def seen(tmp_path, monkeypatch, data):
     return tmp_path
 
 
-@pytest.mark.parametrize("kind", ["gif", "webp"])
-def test_movies(seen, kind):
-    ertel_("plot", "ball", "--interferogram", "mono", "--wavelength", "653 nm", "--format", kind, "--out", "movies")
-    with Image.open(seen / "movies" / f"interferogram-mono.{kind}") as movie:
+def test_movies(seen):
+    ertel_("plot", "ball", "--interferogram", "mono", "--wavelength", "653 nm", "--format", "webp", "--out", "movies")
+    with Image.open(seen / "movies" / "interferogram-mono.webp") as movie:
         assert movie.n_frames == 4
 
 

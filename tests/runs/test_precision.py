@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from cases import python
 
+pytestmark = pytest.mark.slow  # processes that compile
+
 RUNS = """
 import warnings
 from dataclasses import dataclass
@@ -184,7 +186,6 @@ for name in DO:
 """
 
 
-@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
 def test_a_fork_of_a_process_that_has_computed_says_so():
     """JAX would hang there.  A fork before computes."""
