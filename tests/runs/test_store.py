@@ -54,13 +54,10 @@ def test_a_stored_run_is_the_run_in_memory(tmp_path, kind):
 # -- interrupted ------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("name", "steps"),
-    [
-        ("radial", 2),
-        *(pytest.param(*each, marks=pytest.mark.slow) for each in (("impact", 4), ("radial", 1), ("steady", 1))),
-    ],
-)
+MORE = [pytest.param(*each, marks=pytest.mark.slow) for each in (("impact", 4), ("radial", 1), ("steady", 1))]
+
+
+@pytest.mark.parametrize(("name", "steps"), [("radial", 2), *MORE])
 def test_resumed_as_often_as_need_be_equals_uninterrupted(tmp_path, kinds, name, steps):
     kind, seconds, rows = kinds[name], 0.0, "grid" if name == "steady" else "time"
     RunStore.create(tmp_path / "run", kind.case)

@@ -165,15 +165,13 @@ def test_the_film_of_a_starved_contact(r: float, nodes: int) -> None:
 SQUARE = {"nodes": 33, "half_width": 3.0, "half_width_y": 3.0, "inlet": 4.5}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "changes",
     [
-        pytest.param({"contact": {"radius_ratio": 0.5}}, marks=pytest.mark.slow),
+        {"contact": {"radius_ratio": 0.5}},
         {"contact": {"radius_ratio": 0.5, "entrainment_angle": "30 deg"}, "solver": SQUARE},
-        pytest.param(
-            {"contact": {"radius_ratio": 0.5, "entrainment_angle": "30 deg"}, "solver": {**SQUARE, "nodes": 65}},
-            marks=pytest.mark.slow,
-        ),
+        {"contact": {"radius_ratio": 0.5, "entrainment_angle": "30 deg"}, "solver": {**SQUARE, "nodes": 65}},
     ],
     ids=["ellipse", "at an angle", "at an angle, 65 nodes"],
 )
@@ -208,6 +206,7 @@ def test_a_track_loses_its_oil_to_the_sides() -> None:
         assert_allclose(oil, oil[::-1], rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_track_with_more_oil_on_one_side_is_the_mirror_of_that_on_the_other() -> None:
     more = [[-1.0, 0.05], [1.0, 0.1]]
     one, other = (rolled_after(track, 50, 33) for track in (more, [[-1.0, 0.1], [1.0, 0.05]]))
