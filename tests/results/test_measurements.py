@@ -300,6 +300,7 @@ def test_gain_and_background_of_an_intensity_are_found(ball):
         ball.compare(replace(intensity(ball, x), optics=None))
 
 
+@pytest.mark.slow
 def test_the_index_of_the_oil_is_found_in_an_intensity(ball):
     """With that of the rig off by 2 %."""
     x = np.linspace(-2.5e-4, 2.5e-4, 201)

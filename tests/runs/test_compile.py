@@ -77,6 +77,7 @@ def in_a_process(directory: Path) -> tuple[str, str, str]:
     return answer, hits, done.stderr
 
 
+@pytest.mark.slow
 def test_an_entry_cut_short_is_replaced_in_silence(tmp_path):
     assert in_a_process(tmp_path) == ("7", "0", "")
     whole = {path.name: path.stat().st_size for path in tmp_path.glob("*-cache")}

@@ -266,6 +266,7 @@ def test_each_level_solves_reynolds_equation() -> None:
     assert r.min() > -3 * TIGHT
 
 
+@pytest.mark.slow
 def test_a_film_wave_travels_at_the_mean_speed_of_the_surfaces() -> None:
     """A short rise of the speed makes a ridge of oil at the inlet, which is carried through the contact at u_m."""
     pulse = Drive(entrainment=Polyline(((0.0, 1.0), (0.2, 1.4), (0.4, 1.0))))
@@ -282,11 +283,12 @@ def test_a_film_wave_travels_at_the_mean_speed_of_the_surfaces() -> None:
 ROUGH = SelfAffine(rms=0.02, hurst=0.8, shortest=0.8, longest=2.0, seed=2, front=-0.5, ramp=1.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("case", "cells"),
     [
         (rolling(Drive(load=Oscillation(0.8, 0.2, 4.0, pi / 2)), nodes=65), 2),  # without a kink at T = 0
-        pytest.param(rolling(None, Feature(ROUGH), nodes=65), 4, marks=pytest.mark.slow),
+        (rolling(None, Feature(ROUGH), nodes=65), 4),
     ],
     ids=["load", "roughness"],
 )
@@ -363,6 +365,7 @@ def test_a_run_starts_from_the_steady_film_and_ends_in_time() -> None:
     assert last.record["F"] == pytest.approx(1.0, abs=1e-5)
 
 
+@pytest.mark.slow
 def test_work_of_a_step() -> None:
     """A cavity passes: 11.4 convolutions a step in the mean."""
     cavity = Feature(Spot(0.3, depth=0.05, x=-1.8))

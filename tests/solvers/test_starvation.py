@@ -288,6 +288,7 @@ def test_a_layer_is_neither_made_nor_lost_in_an_impact() -> None:
     assert all(float(level.fields["mass"].min()) > 0 for level in levels)
 
 
+@pytest.mark.slow
 def test_the_oil_before_a_ball_that_falls_on_a_moving_layer_is_the_layer() -> None:
     """No waves run from the meniscus, which is where the layer meets the ball; two nodes beside it take its bank."""
     data = case_of("impact", 0.15, M=20, nodes=33).to_data()
