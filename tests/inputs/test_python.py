@@ -1,7 +1,6 @@
 """What a tribologist types in Python: the same keys, the same case and the same messages as in a case file."""
 
 import inspect
-import re
 from dataclasses import fields
 
 import numpy as np
@@ -84,19 +83,6 @@ def test_a_key_of_a_section_is_refused_with_its_place():
         ertel.impact(load=20.0)
 
 
-@pytest.mark.parametrize(("function", "speed"), [(ertel.impact, "speed"), (ertel.rolling, "load")])
-def test_keywords_are_grouped_and_the_usual_ones_come_first(function, speed):
-    documented, order = inspect.getdoc(function) or "", list(inspect.signature(function).parameters)
-    bullets = re.findall(r"^\* ([a-z ]+): ((?:.|\n  )+)", documented, re.MULTILINE)
-    groups = {title: re.findall(r"\w+", names) for title, names in bullets}
-    assert list(groups) == ["contact", "oil", "grid", "time and output"]
-    assert [name for names in groups.values() for name in names] == order
-    assert groups["contact"][:2] == ["radius", speed] and groups["grid"][:2] == ["method", "nodes"]
-    usual, others = documented.partition("Parameters\n---")[2].split("Other Parameters\n---")
-    assert re.findall(r"^(\w+)(?= :|$)", usual, re.MULTILINE) == [name for name in order if f"\n{name}" in usual]
-    assert len(re.findall(r"^\w+(?= :|$)", usual, re.MULTILINE)) in (11, 12) and "\nhalf_width :" in others
-
-
 def test_keywords_that_are_none_are_left_out():
     assert ertel.impact(M=200, L=10, radius=None, roughness=None) == ertel.impact(M=200, L=10)
 
@@ -175,7 +161,6 @@ def test_numbers_of_numpy_and_quantities_of_pint_are_numbers():
     assert ertel.quantity(registry.Quantity(20, "nm")) == Quantity(2e-8, "m")
 
 
-MOES = {"M": 200, "L": 10}
 BALL = {**IN_SI, "oil": OIL}
 
 

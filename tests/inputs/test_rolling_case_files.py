@@ -23,8 +23,6 @@ C1 = {  # the dimensional case of reference/rolling.json
     "E_prime": "219.7802 GPa",
 }
 OIL = {"eta0": "40 mPa*s", "alpha": "22 / GPa"}
-SPOT = {"shape": "spot", "height": 0.1, "radius": 0.3}
-RIDGES = {"shape": "waviness", "amplitude": 0.1, "wavelength_y": 0.5}
 IN_TIME = {"method": "transient"}
 TRACK = {k: v for k, v in C1.items() if k != "mean_speed"}
 

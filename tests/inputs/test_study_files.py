@@ -1,8 +1,5 @@
 """Studies: which values vary, in which order, and what is refused."""
 
-from cProfile import Profile
-from pstats import Stats
-
 import pytest
 from cases import BALL
 
@@ -155,19 +152,6 @@ def test_a_wrong_section_is_named(sweep, message):
 
 
 # -- many values ------------------------------------------------------------------------------------------------------
-
-
-def calls_for(values):
-    data = moes(M=[100.0 + value for value in range(values)], L=[5, 10])
-    with Profile() as profile:
-        parse_study(data)
-    return Stats(profile).total_calls
-
-
-def test_the_work_grows_with_the_number_of_values():
-    """All values were copied for each case: with four times as many values reading took 7 times as long, then 16."""
-    calls_for(2)
-    assert calls_for(200) < 4.4 * calls_for(50)
 
 
 def test_each_value_is_not_compared_with_all_others():

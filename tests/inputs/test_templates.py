@@ -16,7 +16,6 @@ from ertel.inputs import layout, oils
 from ertel.inputs.layout import DataSheet
 from ertel.inputs.quantities import parse_quantity
 from ertel.inputs.templates import json_schema
-from ertel.physics import units
 from ertel.physics.lubricant import DENSITY_PRESSURE, P0_ROELANDS
 from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, SHAPES, VISCOSITY_LAWS
 from ertel.physics.units import STRESS, Unit, marks, meanings
@@ -102,7 +101,6 @@ def test_defaults_that_are_quantities(place, name, value):
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
 SCHEMA = json_schema()
 VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
-UNITS = {name: unit for name, unit in vars(units).items() if isinstance(unit, Unit)}
 CASE = tomllib.loads((EXAMPLES[0].parent / "micro_cavity.toml").read_text())
 THIN = {"law": "limited", "base": {"law": "carreau", "G": "6 MPa", "n": 0.5}, "Lambda": 0.05}
 SHEET = {"nu40": "68 mm^2/s", "nu100": "8.7 mm^2/s", "density": "880 kg/m^3"}

@@ -126,11 +126,6 @@ def test_a_bound_and_a_model_that_explains_nothing_are_said() -> None:
     assert unexplained.startswith("the case does not explain the data: the residuals are ")
 
 
-def test_one_datum_that_is_not_met_is_said() -> None:
-    found = fitted(measured(FILM, 1e4), unknowns={"lubricant.eta0": UNKNOWNS["lubricant.eta0"]})
-    assert any(each.startswith("the case does not explain the data") for each in found.warnings)
-
-
 def test_warnings_of_the_runs_and_the_law_are_said() -> None:
     """The warnings of runs were dropped, and nothing said that chi square does not see a wrong law."""
 

@@ -19,7 +19,6 @@ from ertel.case.case import Case
 from ertel.case.estimates import starvation, wet_radius
 from ertel.equations import contact, discretise
 from ertel.equations.flow import downstream, void_change, void_downstream
-from ertel.equations.state import State
 from ertel.numerics.stencils import unfolded, upstream_slope
 from ertel.physics.film_formulas import starved_share
 from ertel.physics.surfaces import Feature, SelfAffine, Waviness
@@ -231,10 +230,6 @@ def test_a_run_that_leaves_no_track_is_refused() -> None:
 
 
 # -- in time ----------------------------------------------------------------------------------------------------------
-
-
-def levels_of(case: Case, steps: int = 60, step: float = 0.05) -> list[State]:
-    return march(Transient2D(case), step, steps)
 
 
 def test_a_rebound_loses_no_oil_to_its_cavity() -> None:
