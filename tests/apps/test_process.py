@@ -134,6 +134,7 @@ def test_a_second_signal_ends_at_once():
     os.close(stderr)
 
 
+@pytest.mark.slow
 def test_nohup_goes_on_and_results_are_kept_where_the_output_fails(here):
     def ignore():
         signal.signal(signal.SIGHUP, signal.SIG_IGN)

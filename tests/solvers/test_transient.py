@@ -341,6 +341,7 @@ class Counted:
         return np.asarray(self.array)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("slide_to_roll", "evaluations"), [(0.0, 1), (0.5, 3)])
 def test_a_step_reads_the_device_once_and_asks_the_roughness_for_its_height_as_often_as_it_moves(
     monkeypatch: pytest.MonkeyPatch, slide_to_roll: float, evaluations: int
@@ -422,6 +423,7 @@ def test_a_film_without_pressure_outside_the_middle_of_its_grid_is_solved_there(
     assert middle["restitution"] == pytest.approx(whole["restitution"], rel=1e-4)  # the tolerance is 1e-3
 
 
+@pytest.mark.slow
 @alone
 def test_pressure_that_comes_back_outside_the_middle_is_found() -> None:
     """A film has lost its pressure outside; the solve in the middle leaves a residual there, and all is solved."""

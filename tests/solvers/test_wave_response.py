@@ -185,6 +185,7 @@ def waves_of_three_lengths():
     return respond_in_rolling(case, [[Feature(Waviness(0.01, wave, wave))] for wave in (0.25, 0.5, 1.0)])
 
 
+@pytest.mark.slow
 def test_short_waves_keep_their_amplitude() -> None:
     """A_d/A_i falls with the wavelength, from 1; and outside the contact nothing deforms the waves."""
     data = waves_of_three_lengths()
@@ -195,6 +196,7 @@ def test_short_waves_keep_their_amplitude() -> None:
     np.testing.assert_allclose(outside, 1.0, atol=0.03)
 
 
+@pytest.mark.slow
 def test_work() -> None:
     """Krylov iterations do not depend on the wave; time steps would take 300 convolutions a wavelength and more."""
     data = waves_of_three_lengths()
