@@ -185,6 +185,7 @@ def test_reversing_the_flow_mirrors_the_solution() -> None:
     np.testing.assert_allclose(np.asarray(back.P)[:, ::-1], np.asarray(there.P), atol=1e-7)
 
 
+@pytest.mark.slow
 def test_symmetry_across_the_flow() -> None:
     s = rolling(("roelands", 200, 10), 33, fold=False).finest
     np.testing.assert_allclose(np.asarray(s.P)[::-1], np.asarray(s.P), atol=1e-7)
@@ -212,6 +213,7 @@ def test_pressure_is_nowhere_negative_and_oil_lacks_only_where_there_is_none() -
     assert r.min() >= -1e-8
 
 
+@pytest.mark.slow
 def test_mass_is_conserved_along_the_flow() -> None:
     """Upstream of cavitation, what flows through a section and what left at the sides before it add up to one constant.
 
