@@ -111,7 +111,7 @@ def pytest_runtest_makereport() -> Iterator[None]:
     return report
 
 
-def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+def pytest_terminal_summary(terminalreporter: "pytest.TerminalReporter") -> None:
     """With `--costs` what costs most, in seconds of the processor."""
     if not terminalreporter.config.getoption("costs"):
         return
