@@ -7,6 +7,7 @@ import shutil
 import signal
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -45,14 +46,22 @@ MOST_MEMORY = max(1.2e9, psutil.virtual_memory().total / 4 / min(os.cpu_count() 
 # Each file is one worker's, and the last ones should be short: first what takes longest
 LONGEST = ("solvers/", "runs/", "test_documents", "equations/", "apps/test_cli", "numerics/", "results/", "plots/")
 
+# Distinct programs that the quick tests compile, which is most of their work; what needs more of them is slow
+MOST_PROGRAMS = 110
+
 settings.register_profile("ertel", deadline=None, derandomize=True, max_examples=50)
 settings.load_profile("ertel")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--costs", action="store_true", help="list tests and files by their processor time")
 
 
 def pytest_configure(config: pytest.Config) -> None:
     """Keep compiled code in pytest's own cache."""
     cache: pytest.Cache | None = getattr(config, "cache", None)
     if cache is not None:
+        config.stash[KEPT] = _programs(cache)
         os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(cache.mkdir("jax")))
         os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0")
     if "XLA_FLAGS" not in os.environ and config.getoption("markexpr") == "not slow" and _xla_knows(QUICK_TO_COMPILE):
@@ -77,6 +86,55 @@ def pytest_collection_finish() -> None:
     gc.freeze()
     gc.set_threshold(10_000, 20, 20)  # tracing makes many objects, and little garbage
     gc.enable()
+    global used
+    used = sum(os.times()[:4])
+
+
+# -- what the tests cost ----------------------------------------------------------------------------------------------
+
+KEPT = pytest.StashKey[set[str]]()  # programs that were there before the tests
+used = 0.0  # seconds of the processor at the last report
+
+
+def _programs(cache: pytest.Cache) -> set[str]:
+    """The programs that are kept; see `ertel.runs.exported`."""
+    return {path.name for path in cache.mkdir("jax").glob("ertel/*") if path.suffix != ".partial"}
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport() -> Iterator[None]:
+    """Note the processor time since the report before, of this process and of those that have ended in it."""
+    global used
+    report = yield
+    before, used = used, sum(os.times()[:4])
+    report.user_properties = [*report.user_properties, ("seconds", used - before)]
+    return report
+
+
+def pytest_terminal_summary(terminalreporter: "pytest.TerminalReporter") -> None:
+    """With `--costs` what costs most, in seconds of the processor."""
+    if not terminalreporter.config.getoption("costs"):
+        return
+    tests: Counter[str] = Counter()
+    files: Counter[str] = Counter()
+    for report in (each for kind in terminalreporter.stats.values() for each in kind):
+        seconds = dict(getattr(report, "user_properties", ())).get("seconds", 0.0)
+        if seconds:
+            tests[report.nodeid] += seconds
+            files[report.nodeid.partition("::")[0]] += seconds
+    terminalreporter.section(f"{sum(tests.values()):.0f} s of the processor")
+    for name, seconds in (*files.most_common(30), *tests.most_common(60)):
+        terminalreporter.line(f"{seconds:8.2f}  {name}")
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Fail where the quick tests compile too many programs; they are counted where none was kept before."""
+    config = session.config
+    if hasattr(config, "workerinput") or config.getoption("markexpr") != "not slow" or config.stash.get(KEPT, {""}):
+        return
+    if (programs := len(_programs(config.cache))) > MOST_PROGRAMS:
+        print(f"\nthe quick tests compile {programs} programs; at most {MOST_PROGRAMS}: see CONTRIBUTING.md")
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
 
 def _xla_knows(flags: str) -> bool:

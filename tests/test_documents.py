@@ -22,7 +22,7 @@ BLOCK = re.compile(r"(?P<skip><!-- not run -->[ \t]*\n+)?```python\n(?P<code>.*?
 NODES = re.compile(r"\bnodes=(\d+)")
 MOST_NODES = 33
 AT_LEAST = {"docs/howto/convergence.md": 65}  # an error is estimated from there on
-SLOW = {"docs/howto/impact_viscometer.md"}  # its fit takes a minute
+SLOW = {"docs/howto/impact_viscometer.md", "docs/howto/convergence.md", "docs/howto/printing.md"}  # many programs
 LINK = re.compile(r"\]\((?!https?:)([^)#\s]+)")
 
 
@@ -85,7 +85,6 @@ FILES = [script for folder in LONGEST for script in sorted((ROOT / "examples" / 
 SCRIPTS = {script.stem: script.read_text(encoding="utf-8") for script in FILES}
 LARGEST_THUMBNAIL = 15_000  # bytes
 COARSER = {
-    "plot_bell_interferogram": {"nodes=151": "nodes=97"},
     "plot_film_against_speed": {"129)": "65)", "[0.25, 0.5, 1.0, 2.0]": "[2.0, 4.0]"},  # thick films
 }
 SCRIPTS_RUN = [

@@ -4,8 +4,17 @@ Nothing of ertel is imported at the top: pytest reads this file before JAX is se
 """
 
 import shutil
+import sys
+from types import SimpleNamespace
 
 import pytest
+
+
+@pytest.fixture(autouse=True)
+def _no_garbage_is_looked_for(monkeypatch):
+    """NiceGUI's simulated user looks twice for it, in all that other tests have left: half of the time of a page."""
+    if simulation := sys.modules.get("nicegui.testing.general"):
+        monkeypatch.setattr(simulation, "gc", SimpleNamespace(collect=lambda: 0))
 
 
 @pytest.fixture

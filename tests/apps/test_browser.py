@@ -274,7 +274,7 @@ def test_readout_of_a_picture(tmp_path, plots):
     run = make_run(tmp_path / "run")
     data, stamp = RunStore.open(run).dataset(), stamp_of(run)
     request = PlotRequest(run, "maps", "max-approach", dots=20, stamp=stamp)
-    for figure in ("maps", "film", "interferogram"):
+    for figure in ("maps", "film"):
         beside = PlotRequest(run, figure, 0.05, stamp=stamp) if figure == "film" else None
         found = asyncio.run(plots.draw(replace(request, figure=figure, beside=beside))).readout
         assert len(found.boxes) == (2 if figure == "maps" else 1)

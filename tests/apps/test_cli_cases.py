@@ -71,13 +71,6 @@ def test_every_key_in_a_comment_is_valid_by_itself(kind):
     assert tried > 35
 
 
-# -- schema -----------------------------------------------------------------------------------------------------------
-
-
-def test_schema():
-    assert json.loads(ertel_("new", "--schema").stdout) == json_schema()
-
-
 # -- check ------------------------------------------------------------------------------------------------------------
 
 

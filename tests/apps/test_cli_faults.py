@@ -36,13 +36,9 @@ def test_home_directory_in_every_path(here, monkeypatch):
 @pytest.mark.parametrize(
     "arguments",
     [
-        "run ball.toml --{}",
-        "run ball.toml --set solver.nodes={}",
         "run ball.toml --set {}",
         "show {}",
         "plot x --format {}",
-        "check --set contact.M={}",
-        "check --set contact.radius={}",
         "check --set contact.kind={}",
         "{}",
     ],
@@ -90,12 +86,6 @@ def test_a_signal_in_a_destructor_is_not_lost(here, monkeypatch):
 # -- run directories --------------------------------------------------------------------------------------------------
 
 
-def test_a_second_resume_of_a_running_directory(ball):
-    (ball / "summary.json").unlink()
-    with RunStore.open(ball).alone():
-        assert "another process is computing this run" in refused("resume", "my run")
-
-
 def spoil(path: Path) -> None:
     content = bytearray(path.read_bytes())
     content[len(content) // 2] ^= 1
@@ -106,8 +96,6 @@ def spoil(path: Path) -> None:
     ("file", "command", "advice"),
     [
         ("checkpoint.npz", "resume", "rm 'my run/checkpoint.npz'; ertel resume 'my run'\n"),
-        ("summary.json", "show", "ertel resume 'my run'\n"),
-        ("run.zarr/H_c/c/0", "plot", "ertel run 'my run/case.toml'\n"),
         ("run.zarr/zarr.json", "show", "ertel run 'my run/case.toml'\n"),
         ("case.toml", "show", "put the run's own back\n"),
     ],
@@ -149,21 +137,3 @@ def test_a_fault_of_ertel_is_told_without_a_traceback(here, monkeypatch):
     assert "test_cli_faults.py" in report.read_text()
     monkeypatch.setattr("tempfile.tempdir", str(here / "none"))
     assert "Traceback" in ertel_("run", "ball.toml", code=1).stderr  # there is no room for it
-
-
-# -- case files -------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("command", ["run", "warm-up", "check"])
-def test_case_files_that_cannot_be_read(here, command):
-    (here / "binary").write_bytes(b"\xff\xfe\x00")
-    (here / "loop").symlink_to("loop")
-    for path in (".", "none.toml", "binary", "loop"):
-        assert "case file" in refused(command, path)
-
-
-@pytest.mark.parametrize("command", ["resume", "show", "plot"])
-def test_directories_without_a_run(here, command):
-    (here / "empty").mkdir()
-    for path in ("empty", "none", "case.toml", "x" * 5000):
-        assert refused(command, path)

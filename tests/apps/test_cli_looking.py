@@ -12,7 +12,7 @@ import pytest
 import xarray as xr
 from app_runs import given, refused
 from cases import SMALL_IMPACT, ertel_
-from made_up import BALL_FALLS, BALL_ROLLS, MOES_FALLS, dry_impact, steady
+from made_up import BALL_FALLS, dry_impact
 from matplotlib.figure import Figure
 from PIL import Image
 
@@ -57,17 +57,6 @@ def test_runs_are_listed_with_their_numbers(runs):
     thinnest = ertel.open(runs / "plane").summary["si"]["extremes"]["H_min"]["h_min_m"]
     assert plane["numbers"]["h_min_extreme"]["value"] == pytest.approx(thinnest)
     assert plane["numbers"]["h_min_extreme"]["units"] == "m"
-
-
-def test_an_unfinished_and_a_damaged_run_are_listed(tmp_path):
-    case = ertel.impact(M=20, L=5, method="radial", nodes=17, until=0.02)
-    ertel.run(case, tmp_path / "stopped", observers=[lambda item: True])
-    ertel.run(case, tmp_path / "damaged")
-    (tmp_path / "stopped" / "summary.json").unlink()
-    (tmp_path / "damaged" / "case.toml").write_text("no case")
-    found = {run["directory"]: run for run in json.loads(ertel_("ls", str(tmp_path), "--json").stdout)}
-    assert found["damaged"]["status"] == "damaged"
-    assert found["stopped"]["status"] == "unfinished" and 0 < found["stopped"]["done"] < 1
 
 
 # -- compare ----------------------------------------------------------------------------------------------------------
@@ -138,16 +127,15 @@ def test_files_that_ertel_did_not_write_stay(runs, tmp_path):
         assert file.read_bytes() == before
         ertel_(*given_, "--overwrite")
         assert ertel_(*given_).stdout == f"{file}\n" and file.read_bytes() != before
-    for kind in ("png", "svg", "pdf"):  # of a user who draws with Matplotlib, too; an SVG may speak of ertel
-        picture, again = tmp_path / f"pressure.{kind}", ("plot", plane, "--what", "pressure", "--format", kind)
-        Figure().savefig(picture, metadata={"Title": "drawn beside ertel"} if kind != "png" else None)
-        before = picture.read_bytes()
-        assert f"{picture}: has no mark of ertel" in refused(*again, "--out", str(tmp_path))
-        assert picture.read_bytes() == before
-        picture.unlink()
-        for _ in range(2):
-            ertel_(*again, "--out", str(tmp_path))
-        picture.unlink()
+    picture, again = tmp_path / "pressure.svg", ("plot", plane, "--what", "pressure", "--format", "svg")
+    Figure().savefig(picture, metadata={"Title": "drawn beside ertel"})  # of a user of Matplotlib
+    before = picture.read_bytes()
+    assert f"{picture}: has no mark of ertel" in refused(*again, "--out", str(tmp_path))
+    assert picture.read_bytes() == before
+    picture.unlink()
+    for _ in range(2):
+        ertel_(*again, "--out", str(tmp_path))
+    picture.unlink()
     own = tmp_path / "own.csv"
     table.rename(own)
     table.symlink_to(own)
@@ -272,21 +260,10 @@ def test_a_profile_is_exported_and_compared_with_its_run(runs, tmp_path):
     ("command", "said"),
     [
         ("compare plane film.csv", "it has 'place', 'film'"),
-        ("compare plane film.csv --column at=s", "--column at: must be"),
-        ("compare plane none.csv --column x=um", "none.csv: no such file or directory"),
-        ("compare none plane --plot", "none: no such file or directory"),
-        ("compare film.csv plane", "film.csv: not a directory"),
         ("compare plane plane/case.toml", "case.toml is not a file of columns; for a run give its directory"),
-        ("plot plane --measured none.csv", "none.csv: not a file in "),
-        ("plot plane --align centre", "--align, --column: only for --measured"),
-        ("plot plane --coatings silica", "--coatings silica: only for --interferogram"),
-        ("compare plane plane --index 1.5", "--index: only for a measurement"),
         ("compare plane film.csv --coatings gold", "coatings = 'gold': allowed: chromium, silica"),
         ("compare plane plane --at 1", "--at: only for a measurement"),
-        ("compare plane plane --along y", "--along: only for a measurement"),
         ("export plane --along y", "--along y: only for --what profile"),
-        ("export plane --at 1", "--at 1: only for --what profile"),
-        ("export plane --to vtk --what profile", "--to vtk: a profile is written as csv"),
         ("export below/radial --to vtk", "ParaView: a radial run has profiles only; use netcdf or csv"),
         ("export below/moes --to csv --si", "the case is dimensionless"),
         ("report film.csv", "film.csv is not a study"),
@@ -309,8 +286,7 @@ def test_refused(runs, monkeypatch, command, said):
 
 @pytest.fixture(scope="module")
 def data():
-    ball = dry_impact(BALL_FALLS).isel(frame=slice(0, 50, 16))
-    return {"ball": ball, "moes": dry_impact(MOES_FALLS), "rolls": steady(BALL_ROLLS)}
+    return {"ball": dry_impact(BALL_FALLS).isel(frame=slice(0, 50, 16))}
 
 
 @pytest.fixture
@@ -322,10 +298,9 @@ def seen(tmp_path, monkeypatch, data):
     return tmp_path
 
 
-@pytest.mark.parametrize("kind", ["gif", "webp"])
-def test_movies(seen, kind):
-    ertel_("plot", "ball", "--interferogram", "mono", "--wavelength", "653 nm", "--format", kind, "--out", "movies")
-    with Image.open(seen / "movies" / f"interferogram-mono.{kind}") as movie:
+def test_movies(seen):
+    ertel_("plot", "ball", "--interferogram", "mono", "--wavelength", "653 nm", "--format", "webp", "--out", "movies")
+    with Image.open(seen / "movies" / "interferogram-mono.webp") as movie:
         assert movie.n_frames == 4
 
 

@@ -107,7 +107,7 @@ def test_a_study_from_its_file_to_its_table(here):
     assert not picture.exists()
 
 
-@pytest.mark.parametrize("where", ["study", "run"])
+@pytest.mark.parametrize("where", ["study", pytest.param("run", marks=pytest.mark.slow)])
 def test_a_file_stops_a_study_as_ctrl_c_does(here, monkeypatch, where):
     """In the directory of the study it stops all runs, in that of a run this one."""
     original, study = RunStore.__call__, here / "sweeps/loads"

@@ -80,6 +80,7 @@ def test_squalane() -> None:
     assert summary["H_c_extrapolated"] == pytest.approx(case.film_scale, rel=0.15)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::UserWarning:own_lubricant")
 def test_own_lubricant() -> None:
     """Less stiff than Roelands' at high pressure, the oil flees for longer: the trapped film is thinner."""
@@ -100,6 +101,7 @@ def test_thinning_film() -> None:
     assert films["carreau"][1] < 0.98 * films["carreau"][0]
 
 
+@pytest.mark.slow
 def test_interferogram() -> None:
     """The fringes give the film back under which they were seen, on so coarse a grid too."""
     example = script("interferogram")

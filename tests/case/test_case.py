@@ -313,21 +313,6 @@ def test_a_plain_file_name_is_a_name(name) -> None:
     assert impact(name=name).name == name
 
 
-def test_an_end_in_seconds_is_refused_in_a_dimensionless_rolling_case() -> None:
-    data = {"contact": {"kind": "rolling", **MOES}, "solver": {"method": "transient"}, "time": {"until": "0.1 s"}}
-    with pytest.raises(ValueError, match=r'^time\.until = "0\.1 s": must be a plain number'):
-        Case.from_data({**data, "motion": {"entrainment": 2.0}})
-
-
-def test_reading_refuses_what_it_does_not_know() -> None:
-    with pytest.raises(ValueError, match=r"^solvers = \{ nodes = 65 \}: unknown key; did you mean solver"):
-        Case.from_data({"contact": MOES, "solvers": {"nodes": 65}})
-    with pytest.raises(ValueError, match=r"^schema = 2: allowed: 1"):
-        Case.from_data({"contact": MOES, "schema": 2})
-    with pytest.raises(ValueError, match=r"^contact\.M: missing"):
-        Case.from_data({})
-
-
 # -- the default domain -----------------------------------------------------------------------------------------------
 
 
@@ -354,8 +339,3 @@ def test_the_side_along_y_of_an_ellipse_reads_back(across: float | None) -> None
 def test_a_default_domain_depends_on_the_load_however_it_is_given() -> None:
     p = Parameters.from_moes(30.0, 5.0)
     assert half_width({"lambda_bar": p.lambda_bar, "alpha_bar": p.alpha_bar}) == half_width({"M": 30, "L": 5}) > 2
-
-
-def test_a_missing_viscosity_is_named_before_the_domain_is_chosen() -> None:
-    with pytest.raises(ValueError, match=r"lubricant\.eta0: missing"):
-        half_width(BALL)

@@ -1,7 +1,7 @@
 """Records as plain data and back, to the last bit, and in the units of a case."""
 
 import functools
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import inf
 from typing import Annotated, Any
 
@@ -10,7 +10,7 @@ import pytest
 
 from ertel.case.case import READER, Case
 from ertel.case.conditions import Conditions
-from ertel.case.records import checked, data_of, named, oil_data, scaled, scaled_all, show
+from ertel.case.records import checked, data_of, named, oil_data, scaled, show
 from ertel.case.sections import Drive, Output, Solver, Time
 from ertel.physics.lubricant import Barus, Oil, Viscosity
 from ertel.physics.motion import Oscillation, Polyline, constant
@@ -41,11 +41,6 @@ def test_what_is_none_or_infinite_is_left_out() -> None:
     assert data_of(Waviness(0.1, 0.5)) == {"amplitude": 0.1, "wavelength_x": 0.5, "phase_x": 0.0, "phase_y": 0.0}
     assert data_of(Time()) == {"tolerance": 5e-5}
     assert data_of(Drive()) == {}
-
-
-def test_a_whole_number_becomes_a_float_but_where_an_integer_is_wanted() -> None:
-    assert isinstance(READER.record(Tube, {"radius": 1, "until": 2}, "tube").until, float)
-    assert isinstance(READER.record(Solver, {"nodes": 65}, "solver").nodes, int)
 
 
 @pytest.mark.parametrize(
@@ -101,21 +96,6 @@ def test_a_law_with_data_of_its_own_is_a_table() -> None:
         Case(Conditions(M=200, L=10), Oil(viscosity=law))
 
 
-@pytest.mark.parametrize(
-    ("data", "message"),
-    [
-        ({"radius": 1.0}, "roughness[1].shape: missing; allowed: "),
-        ({"shape": "dent"}, 'roughness[1].shape = "dent"; allowed: waviness, rings, spot'),
-        ({"shape": "spot", "surface": 3}, "roughness[1].surface = 3: allowed: 1 or 2"),
-        ({"shape": "spot", "radius": 1.0}, "roughness[1].height: missing; allowed: height"),
-    ],
-)
-def test_what_is_no_feature_is_said(data, message) -> None:
-    with pytest.raises(ValueError) as caught:
-        READER.feature(data, "roughness[1]")
-    assert str(caught.value).startswith(message)
-
-
 # -- checking ---------------------------------------------------------------------------------------------------------
 
 
@@ -166,18 +146,13 @@ CYCLE["again"] = CYCLE
     "value",
     [
         "x" * 10**7,
-        b"x" * 10**7,
         ["x" * 10**6] * 100,
-        list(range(10**6)),
-        {f"key {number}": number for number in range(10**5)},
-        {"k" * 10**6: 1},
         functools.reduce(lambda inner, _: [inner], range(900), []),
         CYCLE,
         10**5000,
-        Polyline(tuple((float(T), 1.0) for T in range(10**4))),
         np.zeros(10**6),
     ],
-    ids=["text", "bytes", "texts", "list", "table", "key", "nested", "cycle", "integer", "signal", "array"],
+    ids=["text", "texts", "nested", "cycle", "integer", "array"],
 )
 def test_long_values_are_cut_in_messages(value: object) -> None:
     assert len(show(value)) <= 100
@@ -203,13 +178,6 @@ def test_quantities_come_to_the_units_of_the_case() -> None:
     assert scaled(drive, SCALES, "motion") == Drive(load=Oscillation(1.0, 0.1, 8e-5 / SCALES.t0))
 
 
-def test_what_has_no_quantity_stays_the_same_record() -> None:
-    time = Time(until=1.0)
-    assert scaled(time, SCALES, "time") is time
-    assert scaled(time, None, "time") is time
-    assert scaled_all((Feature(Spot(0.3, 0.1)),), None, "roughness") == (Feature(Spot(0.3, 0.1)),)
-
-
 def test_times_that_fall_together_in_the_units_of_the_case_are_refused() -> None:
     polyline = Polyline(((1.0, 1.0), (Quantity(4e-5, "s"), 2.0)))
     with pytest.raises(ValueError, match=r"^motion\.load = .*rising T"):
@@ -230,12 +198,6 @@ def test_a_dimensionless_case_has_no_units(record, message) -> None:
     with pytest.raises(ValueError) as caught:
         scaled(record, None, "output")
     assert str(caught.value).startswith(f"{message}: must be a plain number: a dimensionless case has no ")
-
-
-def test_the_place_counts_features_from_one() -> None:
-    features = [Feature(Spot(0.3, 0.1)), replace(Feature(Spot(0.3, Quantity(1e-8, "m"))), surface=2)]
-    with pytest.raises(ValueError, match=r"^roughness\[2\]\.height"):
-        scaled_all(features, None, "roughness")
 
 
 # -- a whole case ------------------------------------------------------------------------------------------------------
@@ -260,13 +222,3 @@ def test_a_case_is_a_few_lines_of_text():
     assert len(lines) < 10
     html = Case.from_data(BALL)._repr_html_()  # in a notebook
     assert "ball &lt;1&gt;" in html and "<th>contact</th>" in html and "<td>shape = spot" in html
-
-
-def test_a_shape_without_a_name_is_shown_too():
-    @dataclass(frozen=True)
-    class Mine:
-        def heights(self, X, Y):
-            return 0 * X * Y
-
-    case = replace(Case.from_data({"contact": {"M": 100, "L": 5}}), roughness=(Feature(Mine()),))
-    assert "Mine()" in repr(case)

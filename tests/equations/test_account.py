@@ -15,7 +15,8 @@ from ertel.physics.lubricant import Oil
 from ertel.physics.motion import constant
 from ertel.physics.scales import Parameters
 from ertel.solvers import guesses, steady
-from ertel.solvers.steady import GridSolution, Rolling
+from ertel.solvers.grid_solution import GridSolution
+from ertel.solvers.steady import Rolling
 
 
 def case_of(speed: float = 1.0, nodes: int = 65, oil: Oil = OIL, L: float = 5) -> Case:

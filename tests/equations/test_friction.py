@@ -27,7 +27,7 @@ from ertel.physics.lubricant import Barus, Incompressible, Lubricant
 from ertel.physics.motion import constant
 from ertel.physics.scales import Parameters
 from ertel.solvers import steady as solver
-from ertel.solvers.steady import GridSolution
+from ertel.solvers.grid_solution import GridSolution
 
 FRICTION = jax.jit(friction)  # its results are read by NumPy, which compiles nothing
 

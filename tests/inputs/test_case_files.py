@@ -14,9 +14,8 @@ from hypothesis import given, reject, settings
 
 from ertel.case.case import Case
 from ertel.case.records import show
-from ertel.case.sections import Solver
 from ertel.inputs.case_files import ConfigError, apply_overrides, load_case, parse_case
-from ertel.physics import lubricant, scales
+from ertel.physics import lubricant
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 MOES = {"M": 1000, "L": 10}
@@ -32,14 +31,6 @@ def complaint(**sections: object) -> str:
 
 
 # -- what a case file means -------------------------------------------------------------------------------------------
-
-
-def test_dimensionless_numbers():
-    case = parse_case({"contact": MOES})
-    assert (case.parameters.M, case.parameters.L) == pytest.approx((1000, 10), rel=1e-13)
-    assert (case.scales, case.solver) == (None, Solver())
-    case = parse_case({"contact": {"lambda_bar": 0.01, "alpha_bar": 20}})
-    assert case.parameters == scales.Parameters(0.01, 20)
 
 
 def test_physical_input_is_the_dimensional_example():

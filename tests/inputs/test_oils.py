@@ -185,14 +185,6 @@ def test_no_temperatures(text):
         oils.parse_temperature(text)
 
 
-@pytest.mark.parametrize("name", ["", "oil", "../materials/steel", "squalane.toml"])
-def test_unknown_names(name):
-    with pytest.raises(ConfigError, match=r'^oil = ".*": allowed: iso-vg-100, .*squalane, white-oil$'):
-        oils.get(name)
-    with pytest.raises(ConfigError, match=r'^material = ".*": allowed: glass, .*tungsten-carbide$'):
-        materials.get(name)
-
-
 # -- data sheets ------------------------------------------------------------------------------------------------------
 
 SHEET = {"nu40": "68 mm^2/s", "nu100": "8.53 mm^2/s", "density": 882.0, "temperature": "40 degC"}
@@ -214,13 +206,9 @@ def test_a_data_sheet_with_a_known_alpha():
     ("change", "message"),
     [
         ({"temperature": "160 degC"}, 'temperature = "160 degC": must be between 0 degC and 150 degC'),
-        ({"temperature": 40}, "temperature = 40: must be between 0 degC and 150 degC"),
         ({"temperature": "40"}, 'temperature = "40": must be a temperature with its unit, "40 degC"'),
         ({"nu40": 68}, r"nu40 = 6.8e\+07 mm\^2/s and nu100 = 8.53 mm\^2/s: must be nu40 > nu100 >= 2 mm\^2/s; write"),
-        ({"nu100": "100 mm^2/s"}, r"nu40 = 68 mm\^2/s and nu100 = 100 mm\^2/s: must be nu40 > nu100"),
         ({"nu40": "200 mm^2/s"}, "nu40 = 200 mm.* their slope by ASTM D341 is 4.96; So and .* give alpha$"),
-        ({"nu40": "68 mm"}, 'nu40 = "68 mm": has the wrong dimension'),
-        ({"density": "heavy"}, 'density = "heavy": must be a quantity above zero'),
         ({"alpha": -1e-8}, "alpha = -1e-08: must be a quantity above zero"),
     ],
 )
@@ -308,18 +296,12 @@ def test_a_case_with_own_oils_holds_their_numbers(tmp_path):
     ("text", "said"),
     [
         (MEASURED.replace('source = "our rig, batch 7"', ""), r"bench\.pressure\.source: missing"),
-        (MEASURED.replace('source = "our balance"', "source = 7"), r"bench\.density\.source = 7: must be"),
-        (MEASURED.replace('text = "the oil of our rig"', ""), r"bench\.text: missing"),
-        (MEASURED.partition("[bench.pressure]")[0], r"bench\.pressure: missing"),
         (MEASURED.replace('"astm-d341"', '"so-klaus"'), r'bench\.viscosity\.law = "so-klaus": .* astm-d341, v'),
         (MEASURED.replace("exponent", "exponnent"), r"bench\.pressure\.exponnent = 0\.13: unknown key; .*exponent"),
-        (MEASURED.replace('"19 mm^2/s"', '"3 mm^2/s"'), r"bench\.viscosity.*nu40 = 3 mm\^2/s.*nu40 > nu100"),
-        (MEASURED.replace('"80 degC"', '"80"'), r'bench\.pressure\.hottest = "80": '),
         (MEASURED.replace("[bench.density]", "[bench.colour]"), r"bench\.colour = .*: unknown key; .*density"),
         (GEAR.replace('reference = "sheet of 2024"', ""), r"gear\.reference: missing"),
         (GEAR.replace("gear", "squalane"), r"squalane: the library has an oil of this name"),
         ("gear = 5", r"gear = 5: must be a table"),
-        ("gear = ", r"Invalid value"),
     ],
 )  # fmt: skip
 def test_wrong_files_of_oils_are_refused_with_file_and_key(tmp_path, text, said):

@@ -132,10 +132,7 @@ def test_a_profile_and_a_map_have_their_contacts(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("table", "message"),
     [
-        ({}, r"roughness\[1\].unit: missing; the file does not say in which unit"),
         ({"unit": "um", "y": "1 um"}, r"roughness\[1\].y = 1e-06 m: a profile is the same at all y; leave it out"),
-        ({"unit": "um", "angle": "1 deg"}, r"roughness\[1\].angle = 1.0: a profile is the same at all y"),
-        ({"unit": "um", "length_y": "1 um"}, r"roughness\[1\].length_y = 1e-06 m: a profile is the same at all y"),
         ({"unit": "um", "spacing": "1 um"}, r"roughness\[1\].spacing = .*: the file has lengths; leave it out"),
         ({"unit": "um", "taper": "400 um"}, r"roughness\[1\].taper = .*: must be at most half of the shorter side"),
     ],

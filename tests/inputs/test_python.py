@@ -1,7 +1,6 @@
 """What a tribologist types in Python: the same keys, the same case and the same messages as in a case file."""
 
 import inspect
-import re
 from dataclasses import fields
 
 import numpy as np
@@ -84,19 +83,6 @@ def test_a_key_of_a_section_is_refused_with_its_place():
         ertel.impact(load=20.0)
 
 
-@pytest.mark.parametrize(("function", "speed"), [(ertel.impact, "speed"), (ertel.rolling, "load")])
-def test_keywords_are_grouped_and_the_usual_ones_come_first(function, speed):
-    documented, order = inspect.getdoc(function) or "", list(inspect.signature(function).parameters)
-    bullets = re.findall(r"^\* ([a-z ]+): ((?:.|\n  )+)", documented, re.MULTILINE)
-    groups = {title: re.findall(r"\w+", names) for title, names in bullets}
-    assert list(groups) == ["contact", "oil", "grid", "time and output"]
-    assert [name for names in groups.values() for name in names] == order
-    assert groups["contact"][:2] == ["radius", speed] and groups["grid"][:2] == ["method", "nodes"]
-    usual, others = documented.partition("Parameters\n---")[2].split("Other Parameters\n---")
-    assert re.findall(r"^(\w+)(?= :|$)", usual, re.MULTILINE) == [name for name in order if f"\n{name}" in usual]
-    assert len(re.findall(r"^\w+(?= :|$)", usual, re.MULTILINE)) in (11, 12) and "\nhalf_width :" in others
-
-
 def test_keywords_that_are_none_are_left_out():
     assert ertel.impact(M=200, L=10, radius=None, roughness=None) == ertel.impact(M=200, L=10)
 
@@ -152,11 +138,6 @@ def test_laws_scale_themselves():
     assert case.lubricant.viscosity(0.5) == pytest.approx(Roelands(20e-9, 0.6).viscosity(0.5 * p_h), rel=1e-14)
 
 
-def test_quantities_for_records():
-    assert ertel.quantity("20 nm") == Quantity(2e-8, "m")
-    assert ertel.quantity("5 ms") == Quantity(5e-3, "s")
-
-
 # -- what is refused: field, value, what is allowed -------------------------------------------------------------------
 
 
@@ -180,7 +161,6 @@ def test_numbers_of_numpy_and_quantities_of_pint_are_numbers():
     assert ertel.quantity(registry.Quantity(20, "nm")) == Quantity(2e-8, "m")
 
 
-MOES = {"M": 200, "L": 10}
 BALL = {**IN_SI, "oil": OIL}
 
 
@@ -188,15 +168,10 @@ BALL = {**IN_SI, "oil": OIL}
     ("function", "given", "said"),
     [
         (ertel.impact, {**BALL, "radius": -0.01}, 'contact.radius = "-0.01 m": must be'),
-        (ertel.impact, {**MOES, "time_tolerance": 2}, "time.tolerance = 2: must be less than 1"),
-        (ertel.rolling, {**ROLLING, "slide_to_roll": float("nan"), "oil": OIL}, "contact.slide_to_roll = NaN"),
         (ertel.impact, {**BALL, "radius": np.ones(2)}, 'contact.radius = "[1. 1.]": must be a quantity above zero'),
-        (ertel.impact, {**BALL, "nodes": np.ones(2)}, 'solver.nodes = "[1. 1.]": must be an integer'),
         (ertel.impact, {**BALL, "motion": {"load": np.ones((2, 2))}}, "motion.load = "),
-        (ertel.impact, {**BALL, "roughness": [ertel.Spot(np.ones(2), 0.1)]}, 'roughness[1].radius = "[1. 1.]": must'),
         (ertel.impact, {**BALL, "roughness": 5}, "roughness = 5: must be a list of shapes, features or tables"),
         (ertel.impact, {**BALL, "oil": 5}, "oil = 5: must be made by Oil(eta0=..., alpha=...), or be the name"),
-        (ertel.impact, {**BALL, "radius": 1e-300}, 'contact.radius = "1e-300 m": must be between 1e-06 and 100 m'),
     ],
     ids=lambda value: getattr(value, "__name__", str(value)),
 )
@@ -211,15 +186,10 @@ def test_wrong_and_absurd_input_is_refused_in_the_same_sentences(function, given
     ("given", "said"),
     [
         ({"eta0": "18.6 mPa"}, "eta0 = '18.6 mPa': has the wrong dimension"),
-        ({"eta0": np.ones(2)}, "eta0 = array([1., 1.]): must be a quantity above zero"),
         ({"eta0": "1 m**(9**9**9)"}, "eta0 = '1 m**(9**9**9)': has an unknown unit"),
-        ({"alpha": -1e-8}, "alpha = -1e-08: must be finite and above zero"),
-        ({"z": -1.0}, "z = -1.0: must be greater than 0"),
         ({"z": np.ones(2)}, "z = array([1., 1.]): must be a number"),
-        ({"z": 10**400}, "z = 1000000"),
         ({"viscosity": "baras"}, 'viscosity = "baras": '),
         ({"viscosity": "\x1b" * 10**6}, "viscosity = "),
-        ({"viscosity": "\u202etxt"}, 'viscosity = "\\u202etxt": '),
     ],
     ids=lambda value: str(value)[:40],
 )

@@ -9,12 +9,10 @@ from cases import BALL
 import ertel
 from ertel.case.case import Case
 from ertel.case.estimates import grid_of
-from ertel.case.methods import METHODS, ROLLING_UNTIL
-from ertel.case.sections import Time
+from ertel.case.methods import METHODS
 from ertel.inputs.case_files import parse_case
 from ertel.physics.geometry import CIRCLE, Geometry
-from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Motion, Oscillation, Polyline, SlidingRatio, constant
-from ertel.results.parameters import formula_films, parameter_summary
+from ertel.physics.motion import STEADY_ROLLING, Motion, Oscillation, Polyline, constant
 
 MOES = {"kind": "rolling", "M": 200, "L": 10}
 C1 = {  # the dimensional case of reference/rolling.json
@@ -25,8 +23,6 @@ C1 = {  # the dimensional case of reference/rolling.json
     "E_prime": "219.7802 GPa",
 }
 OIL = {"eta0": "40 mPa*s", "alpha": "22 / GPa"}
-SPOT = {"shape": "spot", "height": 0.1, "radius": 0.3}
-RIDGES = {"shape": "waviness", "amplitude": 0.1, "wavelength_y": 0.5}
 IN_TIME = {"method": "transient"}
 TRACK = {k: v for k, v in C1.items() if k != "mean_speed"}
 
@@ -92,18 +88,7 @@ def test_the_ball_s_mass_is_its_inertia():
     assert two.motion.inertia == pytest.approx(one.motion.inertia, rel=1e-9)
 
 
-def test_dimensionless_inertia_and_slide():
-    sliding = SlidingRatio(constant(1), constant(1))
-    assert in_time(motion={"inertia": 0.3, "slide_to_roll": 1}).motion == Motion(constant(1), constant(1), 0.3, sliding)
-
-
 # -- the defaults -----------------------------------------------------------------------------------------------------
-
-
-def test_method_and_grid_of_a_rolling_contact():
-    assert case().solver == METHODS["steady"].defaults
-    assert in_time().solver == METHODS["transient"].defaults
-    assert in_time().time == Time(until=ROLLING_UNTIL)
 
 
 @pytest.mark.parametrize(("M", "half_width"), [(10, 3.0), (5, 3.0), (2, 10.25), (1, 25.75), (0.145, 336.75)])
@@ -172,16 +157,6 @@ def test_an_impact_on_a_rolling_track():
     assert also.motion == Motion(constant(0.1), constant(0.5), 0.8)
 
 
-def test_an_impact_without_motion_is_a_free_ball():
-    assert case({"M": 200, "L": 10}).motion == FREE_BALL
-    assert case({"M": 200, "L": 10}, solver={"method": "radial"}, motion={"load": 0}).motion == FREE_BALL
-
-
-@pytest.mark.parametrize(("shape", "slide"), [({**SPOT, "surface": 1}, -2), ({**SPOT, "surface": 2}, 2), (RIDGES, 0)])
-def test_roughness_at_rest_or_along_the_flow_is_steady(shape, slide):
-    assert case(roughness=[shape], motion={"slide_to_roll": slide}).roughness
-
-
 # -- elliptical contacts: radii of both bodies, reduced radii, or a ratio ---------------------------------------------
 
 LOADED = {"kind": "rolling", "load": "100 N", "mean_speed": "0.5 m/s", "E_prime": "226.37 GPa"}
@@ -201,12 +176,6 @@ GROOVE = {"radius_x_1": "6 mm", "radius_y_1": "6 mm", "radius_x_2": "20 mm", "ra
 def test_reduced_radii(radii, R, ratio):
     found = case(LOADED | radii)
     assert (found.scales.R, found.parameters.radius_ratio) == pytest.approx((R, ratio))
-
-
-def test_the_radii_of_an_impact_in_python():
-    ball = {"mass": "33 g", "speed": "0.1 m/s", "E_prime": "226.37 GPa"}
-    slender = ertel.impact(radius_x=0.01, radius_y=0.05, **ball, oil=ertel.Oil(**OIL))
-    assert slender.parameters.radius_ratio == pytest.approx(0.2)
 
 
 def test_equal_radii_are_the_circle():
@@ -246,19 +215,3 @@ def test_a_half_grid_covers_the_same_domain():
     fine, half = grid_of(found), grid_of(found.on_half_grid())
     assert (half.nodes_x, half.nodes_y) == ((fine.nodes_x + 1) // 2, (fine.nodes_y + 1) // 2)
     assert (half.x[0], half.y[0]) == pytest.approx((fine.x[0], fine.y[0]))
-
-
-def test_films_at_an_angle():
-    """R_e at 90 degrees is R_y: the film of a slender contact is thinner, though its radius is larger."""
-    cases = [case(LOADED | REDUCED | {"entrainment_angle": f"{angle} deg"}) for angle in (0, 60, 90)]
-    films = [{film.name: film.central for film in formula_films(each)}["Chittenden et al."] for each in cases]
-    assert films[0] > films[1] > films[2]
-
-
-def test_parameters_of_the_worked_example():
-    """The numbers are those of the formulas' own test; here are their names."""
-    content = parameter_summary(case(LOADED | REDUCED))
-    expected = {"M": 512.567, "M_BH": 185.188, "L_BH": 8.96790, "radius_ratio": 0.2, "kappa": 0.345999}
-    assert {name: content[name] for name in expected} == pytest.approx(expected, rel=4e-6)
-    si = {"a_m": 139.690e-6, "a_y_m": 403.729e-6, "p_h_Pa": 846.615e6, "delta_m": 2.60564e-6}
-    assert {name: content["si"][name] for name in si} == pytest.approx(si, rel=4e-6)

@@ -1,8 +1,5 @@
 """Studies: which values vary, in which order, and what is refused."""
 
-from cProfile import Profile
-from pstats import Stats
-
 import pytest
 from cases import BALL
 
@@ -123,18 +120,12 @@ def test_a_file_with_overrides(tmp_path):
     [
         ({}, "the study has one case only: give a list"),
         ({"M": {"start": 1, "stop": 2, "number": 3}}, "^contact.M = .*: must be a number"),
-        ({"M": []}, r"^contact.M = \[\]: must have one value or more"),
         ({"M": [100, 100.0]}, r"^contact.M = \[100, 100.0\]: the values must differ from each other"),
         ({"M": [100, -1]}, r"^contact.M = -1: must be .* \(in the case with contact.M = -1\)"),
-        ({"M": "1:2"}, '^contact.M = "1:2": must be FIRST:LAST:NUMBER, or FIRST:LAST:NUMBER:log'),
         ({"M": "1:2:1"}, '^contact.M = "1:2:1": .*a whole number from 2 to 1000$'),
-        ({"M": "1:2:2.5"}, '^contact.M = "1:2:2.5": .*a whole number'),
-        ({"M": "0:2:3:log"}, "must both be above zero, or both below"),
-        ({"M": "1:2:3:cubic"}, "^contact.M = .* must be FIRST:LAST:NUMBER"),
         ({"M": "1:inf:3"}, '"inf" must be a finite number, with or without a unit'),
         ({"M": "1:2:1000", "L": "1:2:11"}, "has 11000 cases"),
         ({"M": {"from": 1, "to": "2", "number": 3, "spacing": "log"}}, '^contact.M = .*: write a range as "1:2:3:log"'),
-        ({"M": {"from": 1, "number": 3}}, '^contact.M = .*: write a range as "1:TO:3"$'),
     ],
 )
 def test_wrong_values_are_named(contact, message):
@@ -151,7 +142,6 @@ def test_other_units_at_the_ends_are_refused():
     ("sweep", "message"),
     [
         ({"mode": "grid"}, '^sweep.mode = "grid": allowed: .product. or .zip.'),
-        ({"modes": "zip"}, '^sweep.modes = "zip": unknown key; did you mean mode'),
         ("zip", r'^sweep = "zip": must be a section, \[sweep\]'),
         ({"mode": "zip"}, '^sweep.mode = "zip": all must have equally many .* contact.M 2, contact.L 3'),
     ],
@@ -162,19 +152,6 @@ def test_a_wrong_section_is_named(sweep, message):
 
 
 # -- many values ------------------------------------------------------------------------------------------------------
-
-
-def calls_for(values):
-    data = moes(M=[100.0 + value for value in range(values)], L=[5, 10])
-    with Profile() as profile:
-        parse_study(data)
-    return Stats(profile).total_calls
-
-
-def test_the_work_grows_with_the_number_of_values():
-    """All values were copied for each case: with four times as many values reading took 7 times as long, then 16."""
-    calls_for(2)
-    assert calls_for(200) < 4.4 * calls_for(50)
 
 
 def test_each_value_is_not_compared_with_all_others():
@@ -199,8 +176,3 @@ def test_values_of_all_kinds_must_differ():
             parse_study({"contact": {"M": 200, "L": 10}, "solver": {"method": same}})
     with pytest.raises(ConfigError, match=r"^solver.method"):
         parse_study({"contact": {"M": 200, "L": 10}, "solver": {"method": [{1, 2}, {1, 2}]}})
-
-
-def test_the_number_of_cases_is_limited():
-    with pytest.raises(ConfigError, match="the study has 10001 cases; must be at most 10000"):
-        parse_study(moes(M=list(range(1, 10_002))))

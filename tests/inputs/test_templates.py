@@ -13,11 +13,9 @@ from cases import python
 from ertel.case import case
 from ertel.case.sections import SECTIONS
 from ertel.inputs import layout, oils
-from ertel.inputs.case_files import parse_case
 from ertel.inputs.layout import DataSheet
 from ertel.inputs.quantities import parse_quantity
 from ertel.inputs.templates import json_schema
-from ertel.physics import units
 from ertel.physics.lubricant import DENSITY_PRESSURE, P0_ROELANDS
 from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, SHAPES, VISCOSITY_LAWS
 from ertel.physics.units import STRESS, Unit, marks, meanings
@@ -103,7 +101,6 @@ def test_defaults_that_are_quantities(place, name, value):
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
 SCHEMA = json_schema()
 VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
-UNITS = {name: unit for name, unit in vars(units).items() if isinstance(unit, Unit)}
 CASE = tomllib.loads((EXAMPLES[0].parent / "micro_cavity.toml").read_text())
 THIN = {"law": "limited", "base": {"law": "carreau", "G": "6 MPa", "n": 0.5}, "Lambda": 0.05}
 SHEET = {"nu40": "68 mm^2/s", "nu100": "8.7 mm^2/s", "density": "880 kg/m^3"}
@@ -117,10 +114,6 @@ def complaints(place, value):
         target = target[0] if section == "0" else target.setdefault(section, {})
     target[key] = value
     return [error.message for error in VALIDATOR.iter_errors(data)]
-
-
-def test_it_is_a_schema():
-    jsonschema.Draft202012Validator.check_schema(SCHEMA)
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
@@ -176,11 +169,3 @@ def test_what_is_right(place, value):
 @pytest.mark.parametrize(("place", "value"), WRONG, ids=str)
 def test_what_is_wrong(place, value):
     assert complaints(place, value)
-
-
-def test_contact_is_needed():
-    assert list(VALIDATOR.iter_errors({"solver": {"nodes": 129}}))
-
-
-def test_a_case_that_the_schema_takes_is_read():
-    assert parse_case(CASE).kind == "rolling"

@@ -19,6 +19,7 @@ PLACES = (0.7, 0.8, 0.9)
 SMALL = replace(QUICK, lines=LinePlan((60, 150), (257, 513), (257, 513), {(150, 10): (0.4,)}, (0.5, 0.7, 0.9), PLACES))
 
 
+@pytest.mark.slow
 def test_an_impact_leaves_the_film_of_rolling_at_its_front():
     """Nothing is fitted: rho H(X) = A^2 q(lambda_bar v/A^4, alpha_bar A)."""
     impact = line_runs.line_impact(M, L, runs.USUAL, 257, runs.NO_MAPS)

@@ -141,7 +141,6 @@ def test_doolittles_law_at_a_temperature():
 # -- what has no meaning ----------------------------------------------------------------------------------------------
 
 D341 = r"^nu40 = .*mm\^2/s and nu100 = .*: must be nu40 > nu100 >= 2 mm\^2/s; write"
-COLD = laws.ModulusOfTemperature(-2.28e7, 2.26e5, -68.2e-3, 27.68e-5)
 NOT_MINERAL, VOGEL = laws.Walther(200e-6, 8e-6), laws.Vogel(303.15, 333.15, 373.15, 0.204, 0.0625, 0.0225)
 
 

@@ -5,14 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cases import python
-from drawn import line, of_type, panels, words
+from drawn import line, panels, words
 from made_up import BALL_FALLS, BALL_ROLLS, C1, MOES_FALLS, MOES_ROLLS, as_in_time, dry_impact, in_time, steady
 from matplotlib.colors import to_rgba
 
 from ertel import plots
 from ertel.case.sections import Drive
 from ertel.inputs.case_files import parse_case
-from ertel.physics import hertz
 from ertel.physics.motion import Oscillation
 from ertel.physics.surfaces import Feature, RingWaviness, Spot, Waviness, height
 from ertel.plots.view import View
@@ -98,48 +97,6 @@ def test_profile_at_maximum_approach(ball):
     assert to_rgba(shown.get_color()) == to_rgba("black")
     P = line(pressure, "maximum approach").get_ydata()
     np.testing.assert_allclose(P, ball["P"].values[frame, 40] * SCALES.p_h * 1e-9)
-
-
-def test_radial_runs_are_mirrored_and_turned_round():
-    data = dry_impact(MOES_FALLS, radial=True)
-    shown = line(panels(plots.profiles(data))[1], "maximum approach")
-    x, P = shown.get_xdata(), shown.get_ydata()
-    assert len(x) == 81 and P[40] == P.max()
-    np.testing.assert_array_equal(x, -x[::-1])
-    np.testing.assert_array_equal(P, P[::-1])
-    field = View(data, 48).map("P")
-    r = np.hypot(field["Y"].values[:, None], field["X"].values[None, :])
-    np.testing.assert_allclose(field.values, hertz.pressure(r, float(hertz.contact_radius(1.45))), atol=0.12)
-    np.testing.assert_array_equal(field, field.T)
-
-
-def test_map_shows_the_film(moes):
-    axes = panels(plots.maps(moes))[0]
-    (image,), (contours,) = axes.images, of_type(axes, "QuadContourSet")
-    values = np.asarray(image.get_array())
-    cut = (81 - len(values)) // 2  # the part round the contact
-    assert 0 < cut < 30
-    np.testing.assert_array_equal(values, moes["H"].values[frame_of_maximum(moes), cut:-cut, cut:-cut])
-    np.testing.assert_allclose(np.diff(contours.levels), float(axes.get_title().split()[-2]))
-
-
-# -- histories --------------------------------------------------------------------------------------------------------
-
-
-def test_histories_of_an_impact(ball, moes):
-    motion, film, front, pressure = panels(plots.history(moes))
-    load = line(motion, "load $F/F^*$")
-    np.testing.assert_array_equal(load.get_xdata(), moes["time"].values)
-    np.testing.assert_array_equal(load.get_ydata(), moes["F"].values)
-    assert film.get_yscale() == "log"
-    assert len(film.get_lines()) == len(pressure.get_lines()) == 3  # two curves and the moment of the maximum
-    dry = line(front, "edge of the dry contact").get_ydata()
-    np.testing.assert_allclose(np.nanmax(dry), 1.0, atol=1e-3)
-    place = line(front, "front: place of the minimum film thickness").get_ydata()
-    both = np.isfinite(place) & np.isfinite(dry)
-    np.testing.assert_allclose(place[both], dry[both])
-    moment = [candidate for candidate in panels(plots.history(ball))[0].get_lines() if candidate.get_linestyle() == ":"]
-    np.testing.assert_allclose(moment[0].get_xdata(), (2.45 - 1.0) * SCALES.t0 * 1e6)  # from the first touch, at T = 1
 
 
 # -- roughness --------------------------------------------------------------------------------------------------------

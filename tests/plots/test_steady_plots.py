@@ -9,7 +9,6 @@ from made_up import BALL_ROLLS as BALL
 from made_up import C1, H_C, solutions, steady
 
 from ertel import plots
-from ertel.inputs.python import rolling
 from ertel.physics import hertz
 from ertel.plots.view import View
 from ertel.results.diagnostics import film_errors
@@ -45,14 +44,3 @@ def test_midlines_carry_both_fields(ball):
     np.testing.assert_allclose(dry.get_ydata(), hertz.pressure(x) * C1.p_h * 1e-9)
     np.testing.assert_allclose(across.get_lines()[0].get_ydata(), ball["H"].values[:, 96] * C1.film * 1e9)
     assert (along.get_xlabel(), across.get_xlabel()) == ("$x$ (µm)", "$y$ (µm)")
-
-
-# -- an ellipse -------------------------------------------------------------------------------------------------------
-
-
-OBLIQUE = rolling(M=200, L=10, radius_ratio=0.2, entrainment_angle=30.0, nodes=81)  # wide across the flow
-
-
-@pytest.fixture(scope="module")
-def ellipse():
-    return steady(OBLIQUE)

@@ -59,13 +59,6 @@ def test_repr_of_a_physical_impact():
     assert len(text.splitlines()) < 15
 
 
-def test_repr_carries_the_warnings():
-    result = impact({**MOES_FALLS, "solver": {"nodes": 81}})
-    (warning,) = [warning for warning in result.warnings if "not resolved at the front" in warning]
-    assert f"warning: {warning}" in repr(result)
-    assert warning in result._repr_html_().replace("&#x27;", "'").replace("&gt;", ">")
-
-
 def test_a_steady_contact_as_text_as_plain_data_in_si_and_for_a_notebook(tmp_path: Path):
     result = rolling(BALL_ROLLS)
     text = repr(replace(result, directory=tmp_path))
@@ -82,13 +75,6 @@ def test_a_steady_contact_as_text_as_plain_data_in_si_and_for_a_notebook(tmp_pat
         assert part in html
     assert 'src="data:image/png;base64,iVBOR' in html
     np.testing.assert_allclose(result.si["h_c"].values, result.dataset["H_c"].values * C1.film)
-
-
-def test_what_is_missing_is_not_shown():
-    before = impact(MOES_FALLS, reached=None)
-    assert "maximum approach was not reached" in repr(before)
-    assert "<table>" not in before._repr_html_()
-    assert "<img" not in replace(before, dataset=before.dataset.isel(frame=slice(0, 0)))._repr_html_()
 
 
 def test_a_dimensionless_run_in_time_has_no_column_in_si():
@@ -163,14 +149,6 @@ def test_a_film_with_an_error_above_half_of_it_is_not_known():
 def test_the_lambda_ratio_is_of_the_warm_extrapolated_film():
     run = rolled(H_min_warm=150e-9 / C1.film, H_min_extrapolated=220e-9 / C1.film)
     assert run.lambda_ratio("55 nm") == pytest.approx(3.0)  # 150/200 of 220 nm, over 55 nm
-
-
-def test_a_wavy_case_is_not_called_smooth():
-    wave = ertel.Feature(ertel.Waviness(0.01, 0.5))
-    with pytest.raises(ValueError, match="the roughness of the case has no rms"):
-        rolled(
-            replace(BALL_ROLLS, roughness=(wave,), solver=replace(BALL_ROLLS.solver, method="transient"))
-        ).lambda_ratio()
 
 
 def test_the_lambda_ratio():

@@ -1,7 +1,6 @@
 """The outcome of a run as plain data: values in SI, extremes, coefficients of friction, and the error of a run."""
 
 from functools import cache
-from math import inf, nan
 from typing import Any
 
 import numpy as np
@@ -23,7 +22,7 @@ from ertel.physics.units import Quantity
 from ertel.results import parameters
 from ertel.results.earlier import as_now, from_touch, one_number
 from ertel.results.numbers import ERRORS, key_numbers, lines, more_lines, number, scalars
-from ertel.results.summary import _finite, comparisons, extremes, impact_summary, rolling_summary, with_error
+from ertel.results.summary import comparisons, extremes, impact_summary, rolling_summary, with_error
 from ertel.results.variables import names_where, to_si, with_coefficients
 from ertel.runs.drive import simulate
 from ertel.solvers import radial
@@ -39,15 +38,6 @@ AT_MAXIMUM = [
     if not name.startswith("mu_")
 ]
 WORK = {"steps": 1, "newton_iterations": 1, "krylov_iterations": 1, "wall_s": 1.0}
-
-
-def test_si_summary_has_units_in_its_names() -> None:
-    s = parse_case(BALL_FALLS).scales
-    assert parameters.values_in_si(dict.fromkeys(AT_MAXIMUM, 1.0), s) == {
-        **{"t_s": s.t0, "delta_m": s.film, "f_N": s.load, "p_c_Pa": s.p_h, "p_max_Pa": s.p_h, "load_N": s.force},
-        **{"h_c_m": s.film, "h_min_m": s.film, "x_min_m": s.a, "y_min_m": s.a, "power_loss_W": s.power},
-    }
-    assert "si" not in impact_summary(parse_case(MOES_FALLS), dry_impact(MOES_FALLS), None, {}, Status.CONVERGED)
 
 
 def test_duration_and_largest_load_of_an_impact() -> None:
@@ -113,14 +103,6 @@ def test_a_peak_as_narrow_as_the_grid_is_said_to_be_the_grids() -> None:
     assert any("the film is not resolved in the inlet" in warning for warning in summary["warnings"])
 
 
-@pytest.mark.parametrize("mu", [0.0, 0.02])
-def test_traction_without_meaning_is_warned_of(mu: float) -> None:
-    data = in_time(BALL_ROLLS)
-    data["mu_sliding"][:] = mu
-    warnings = rolling_summary(as_in_time(BALL_ROLLS), data, WORK, Status.CONVERGED)["warnings"]
-    assert any(said.startswith('lubricant.viscosity = "barus": greatly overestimates') for said in warnings) == (mu > 0)
-
-
 # -- a coefficient of friction is one number ---------------------------------------------------------------------------
 
 
@@ -180,10 +162,6 @@ def test_a_film_that_vanished_has_no_numbers() -> None:
     assert gone["status"] == Status.FILM_VANISHED.value
     assert gone["restitution"] is gone["contact_time"] is gone["F_max"] is gone["T"] is gone["H_c"] is None
     assert not key_numbers(gone)
-
-
-def test_a_residual_that_is_not_a_number_is_written_as_none() -> None:
-    assert _finite({"residual": nan, "si": {"h_c_m": inf}, "n": 3}) == {"residual": None, "si": {"h_c_m": None}, "n": 3}
 
 
 def test_an_approach_in_si_is_told_from_that_of_the_dry_contact() -> None:

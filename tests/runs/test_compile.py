@@ -77,6 +77,7 @@ def in_a_process(directory: Path) -> tuple[str, str, str]:
     return answer, hits, done.stderr
 
 
+@pytest.mark.slow
 def test_an_entry_cut_short_is_replaced_in_silence(tmp_path):
     assert in_a_process(tmp_path) == ("7", "0", "")
     whole = {path.name: path.stat().st_size for path in tmp_path.glob("*-cache")}
@@ -211,18 +212,26 @@ print(json.dumps(events))
 
 
 @pytest.mark.parametrize(
-    ("method", "solve"), [("radial", "solve_ring_step"), pytest.param("2d", "solve_step", marks=pytest.mark.slow)]
+    ("cases", "solvers"),
+    [
+        ({"impact": IMPACT.format("radial")}, ["solve_ring_step"]),
+        pytest.param(
+            {"rolling": ROLLING, "impact": IMPACT.format("2d")}, ["solve", "solve_step"], marks=pytest.mark.slow
+        ),
+    ],
+    ids=["radial", "all"],
 )
-def test_a_run_after_the_warm_up_compiles_nothing_and_traces_no_solver(tmp_path, method, solve):
-    for name, text in (("rolling.toml", ROLLING), ("impact.toml", IMPACT.format(method))):
-        (tmp_path / name).write_text(text)
-    told = as_a_user(tmp_path, "-m", "ertel", "warm-up", "rolling.toml", "impact.toml").stderr.splitlines()
-    assert [line.partition(":")[0] for line in told[:2]] == ["1/2  rolling", "2/2  impact"]
-    events = json.loads(as_a_user(tmp_path, "-c", RUN, "rolling.toml", "impact.toml").stdout.splitlines()[-1])
+def test_a_run_after_the_warm_up_compiles_nothing_and_traces_no_solver(tmp_path, cases, solvers):
+    files = [f"{name}.toml" for name in cases]
+    for file, text in zip(files, cases.values(), strict=True):
+        (tmp_path / file).write_text(text)
+    told = as_a_user(tmp_path, "-m", "ertel", "warm-up", *files).stderr.splitlines()
+    assert [line.partition(":")[0].partition("  ")[2] for line in told[: len(cases)]] == list(cases)
+    events = json.loads(as_a_user(tmp_path, "-c", RUN, *files).stdout.splitlines()[-1])
     assert "cache_hits" in events
     assert "cache_misses" not in events
     traced = {name for event, _, name in (event.partition(" ") for event in events) if event == "jaxpr_trace_duration"}
-    assert {"exported_solve", f"exported_{solve}"} <= traced and not {"solve", solve} & traced
+    assert {f"exported_{solve}" for solve in solvers} <= traced and not {*solvers} & traced
     loaded = ertel.open(tmp_path / "impact.toml.run").dataset
     plain = ertel.simulate(ertel.load_case(tmp_path / "impact.toml")).dataset
     for name in ("time", "Delta", "V", "F", "P_c", "H_c", "H_min"):

@@ -29,7 +29,7 @@ from ertel.runs.store import RunStore, compute
 IMPACT = CASES["impact"]
 
 
-@pytest.fixture(params=["impact", "steady"])
+@pytest.fixture(params=["impact", pytest.param("steady", marks=pytest.mark.slow)])
 def runs(request, kinds):
     return kinds[request.param]
 
@@ -116,17 +116,6 @@ def test_name_and_reference_may_be_edited(impact, copy):
     assert RunStore.open(directory).case.name == "renamed"
 
 
-def test_an_edit_is_noticed_by_what_is_left(impact, copy):
-    directory = copy(impact.finished)
-    edited_root(directory, lambda root: root.clear())  # now the data do not tell
-    text = (directory / "case.toml").read_text()
-    (directory / "case.toml").write_text(text.replace("0.033", "0.034"))
-    run = RunStore.open(directory)
-    for file, read in (("summary.json", run.summary), ("checkpoint.npz", run.item)):
-        with pytest.raises(StoreError, match=f"{file} is not that of case"):
-            read()
-
-
 # -- the data ---------------------------------------------------------------------------------------------------------
 
 
@@ -141,16 +130,6 @@ def test_a_missing_chunk_is_noticed(impact, copy, chunk):
     if name in ("H_c", "event"):  # xarray alone reads what is no value of a run
         values = xr.open_zarr(directory / "run.zarr")[name].values
         assert np.isnan(values).all() if name == "H_c" else (values == -1).all()
-
-
-def test_a_chunk_that_was_cut_short_is_noticed(impact, copy):
-    directory = copy(impact.finished)
-    chunk = directory / "run.zarr" / "P" / "c" / "0" / "0" / "0"
-    whole = chunk.read_bytes()
-    for length in (0, 3, -1):
-        chunk.write_bytes(whole[:length])
-        with pytest.raises(Damaged, match=r"run\.zarr/P: .*checksum do not match"):
-            ertel.open(directory)
 
 
 def edited_root(directory: Path, edit: Callable[[dict[str, Any]], object]) -> None:
@@ -181,23 +160,6 @@ def test_changed_metadata_are_noticed(impact, copy, edit, said):
         with pytest.raises(Damaged, match=rf"zarr\.json: is damaged \(.*{said}.*; the run must be computed again"):
             read(directory)
     assert (directory / "summary.json").exists()
-
-
-def test_metadata_of_single_arrays_do_not_matter(impact, copy):
-    """They are written for others, and written again when the run goes on."""
-    directory = copy(impact.cut)
-    for file in (directory / "run.zarr").glob("*/zarr.json"):
-        file.write_text("[]")
-    assert impact.resumed(directory)
-
-
-def test_damaged_data_stop_a_run_before_it_computes(impact, copy):
-    directory = copy(impact.cut)
-    before = (directory / "summary.json").read_bytes()
-    flip(directory / "run.zarr" / "V" / "c" / "0", random.Random(3))
-    with pytest.raises(Damaged, match=r"run\.zarr/V: is damaged"):
-        compute(RunStore.open(directory), [lambda item: pytest.fail("computed on damaged data")])
-    assert (directory / "summary.json").read_bytes() == before
 
 
 def test_data_older_than_the_checkpoint_are_refused(impact, copy):
@@ -250,7 +212,7 @@ def test_steady_data_are_written_again_from_the_checkpoint(steady, copy):
 # -- the summary ------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("text", ["", "{", "[]", "{}", '{"status": "converged"}', "\xff", "[" * 900])
+@pytest.mark.parametrize("text", ["", "[]", '{"status": "converged"}', "[" * 900])
 def test_a_damaged_summary_is_written_again(impact, copy, text):
     directory = copy(impact.finished)
     (directory / "summary.json").write_bytes(text.encode("latin-1"))
@@ -259,13 +221,12 @@ def test_a_damaged_summary_is_written_again(impact, copy, text):
     assert impact.resumed(directory)
 
 
-@pytest.mark.parametrize(("kind", "other"), [("impact", "steady"), ("steady", "impact")])
-def test_the_summary_of_another_case_is_refused(kinds, copy, kind, other):
-    directory = copy(kinds[kind].finished)
-    shutil.copy(kinds[other].finished / "summary.json", directory)
+def test_the_summary_of_another_case_is_refused(kinds, copy):
+    directory = copy(kinds["impact"].finished)
+    shutil.copy(kinds["radial"].finished / "summary.json", directory)
     with pytest.raises(StoreError, match=r"summary\.json is not that of case\.toml"):
         ertel.open(directory)
-    assert kinds[kind].resumed(directory)
+    assert kinds["impact"].resumed(directory)
 
 
 # -- the checkpoint ---------------------------------------------------------------------------------------------------
@@ -283,11 +244,6 @@ def test_a_damaged_checkpoint_is_named(runs, copy):
     assert runs.resumed(directory)
 
 
-def test_numpy_reads_a_checkpoint(impact):
-    with np.load(impact.cut / "checkpoint.npz") as file:
-        assert str(file["store_digest"]) == IMPACT.digest
-
-
 # -- nothing is executed ----------------------------------------------------------------------------------------------
 
 
@@ -301,23 +257,6 @@ def test_no_pickle_is_loaded_from_a_checkpoint(impact, copy):
     (directory / "checkpoint.npz").write_bytes(with_checksum(content.getvalue()))
     with pytest.raises(Damaged, match=r"checkpoint\.npz: is damaged \(Object arrays cannot be loaded"):
         compute(RunStore.open(directory))
-
-
-def test_data_of_the_earlier_zarr_format_are_refused(impact, copy):
-    """They may hold pickles."""
-    directory = copy(impact.cut)
-    shutil.rmtree(directory / "run.zarr")
-    group = zarr.open_group(directory / "run.zarr", mode="w", zarr_format=2)
-    group.attrs.update(digest=IMPACT.digest)
-    array = group.create_array("H_c", shape=(1,), chunks=(1,), dtype="float64")
-    metadata = json.loads((directory / "run.zarr" / "H_c" / ".zarray").read_text())
-    metadata |= {"dtype": "|O", "filters": [{"id": "pickle", "protocol": 5}], "compressor": None, "fill_value": None}
-    (directory / "run.zarr" / "H_c" / ".zarray").write_text(json.dumps(metadata))
-    (directory / "run.zarr" / "H_c" / "0").write_bytes(pickle.dumps(Evil()))
-    assert array.metadata.zarr_format == 2
-    for look in (ertel.open, lambda path: compute(RunStore.open(path))):
-        with pytest.raises(Damaged, match=r"run\.zarr/zarr\.json: is damaged \(missing\)"):
-            look(directory)
 
 
 def test_the_format_does_not_depend_on_the_environment(runs, tmp_path):

@@ -96,16 +96,6 @@ def test_not_a_run(tmp_path, missing):
         RunStore.open(tmp_path)
 
 
-@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs a POSIX system")
-@pytest.mark.parametrize(("name", "read"), [("summary.json", RunStore.summary), ("checkpoint.npz", RunStore.item)])
-def test_a_pipe_is_not_waited_for(tmp_path, name, read):
-    """Reading it would never end."""
-    run = RunStore.create(tmp_path / "run", SHORT_FALL)
-    os.mkfifo(tmp_path / "run" / name)
-    with pytest.raises(OSError, match=f"not a regular file: .*{name}"):
-        read(run)
-
-
 # -- locks: one process at a time, on systems that cannot do everything ------------------------------------------------
 
 locking = pytest.mark.skipif(files.fcntl is None, reason="no locks on this system")
@@ -223,13 +213,6 @@ def test_a_directory_that_may_only_be_read(tmp_path, monkeypatch, kept):
         assert files.is_locked(tmp_path) is kept
     assert len(said) == (0 if kept else 1)
     assert all(f"{tmp_path}: cannot be locked (read-only" in str(each.message) for each in said)
-
-
-@locking
-def test_a_lock_file_that_cannot_be_made(tmp_path, monkeypatch):
-    refusing(monkeypatch, os, "open", errno.ENOSPC)
-    with pytest.raises(OSError, match=os.strerror(errno.ENOSPC)), files.locked(tmp_path):
-        pytest.fail("not locked")
 
 
 @locking

@@ -87,6 +87,7 @@ def test_a_rig_may_prescribe_the_approach(method: type[Transient2D] | type[Radia
     assert 0.5**1.5 < float(data.F[-1]) < (0.5 + H_c) ** 1.5
 
 
+@pytest.mark.slow
 def test_a_rig_may_press_with_a_given_load() -> None:
     """A law in which Delta has no weight, for bodies that start apart."""
     method = Transient2D(impact(20, 5, 33, time={"start_approach": -0.3}))

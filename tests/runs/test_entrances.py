@@ -83,10 +83,3 @@ def test_numbers_of_numpy_in_plain_data():
     for M in (list(np.array([100, 200])), np.str_("100:200:2")):
         study = parse_study({**NUMPY, "contact": {"M": M, "L": np.int64(10)}})
         assert [case.contact.M for case in study.cases] == [100, 200]
-
-
-def test_numbers_of_numpy_are_judged_as_others_are():
-    with pytest.raises(ValueError, match=r"solver\.nodes = .*must be an integer"):
-        ertel.Case(contact=ertel.parse_case(DATA).contact, solver=ertel.Solver("radial", nodes=np.float32(33.5)))
-    with pytest.raises(ertel.ConfigError, match=r"contact\.M = .*"):
-        ertel.parse_case({**DATA, "contact": {"M": np.bool_(True), "L": 5}})

@@ -11,7 +11,6 @@ import tomli_w
 import xarray as xr
 from cases import SMALL
 from made_up import BALL_FALLS, dry_impact
-from stored_runs import killed
 
 import ertel
 from ertel.case.case import Case
@@ -23,7 +22,6 @@ from ertel.results import computed
 from ertel.results.alignment import light_along
 from ertel.results.measurements import Measurement
 from ertel.results.profiles import profile
-from ertel.runs import studies
 from ertel.runs.fit import FitError, fit, solve_fit
 from ertel.runs.fit_problem import fit_problem, load_fit_problem
 from ertel.runs.fit_result import FitPoint, FitResult
@@ -150,11 +148,6 @@ def test_a_bound_and_a_model_that_explains_nothing_are_said() -> None:
     bound, unexplained = fitted(measured(RESTITUTION), measured(FILM), measured(FILM, 30.0), unknowns=low).warnings
     assert bound == "eta0 ends at its bound, 20 mPa*s: widen it, or doubt the case"
     assert unexplained.startswith("the case does not explain the data: the residuals are ")
-
-
-def test_one_datum_that_is_not_met_is_said() -> None:
-    found = fitted(measured(FILM, 1e4), unknowns={"lubricant.eta0": UNKNOWNS["lubricant.eta0"]})
-    assert any(each.startswith("the case does not explain the data") for each in found.warnings)
 
 
 def test_warnings_of_the_runs_and_the_law_are_said() -> None:
@@ -382,34 +375,6 @@ def pressure() -> Measurement:
     result = ertel.simulate({**SHORT, "lubricant": {**SMALL["lubricant"], "eta0": "20 mPa*s"}})
     t, p = (result.si[name].values for name in ("t", "p_c"))
     return Measurement("history", "p_c", p[[-2, -1]], t[[-2, -1]], sigma=0.01 * p[-1])
-
-
-@pytest.mark.slow
-def test_a_fit_that_is_killed_goes_on_and_computes_nothing_twice(
-    pressure: Measurement, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    computed, run_case = [], studies.run_case
-
-    def counted(directory: str, *arguments: Any) -> str:
-        computed.append(Path(directory).name)
-        return run_case(directory, *arguments)
-
-    monkeypatch.setattr(studies, "run_case", counted)
-    whole = fit(SHORT, pressure, ONE, tmp_path / "whole")
-    assert whole.values["eta0"] == pytest.approx(0.02, rel=1e-3)
-    once = list(computed)
-    assert len(once) == len(set(once)) == whole.dataset.attrs["runs"] > 4
-    computed.clear()
-    with killed(monkeypatch, studies, "run_case", count=3):
-        fit(SHORT, pressure, ONE, tmp_path / "cut")
-    assert len(computed) == 3 and not (tmp_path / "cut" / "fit.zarr").exists()
-    again = fit(SHORT, pressure, ONE, tmp_path / "cut")
-    assert computed == once
-    assert again.dataset.drop_attrs().equals(whole.dataset.drop_attrs())
-    assert ertel.open(tmp_path / "cut" / again.dataset.attrs["best"]).case.oil.eta0 == again.values["eta0"]
-    assert (tmp_path / "cut" / "fit.png").read_bytes().startswith(b"\x89PNG")
-    table = (tmp_path / "cut" / "fit.csv").read_text().splitlines()
-    assert table[0].startswith("measurement,quantity,conditions") and len(table) == 3
 
 
 def test_a_file_with_lists_is_one_measurement_for_each_value(tmp_path: Path) -> None:

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from cases import python
 
+pytestmark = pytest.mark.slow  # processes that compile
+
 RUNS = """
-import tempfile
 import warnings
 from dataclasses import dataclass
 
@@ -39,18 +40,11 @@ def final(result):
     return result.dataset.H.values.ravel()[-289:].tolist()
 
 
-def swept():
-    fall = {"contact": {"M": [20], "L": 5}, "solver": {"method": "radial", "nodes": 33}}
-    found = ertel.sweep({**fall, "time": {"until": 0.5, "tolerance": 0.05}}, tempfile.mkdtemp())
-    return found.dataset.newton_iterations.values.tolist()
-
-
 ball = {"radius": 0.01, "ball_density": 7850, "speed": 0.01, "E_prime": 2.2e11}
 oil = ertel.Oil(0.02, 2e-8, viscosity=OfJax(2e-8))
 radial = ertel.impact(**ball, oil=oil, method="radial", nodes=33, until=0.5, time_tolerance=0.05)
 FOUND = {
     "radial": lambda: final(ertel.simulate(radial)),
-    "swept": swept,
     "steady": lambda: final(ertel.simulate(ertel.rolling(**ROLLING))),
 }
 
@@ -121,7 +115,7 @@ said = {{
 }}
 sys.stdout.write(json.dumps([said, found]))
 """
-QUICK = ("radial", "swept", "steady")  # all methods are run by the same function, and each refuses single precision
+QUICK = ("radial", "steady")  # all methods are run by the same function, and each refuses single precision
 
 
 @cache
@@ -196,7 +190,6 @@ for name in DO:
 """
 
 
-@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
 def test_a_fork_of_a_process_that_has_computed_says_so():
     """JAX would hang there.  A fork before computes."""

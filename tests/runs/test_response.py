@@ -135,6 +135,7 @@ def test_responses_add_up() -> None:
     assert np.abs(both - sum(alone)).max() < 1e-5 * 0.03
 
 
+@pytest.mark.slow
 def test_an_unresolved_response_in_rolling_says_so() -> None:
     """On 257 nodes it is 0.53, on 65 nodes 0.65."""
     case = rolled(Parameters.from_moes(200, 10), ROELANDS, steady_solver(65, tolerance=0.03))

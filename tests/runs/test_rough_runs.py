@@ -171,6 +171,7 @@ def test_the_resolved_case_runs_from_its_directory_and_nowhere_else(tmp_path, ca
         load_case(tmp_path / "case.toml")
 
 
+@pytest.mark.slow
 def test_a_run_with_a_profile_is_computed_and_shown_from_its_directory_alone(tmp_path) -> None:
     """Of a roller that rolls over a surface at rest."""
     x = np.linspace(0.0, 8.0, 400)

@@ -28,7 +28,7 @@ from ertel.runs.store import RunStore, compute
 from ertel.solvers import steady
 
 
-@pytest.fixture(params=["impact", "radial", "steady"])
+@pytest.fixture(params=["radial", "steady", pytest.param("impact", marks=pytest.mark.slow)])
 def kind(request, kinds):
     return kinds[request.param]
 
@@ -54,9 +54,10 @@ def test_a_stored_run_is_the_run_in_memory(tmp_path, kind):
 # -- interrupted ------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("name", "steps"), [("impact", 4), ("radial", 2), pytest.param("radial", 1, marks=pytest.mark.slow), ("steady", 1)]
-)
+MORE = [pytest.param(*each, marks=pytest.mark.slow) for each in (("impact", 4), ("radial", 1), ("steady", 1))]
+
+
+@pytest.mark.parametrize(("name", "steps"), [("radial", 2), *MORE])
 def test_resumed_as_often_as_need_be_equals_uninterrupted(tmp_path, kinds, name, steps):
     kind, seconds, rows = kinds[name], 0.0, "grid" if name == "steady" else "time"
     RunStore.create(tmp_path / "run", kind.case)
@@ -122,7 +123,7 @@ def states(kind, functions, moments, place, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    "deaths", [pytest.param(name, marks=pytest.mark.slow if "ever" in name else []) for name in DEATHS]
+    "deaths", [pytest.param(name, marks=[] if name == "radial" else pytest.mark.slow) for name in DEATHS]
 )
 def test_death_at_any_moment(tmp_path, monkeypatch, kinds, grids, deaths):
     functions, moments, fewest = DEATHS[deaths]
@@ -194,7 +195,7 @@ ENDS = ("ends at a time", "ends at an event", "gives up")
 
 
 CUTS = [(RunStore, "summarise"), (RunStore, "finish"), (arrays, "update_attributes"), (files, "sealed")]
-QUICK = [(ENDS[0], "summarise"), (ENDS[2], "finish"), (ENDS[1], "update_attributes"), (ENDS[1], "sealed")]
+QUICK = [(ENDS[0], "summarise"), (ENDS[2], "finish")]
 
 
 @pytest.mark.parametrize(

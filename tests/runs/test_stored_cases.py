@@ -69,6 +69,7 @@ until = 1.0
 """
 
 
+@pytest.mark.slow
 def test_a_users_law_and_shape_are_those_of_case_files(tmp_path):
     (tmp_path / "own.toml").write_text(OWN)
     case = load_case(tmp_path / "own.toml")

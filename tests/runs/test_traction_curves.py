@@ -37,15 +37,15 @@ def eyring() -> Any:
     return traction(physical(EYRING), slide_to_roll=[-0.1, 0.0, 0.1])
 
 
-def test_no_sliding_is_no_traction_and_negative_sliding_mirrors_it(newtonian: Any, eyring: Any) -> None:
-    for curve in (newtonian, eyring):
-        data = curve.dataset
-        assert float(data["mu_sliding"].sel(slide_to_roll=0.0)) == 0.0
-        back, forth = (data.sel(slide_to_roll=S) for S in (-0.1, 0.1))
-        assert float(forth["mu_sliding"]) > 0
-        assert float(back["mu_sliding"]) == pytest.approx(-float(forth["mu_sliding"]), rel=1e-9)
-        assert float(back["mu_1"]) == pytest.approx(float(forth["mu_2"]), rel=1e-9)
-        assert float(back["power_loss"]) == pytest.approx(float(forth["power_loss"]), rel=1e-9)
+@pytest.mark.parametrize("oil", ["newtonian", pytest.param("eyring", marks=pytest.mark.slow)])
+def test_no_sliding_is_no_traction_and_negative_sliding_mirrors_it(oil: str, request: pytest.FixtureRequest) -> None:
+    data = request.getfixturevalue(oil).dataset
+    assert float(data["mu_sliding"].sel(slide_to_roll=0.0)) == 0.0
+    back, forth = (data.sel(slide_to_roll=S) for S in (-0.1, 0.1))
+    assert float(forth["mu_sliding"]) > 0
+    assert float(back["mu_sliding"]) == pytest.approx(-float(forth["mu_sliding"]), rel=1e-9)
+    assert float(back["mu_1"]) == pytest.approx(float(forth["mu_2"]), rel=1e-9)
+    assert float(back["power_loss"]) == pytest.approx(float(forth["power_loss"]), rel=1e-9)
 
 
 def test_the_power_is_that_of_the_forces(newtonian: Any) -> None:
@@ -64,6 +64,7 @@ def test_one_film_is_exact_for_a_newtonian_oil(newtonian: Any) -> None:
     assert newtonian.dataset["newton_iterations"].sum() == each.dataset["newton_iterations"].sum() / 2
 
 
+@pytest.mark.slow
 def test_each_point_of_an_oil_that_thins_has_its_own_film(eyring: Any) -> None:
     data = eyring.dataset
     assert data.attrs["film"] == "solved for each point"
@@ -93,6 +94,7 @@ def test_a_point_over_the_speed_or_the_load_is_its_own_case(axis: str) -> None:
     assert float(data["hersey"]) == pytest.approx(hersey, rel=1e-12) and data["hersey"].attrs["units"] == "m"
 
 
+@pytest.mark.slow
 def test_a_dimensionless_case(newtonian: Any) -> None:
     si = physical()
     assert si.scales is not None

@@ -99,9 +99,8 @@ def dropped(ratio: float, lambda_bar: float, time_unit: float, **solver: Any) ->
     return march(method, 0.1 * time_unit, 6)[0], method
 
 
-@pytest.mark.parametrize(
-    ("nodes", "long", "half_width"), [(33, 33, 4.5), pytest.param(33, 49, 3.0, marks=pytest.mark.slow)]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("nodes", "long", "half_width"), [(33, 33, 4.5), (33, 49, 3.0)])
 def test_an_impact_does_not_know_which_axis_is_called_x(nodes: int, long: int, half_width: float) -> None:
     """lambda_bar goes as R^2/(t0 b^2 p_h) with t0 = b^2/(R v0): as kappa^4/D^3 on swapping; times as kappa^2/D."""
     unit, lambda_bar = KAPPA**2 / D, 0.01
@@ -129,7 +128,8 @@ def test_reversed_flow_turns_the_film_by_half_a_turn() -> None:
 # -- work and grids ---------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("ratio", [0.1, pytest.param(10.0, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("ratio", [0.1, 10.0])
 def test_the_work_does_not_grow_with_the_ellipticity(ratio: float) -> None:
     def iterations(ratio: float) -> float:
         s = steady.steady_film(rolled(33, ratio=ratio, M=200.0, L=10.0)).finest
@@ -178,6 +178,7 @@ def at_rest(*features: Feature) -> Case:
     return replace(rolled(33, 35.0), drive=Drive(slide_to_roll=-2.0), roughness=features)
 
 
+@pytest.mark.slow
 def test_a_steady_film_stays_as_it_is() -> None:
     case = parse_case({**rolled(33, 35.0).to_data(), "solver": {"method": "transient", "nodes": 33}})
     first, *_, last = march(Transient2D(case), 0.1, 3)[::-1]
@@ -185,6 +186,7 @@ def test_a_steady_film_stays_as_it_is() -> None:
     assert last.approach == pytest.approx(first.approach, abs=2e-5)
 
 
+@pytest.mark.slow
 def test_the_response_to_waves_is_the_change_of_the_steady_film() -> None:
     """But for the oil outside: it follows Delta in the steady film, and is left as it is in the response."""
     A = 1e-4

@@ -186,6 +186,7 @@ def test_impacts_on_fine_rows(oil: Any, length_ratio: float, of_bodies: Any, H_c
     assert fine["restitution"] == pytest.approx(e, abs=3e-4)
 
 
+@pytest.mark.slow
 def test_an_impact_on_one_side_is_that_on_both():
     """The film is even in X; it may be stored on one side."""
     cases = (impact(129, solver={"nodes": 129, "fold": fold}) for fold in (True, False))
@@ -242,6 +243,7 @@ def test_a_measured_profile_of_a_wave_is_the_wave():
     assert np.abs(found - np.asarray(film().H)).max() > 0.005
 
 
+@pytest.mark.slow
 def test_waves_in_time_are_those_of_the_response():
     """A run with steps of one cell reaches the periodic response."""
     wave, nodes = Waviness(1e-4, wavelength_x=1.0), 129
@@ -255,6 +257,7 @@ def test_waves_in_time_are_those_of_the_response():
     assert (late.max() - late.min()) / 2 == pytest.approx(expected, rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_roller_with_friction():
     """Ree-Eyring oil, 5 MPa, slide-to-roll 0.02: of the independent program."""
     contact = {"kind": "rolling", "radius": "10 mm", "length": "10 mm", "load": "2 kN", "mean_speed": "1 m/s"}

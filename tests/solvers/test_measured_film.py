@@ -20,9 +20,12 @@ from ertel.runs.fit import fit
 
 CURVES = tomllib.loads((Path(__file__).parents[1] / "data" / "mourier_2006.toml").read_text())  # um, nm
 CASE = Path(__file__).parents[2] / "validation" / "rolling" / "micro_cavity.toml"
-NODES = pytest.mark.parametrize("nodes", [65, pytest.param(129, marks=pytest.mark.slow)])
+NODES = pytest.mark.parametrize("nodes", [65, 129])
 
-pytestmark = pytest.mark.skipif(not CASE.exists(), reason="the validation cases are not part of a package")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not CASE.exists(), reason="the validation cases are not part of a package"),
+]
 
 
 def undisturbed_case(nodes: int) -> Case:

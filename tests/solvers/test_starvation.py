@@ -19,7 +19,6 @@ from ertel.case.case import Case
 from ertel.case.estimates import starvation, wet_radius
 from ertel.equations import contact, discretise
 from ertel.equations.flow import downstream, void_change, void_downstream
-from ertel.equations.state import State
 from ertel.numerics.stencils import unfolded, upstream_slope
 from ertel.physics.film_formulas import starved_share
 from ertel.physics.surfaces import Feature, SelfAffine, Waviness
@@ -166,15 +165,13 @@ def test_the_film_of_a_starved_contact(r: float, nodes: int) -> None:
 SQUARE = {"nodes": 33, "half_width": 3.0, "half_width_y": 3.0, "inlet": 4.5}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "changes",
     [
-        pytest.param({"contact": {"radius_ratio": 0.5}}, marks=pytest.mark.slow),
+        {"contact": {"radius_ratio": 0.5}},
         {"contact": {"radius_ratio": 0.5, "entrainment_angle": "30 deg"}, "solver": SQUARE},
-        pytest.param(
-            {"contact": {"radius_ratio": 0.5, "entrainment_angle": "30 deg"}, "solver": {**SQUARE, "nodes": 65}},
-            marks=pytest.mark.slow,
-        ),
+        {"contact": {"radius_ratio": 0.5, "entrainment_angle": "30 deg"}, "solver": {**SQUARE, "nodes": 65}},
     ],
     ids=["ellipse", "at an angle", "at an angle, 65 nodes"],
 )
@@ -209,6 +206,7 @@ def test_a_track_loses_its_oil_to_the_sides() -> None:
         assert_allclose(oil, oil[::-1], rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_track_with_more_oil_on_one_side_is_the_mirror_of_that_on_the_other() -> None:
     more = [[-1.0, 0.05], [1.0, 0.1]]
     one, other = (rolled_after(track, 50, 33) for track in (more, [[-1.0, 0.1], [1.0, 0.05]]))
@@ -235,10 +233,6 @@ def test_a_run_that_leaves_no_track_is_refused() -> None:
 # -- in time ----------------------------------------------------------------------------------------------------------
 
 
-def levels_of(case: Case, steps: int = 60, step: float = 0.05) -> list[State]:
-    return march(Transient2D(case), step, steps)
-
-
 def test_a_rebound_loses_no_oil_to_its_cavity() -> None:
     """What is stored changes by what flows out of the last nodes that are solved, by both backward differences."""
     case = case_of("impact", None, M=20, nodes=33)
@@ -255,7 +249,7 @@ def test_a_rebound_loses_no_oil_to_its_cavity() -> None:
     assert_allclose(late, early, rtol=0.02)  # the oil stays; BDF2 swings a little where a node has just emptied
 
 
-@pytest.mark.parametrize(("layer", "imbalance"), [(None, 0.05), (0.15, 1e-5)])
+@pytest.mark.parametrize(("layer", "imbalance"), [pytest.param(None, 0.05, marks=pytest.mark.slow), (0.15, 1e-5)])
 def test_a_contact_that_rolls_back_finds_what_it_left(layer: float | None, imbalance: float) -> None:
     """The cavity behind the contact becomes its inlet; on a layer the film of both ways is nearly the same."""
     case = case_of("rolling", layer, M=20, method="transient", nodes=33)
@@ -267,6 +261,7 @@ def test_a_contact_that_rolls_back_finds_what_it_left(layer: float | None, imbal
     assert back == pytest.approx(there, rel=0.15 if layer is None else 0.01)
 
 
+@pytest.mark.slow
 def test_a_ball_that_falls_again_finds_the_cavity_that_it_left() -> None:
     """A load pulls the ball back into the pool, which has not filled all of the gap again."""
     case = case_of("impact", None, M=20, nodes=33)
@@ -289,6 +284,7 @@ def test_a_layer_is_neither_made_nor_lost_in_an_impact() -> None:
     assert all(float(level.fields["mass"].min()) > 0 for level in levels)
 
 
+@pytest.mark.slow
 def test_the_oil_before_a_ball_that_falls_on_a_moving_layer_is_the_layer() -> None:
     """No waves run from the meniscus, which is where the layer meets the ball; two nodes beside it take its bank."""
     data = case_of("impact", 0.15, M=20, nodes=33).to_data()
@@ -302,6 +298,7 @@ def test_the_oil_before_a_ball_that_falls_on_a_moving_layer_is_the_layer() -> No
     assert float(levels[0].P.max()) > 0.5
 
 
+@pytest.mark.slow
 def test_a_rigid_sphere_meets_a_layer() -> None:
     """Before it gives way: the wet radius is 2 sqrt(h - H_0), and the force (1 - H_0/H_f)^2 of the flooded one.
 
@@ -406,7 +403,8 @@ def under_a_load_that_swings(nodes: int, until: float) -> Result:
     )
 
 
-@pytest.mark.parametrize(("until", "imbalance"), [(0.3, 1e-5), pytest.param(6.0, 1e-6, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize(("until", "imbalance"), [(0.3, 1e-5), (6.0, 1e-6)])
 def test_the_oil_upstream_is_the_layer_while_the_load_swings(until: float, imbalance: float) -> None:
     """No waves run from the meniscus: the oil before it is the layer, and no node is dried or flooded by them.
 

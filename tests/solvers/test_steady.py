@@ -185,6 +185,7 @@ def test_reversing_the_flow_mirrors_the_solution() -> None:
     np.testing.assert_allclose(np.asarray(back.P)[:, ::-1], np.asarray(there.P), atol=1e-7)
 
 
+@pytest.mark.slow
 def test_symmetry_across_the_flow() -> None:
     s = rolling(("roelands", 200, 10), 33, fold=False).finest
     np.testing.assert_allclose(np.asarray(s.P)[::-1], np.asarray(s.P), atol=1e-7)
@@ -212,6 +213,7 @@ def test_pressure_is_nowhere_negative_and_oil_lacks_only_where_there_is_none() -
     assert r.min() >= -1e-8
 
 
+@pytest.mark.slow
 def test_mass_is_conserved_along_the_flow() -> None:
     """Upstream of cavitation, what flows through a section and what left at the sides before it add up to one constant.
 
@@ -316,12 +318,12 @@ def test_the_diagonal_knows_how_the_viscosity_changes() -> None:
 
 
 SHARP = [
-    (("barus", 3000, 20), 33),
-    pytest.param(("barus", 3000, 20), 65, marks=pytest.mark.slow),
-    *(pytest.param(key, 129, marks=pytest.mark.slow) for key in (("barus", 3000, 20), ("roelands", 1000, 10))),
+    *((("barus", 3000, 20), nodes) for nodes in (33, 65, 129)),
+    (("roelands", 1000, 10), 129),
 ]
 
 
+@pytest.mark.slow  # another program for each grid
 @pytest.mark.parametrize(("key", "nodes"), SHARP, ids=str)
 def test_the_preconditioner_loses_nothing_in_single_precision(key, nodes, monkeypatch) -> None:
     """Beside double: the Krylov iterations.  Barus' viscosity is far beyond single precision."""

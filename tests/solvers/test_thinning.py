@@ -69,6 +69,7 @@ def test_a_limiting_stress_takes_little_more_work():
     assert krylov(found) <= 1.5 * krylov(newtonian)
 
 
+@pytest.mark.slow
 def test_the_budgets_close_as_well_as_those_of_a_newtonian_oil():
     imbalances = []
     for law, S in (("newtonian", 0.0), (ReeEyring(2e6), 1.9)):

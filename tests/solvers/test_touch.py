@@ -160,6 +160,7 @@ def test_the_friction_of_asperities_is_a_share_of_the_load():
     assert panel.get_title().startswith("Pressure of asperities")
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_a_starved_film_and_the_mirror_of_a_reversed_flow():
     thin = rolled(speed=0.5).summary
@@ -181,6 +182,7 @@ def test_smooth_surfaces_are_the_limit_of_no_asperities():
     assert rough["H_c"] == pytest.approx(smooth["H_c"], rel=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_a_rough_ball_hits_an_oiled_plate():
     """The energy of the asperities comes back: with them the ball loses less.  At most 1.5 Newton iterations a step."""

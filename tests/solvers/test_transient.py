@@ -148,9 +148,8 @@ def test_second_order_in_time() -> None:
     assert orders([at_max_approach(r.dataset).H.values[8:25, 8:25] for r in results])[-1] > 1.8
 
 
-@pytest.mark.parametrize(
-    "tolerances", [(1e-4, 1e-5, 1e-6), pytest.param((1e-4, 1e-5, 1e-6, 1e-7), marks=pytest.mark.slow)], ids=len
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("tolerances", [(1e-4, 1e-5, 1e-6), (1e-4, 1e-5, 1e-6, 1e-7)], ids=len)
 def test_the_tolerance_rules_the_time_error(tolerances: tuple[float, ...]) -> None:
     """Steps grow with the cube root of the tolerance, so the error of a run falls with its power 2/3: 4.6 a decade.
 
@@ -175,9 +174,9 @@ def isoviscous(lambda_bar: float, nodes: int, own_law: bool = False, **time: obj
     return parse_case({"contact": contact, "lubricant": oil, "solver": {"nodes": nodes}, "time": time})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("nodes", "viscosities", "tolerance"),
-    [(33, (1e-2, 1e-4), 1e-3), pytest.param(65, (1e-2, 1e-3, 1e-4), 5e-5, marks=pytest.mark.slow)],
+    ("nodes", "viscosities", "tolerance"), [(33, (1e-2, 1e-4), 1e-3), (65, (1e-2, 1e-3, 1e-4), 5e-5)]
 )
 def test_without_viscosity_the_ball_comes_back_with_its_speed(
     nodes: int, viscosities: tuple[float, ...], tolerance: float
@@ -198,10 +197,9 @@ OILS: dict[str, Callable[[], Case]] = {
     "barus, compressible": lambda: impact(200, 10, 65, lubricant={"viscosity": "barus"}),
     "isoviscous by its own law": lambda: isoviscous(0.0137, 65, own_law=True),
 }
-OWN_PROGRAMS = "barus, compressible", "isoviscous by its own law"
 
 
-@pytest.mark.parametrize("oil", [pytest.param(o, marks=[pytest.mark.slow] if o in OWN_PROGRAMS else []) for o in OILS])
+@pytest.mark.parametrize("oil", [pytest.param(o, marks=[pytest.mark.slow] if o != "roelands" else []) for o in OILS])
 def test_work_per_step_is_bounded(oil: str) -> None:
     """Work is counted, not timed: what a step costs must not creep up."""
     s = simulate(OILS[oil]()).summary
@@ -238,6 +236,7 @@ def test_iterations_do_not_grow_with_the_grid(grids: tuple[int, ...]) -> None:
     assert max(counts) < 5
 
 
+@pytest.mark.slow
 def test_a_cavity_grows_and_shrinks_in_few_iterations() -> None:
     """When the ball turns back, the edge of the cavity passes many nodes in a step: 4 iterations at most, on any grid.
 
@@ -258,6 +257,7 @@ def test_one_compilation_serves_every_case_of_a_shape() -> None:
     assert compilations() == before
 
 
+@pytest.mark.slow
 def test_the_film_formula_for_trapped_oil() -> None:
     """Isoviscous: H_c = 0.3135 sqrt(lambda_bar); Barus incompressible: 0.69 to 0.92 sqrt(L/M), 0.85 for L = 10.
 
@@ -341,6 +341,7 @@ class Counted:
         return np.asarray(self.array)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("slide_to_roll", "evaluations"), [(0.0, 1), (0.5, 3)])
 def test_a_step_reads_the_device_once_and_asks_the_roughness_for_its_height_as_often_as_it_moves(
     monkeypatch: pytest.MonkeyPatch, slide_to_roll: float, evaluations: int
@@ -406,6 +407,7 @@ def test_the_time_error_sees_the_contact_and_the_roughness(nodes: int, size: flo
     assert coarsenings(case, 4 / (nodes - 1), 6) == times
 
 
+@pytest.mark.slow
 def test_a_film_without_pressure_outside_the_middle_of_its_grid_is_solved_there() -> None:
     """Most of a rebound: the same steps but for one, and the same result for less work.
 
@@ -421,6 +423,7 @@ def test_a_film_without_pressure_outside_the_middle_of_its_grid_is_solved_there(
     assert middle["restitution"] == pytest.approx(whole["restitution"], rel=1e-4)  # the tolerance is 1e-3
 
 
+@pytest.mark.slow
 @alone
 def test_pressure_that_comes_back_outside_the_middle_is_found() -> None:
     """A film has lost its pressure outside; the solve in the middle leaves a residual there, and all is solved."""

@@ -99,7 +99,7 @@ def test_the_dense_matrix_has_the_same_solution() -> None:
     assert found.approach == pytest.approx(approach, abs=1e-5)
 
 
-@pytest.mark.parametrize("slide", [0.0, 0.5])
+@pytest.mark.parametrize("slide", [pytest.param(0.0, marks=pytest.mark.slow), 0.5])
 def test_time_steps_of_one_cell_come_to_the_same_film(slide: float) -> None:
     """(H(A) - H(-A))/(2 A) of runs from which the start has left: equal but for the square of the height A."""
     A, steps, h = 1e-3, 48, film().grid.spacing
@@ -139,6 +139,7 @@ def test_at_rest_it_is_the_change_of_the_steady_film(case: Case, close: float) -
     assert int(found["response_krylov"].max()) <= 17
 
 
+@pytest.mark.slow
 def test_waves_at_rest_under_a_thick_oil_are_flattened_to_its_compression() -> None:
     """Hooke's linear theory at Q = 2400: C/(1 + C) of the height.  Eight nodes in a wave."""
     case = rolling(**BALL, nodes=65, half_width=2.0, inlet=2.5)
@@ -184,6 +185,7 @@ def waves_of_three_lengths():
     return respond_in_rolling(case, [[Feature(Waviness(0.01, wave, wave))] for wave in (0.25, 0.5, 1.0)])
 
 
+@pytest.mark.slow
 def test_short_waves_keep_their_amplitude() -> None:
     """A_d/A_i falls with the wavelength, from 1; and outside the contact nothing deforms the waves."""
     data = waves_of_three_lengths()
@@ -194,6 +196,7 @@ def test_short_waves_keep_their_amplitude() -> None:
     np.testing.assert_allclose(outside, 1.0, atol=0.03)
 
 
+@pytest.mark.slow
 def test_work() -> None:
     """Krylov iterations do not depend on the wave; time steps would take 300 convolutions a wavelength and more."""
     data = waves_of_three_lengths()

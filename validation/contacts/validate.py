@@ -18,7 +18,7 @@ from ertel.physics.film_formulas import expected_film
 from ertel.results import balances, diagnostics
 from ertel.results.parameters import formula_films
 from ertel.solvers import steady
-from ertel.solvers.steady import GridSolution
+from ertel.solvers.grid_solution import GridSolution
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from common import BARUS, ISOVISCOUS, extrapolated, table, write

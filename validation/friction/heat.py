@@ -1,191 +1,110 @@
-"""Tables of heat.md: inlet factor, the film between cold walls, a traction curve from cold and from hot, grids, work.
+"""Tables of heat.md: the warm film of a line contact, of a ball, with the grid and across the film; what it costs.
 
-    python validation/friction/heat.py
-
-The traction curves take the film of one slide-to-roll ratio, so that they show what heat does.
+python validation/friction/heat.py
 """
 
 import sys
-from dataclasses import dataclass, replace
+import time
 from pathlib import Path
-from typing import Any
 
 import jax
-import jax.numpy as jnp
 import numpy as np
-from jax.tree_util import register_dataclass
 
 import ertel
 from ertel.case.case import Case
-from ertel.case.estimates import grid_of
-from ertel.equations import discretise
-from ertel.equations.account import friction
-from ertel.numerics.integrals import Plane
-from ertel.physics.thermal import Solid, gupta_factor, peclet_number, wilson_sheu_factor
-from ertel.solvers import heat, steady
-from ertel.solvers.heat import Heated, Moving, warmed
-from ertel.solvers.steady import GridSolution
+from ertel.numerics.programs import Program, double_precision
+from ertel.physics.fluidity import ReeEyring
+from ertel.physics.lubricant import Oil
+from ertel.physics.thermal import gupta_factor, wilson_sheu_factor
+from ertel.solvers import heat
+from ertel.solvers.steady import Rolling, steady_film
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests"))
-from closed_forms import flash_temperature, mean_rise, nahme
 from common import table
+from solvers.test_heat import PROGRAM, STEEL, roller
 
-NODES = 129
-SLIDE_TO_ROLL = (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 1.5, 1.9, 2.0)
-FILM_AT = 0.05  # S at which the film is computed
-PLAIN_STEPS = 60
-CELSIUS = 273.15
+BALL = [(1, 0), (5, 0), (10, 0), (20, 0), (5, 0.2), (10, 0.2), (5, 1), (10, 1)]  # m/s, S
 
 
-def case(second: str, nodes: int = NODES) -> Case:
-    """A steel ball of 20 mm on a disc, 100 N, 4 m/s, squalane at 25 degC."""
-    return ertel.rolling(
-        radius="10 mm",
-        load="100 N",
-        mean_speed="4 m/s",
-        slide_to_roll=FILM_AT,
-        material_1="steel",
-        material_2=second,
-        oil="squalane",
-        temperature="25 degC",
-        rheology={"law": "carreau", "G": "6 MPa", "n": 0.42},
-        nodes=nodes,
-        thermal={},
-    )
+def ball(speed: float, slides: float, nodes: int, inlet: str = "solved") -> Case:
+    """A steel ball of R = 10 mm, 0.97 GPa, 40 mPa s, 22 /GPa, Eyring's stress 5 MPa."""
+    bodies = {f"{key}_{number}": value for number in (1, 2) for key, value in STEEL.items()}
+    thermal = {"temperature": 313.0, "beta": 0.04, "conductivity": 0.14, "inlet": inlet, **bodies}
+    oil = Oil(eta0=0.04, alpha=22e-9, rheology=ReeEyring(5e6))
+    contact = {"radius": 0.01, "load": 37.0, "E_prime": 226e9, "oil": oil, "nodes": nodes}
+    return ertel.rolling(**contact, mean_speed=float(speed), slide_to_roll=slides, thermal=thermal)
 
 
-def inlet_factor() -> None:
+def solved(case: Case) -> tuple[Rolling, float]:
+    """The film, and the CPU seconds that it took."""
+    start = time.process_time()
+    return steady_film(case), time.process_time() - start
+
+
+def factors() -> None:
     """Both formulas against L_t."""
-    rows = []
-    for L_t in (0.01, 0.1, 0.5, 1.0, 3.0):
-        gupta = [gupta_factor(L_t, S, 0.5 / 226) for S in (0.0, 0.2, 1.0)]
-        wilson = [wilson_sheu_factor(L_t, S) for S in (0.0, 0.2, 1.0)]
-        rows.append([f"{L_t:g}", *(f"{value:.4f}" for value in (*gupta, *wilson))])
-    table(["L_t", "Gupta S = 0", "0.2", "1", "Wilson-Sheu S = 0", "0.2", "1"], rows)
-
-
-@register_dataclass
-@dataclass(frozen=True)
-class Released:
-    """The heat of a film whose viscosity falls with the temperature T, and its derivative."""
-
-    most: Any
-    beta: float
-
-    def __call__(self, T: Any) -> Any:
-        heat = self.most * jnp.exp(-self.beta * T)
-        return heat, -self.beta * heat
-
-
-def cold_walls() -> None:
-    """Viscosity of a sheared film over that at its cold walls, by the mean temperature and by Nahme."""
-    beta, film, conductivity, wall = 0.04, 1e-7, 0.14, Moving(np.zeros((1, 1)))
-    rows = []
-    for Na in (0.1, 1.0, 8.0, 50.0, 100.0, 1000.0, 1e4):
-        released = Na * conductivity / (beta * film)  # at 1 m/s
-        found = warmed(Released(np.array([released]), beta), (wall, wall), np.array([film / conductivity]))
-        ours, exact = found.x[0, 0] / released, nahme(Na).viscosity
-        rows.append([f"{Na:g}", f"{ours:.6f}", f"{exact:.6f}", f"{ours / exact - 1:.2%}", f"{found.iterations}"])
-    table(["Na", "by the mean temperature", "Nahme, exact", "excess", "Newton iterations"], rows)
-
-
-def worked_example() -> None:
-    """40 MPa, 1 m/s, 100 nm; half of the heat into steel at 0.5 m/s, over 280 um."""
-    uniform = np.full(281, 20e6)
-    uniform[0] /= 2
-    surface = flash_temperature(uniform, Solid(7850.0, 460.0, 47.0), 0.5, 1e-6)[-1]
-    print(f"mean rise in the film {mean_rise(40e6, 1.0, 1e-7, 0.14):.2f} K, surface {surface:.1f} K")
-
-
-def at(chosen: Case, slide_to_roll: float) -> Case:
-    """The same contact with another slide-to-roll ratio."""
-    return replace(chosen, contact=replace(chosen.contact, slide_to_roll=slide_to_roll))
-
-
-def film(chosen: Case) -> GridSolution:
-    """The isothermal film."""
-    found = steady.steady_film(chosen).finest
-    assert found.status.ok
-    return found
-
-
-def plain_iteration(chosen: Case, s: GridSolution, S: float) -> tuple[float, float]:
-    """The highest rise of the film's temperature (K) in the last two steps of T <- T(q(T)), from a cold film."""
-    scales, thermal, grid = chosen.scales, chosen.thermal, s.grid
-    assert scales and thermal and chosen.oil.eta0
-    mean = scales.front_speed
-    thinner = thermal.inlet(chosen.oil.eta0, scales.p_h / scales.E_prime, mean, S).factor * s.H
-    sheared = heat._sheared(chosen, grid, thermal.viscosity_of(chosen.oil.eta0), s.P, thinner, S * mean)
-    heat_at = jax.jit(lambda T: sheared(T)[0])  # one program for all steps
-    speeds = mean * (1 + S / 2), mean * (1 - S / 2)
-    rises = [
-        heat._rise(body, u, peclet_number(body, u, scales.a), scales.a, grid)
-        for body, u in zip(thermal.bodies, speeds, strict=True)
-    ]
-    T, seen = np.zeros(s.P.shape), [0.0]
-    for _ in range(PLAIN_STEPS):
-        constant = Released(heat_at(T), 0.0)
-        T = warmed(constant, rises, np.asarray(sheared.H) / thermal.conductivity).film
-        seen.append(float(T.max()))
-    return seen[-2], seen[-1]
-
-
-def curve(second: str) -> None:
-    """Traction and temperatures against S, from a cold film and from one with three times the heat."""
-    chosen = case(second)
-    scales, s = chosen.scales, film(chosen)
-    assert scales
-    isothermal = jax.jit(friction)
-    c, load = discretise.contact_of(chosen, s.grid), chosen.geometry.hertz_load
-    M, L = chosen.parameters.M, chosen.parameters.L
-    h_c = s.measure()["H_c"] * scales.film
-    conditions = f"M = {M:.0f}, L = {L:.1f}, p_h = {scales.p_h / 1e9:.2f} GPa, h_c = {h_c * 1e9:.0f} nm"
-    print(f"\n### Steel on {second}: {conditions}\n")
-
-    def row(S: float) -> list[str]:
-        cool = float(isothermal(Plane.of(s.grid), c, s.P, s.H, S, 1.0, load).sliding[0]) * scales.a_over_R
-        sliding = at(chosen, S)
-        found = heat.heated(sliding, s.P, s.H)
-        hot = heat.heated(sliding, s.P, s.H, heat=3.0 * found.heat)
-        assert found.converged and hot.converged
-        return [
-            *(f"{S:g}", f"{found.inlet.factor:.4f}", f"{cool:.4f}", f"{traction(chosen, found):.4f}"),
-            *(f"{T.max() - CELSIUS:.1f}" for T in (found.T_1, found.T_2, found.T_film)),
-            *(f"{found.iterations}, {hot.iterations}", f"{abs(hot.T_film - found.T_film).max():.0e}"),
-            " / ".join(f"{rise:.1f}" for rise in plain_iteration(chosen, s, S)),
+    rows = [
+        [
+            L_t,
+            *(gupta_factor(L_t, S, 0.5 / 226) for S in (0, 0.2, 1)),
+            *(wilson_sheu_factor(L_t, S) for S in (0, 0.2, 1)),
         ]
-
-    head = ["S", "phi_T", "mu isothermal", "mu warm", "T_1", "T_2", "T_film (degC)"]
-    table([*head, "iterations", "hot start differs (K)", "plain iteration (K)"], map(row, SLIDE_TO_ROLL))
-
-
-def traction(chosen: Case, found: Heated) -> float:
-    """The traction coefficient."""
-    assert chosen.scales
-    return float(found.sliding[0]) * chosen.scales.a_over_R
+        for L_t in (0.01, 0.1, 0.5, 1.0, 3.0)
+    ]
+    names = ["L_t", "Gupta S = 0", "0.2", "1", "Wilson-Sheu S = 0", "0.2", "1"]
+    table(names, [[f"{row[0]:g}", *(f"{each:.4f}" for each in row[1:])] for row in rows])
 
 
-def grids() -> None:
-    """Order and work: the same contact on finer grids, a Hertzian pressure and a film of 100 nm that opens outside."""
+def lines(nodes: int = 257) -> None:
+    """The rows of the independent program."""
+    rows = []
+    for speed, slides, *bodies, ratio, hottest, share, traction in PROGRAM:
+        given = speed, slides, *bodies
+        warm, cold = (steady_film(roller(*given, nodes=nodes, inlet=way)).finest for way in ("solved", "none"))
+        h, a = warm.heat, warm.case.scales.a_over_R
+        films = [one / other for one, other in zip(*([s.measure()[n] for n in ("H_c", "H_min")] for s in (warm, cold)))]
+        c = float(h.share[0, np.abs(warm.grid.x).argmin()])
+        found = f"{films[0]:.4f}", f"{ratio:.3f}", f"{films[1]:.4f}", f"{h.T.max():.1f}", f"{hottest:g}"
+        friction = f"{float(h.sliding[0]) * a:.4f}", f"{traction:.4f}"
+        rows.append([f"{speed:g}", f"{slides:g}", ", ".join(bodies), *found, f"{c:.3f}", f"{share:.3f}", *friction])
+    heads = ["u (m/s)", "S", "bodies, the fast one first", "H_c over cold", "program", "H_min over cold"]
+    table([*heads, "hottest (K)", "program", "c", "program", "mu", "program"], rows)
 
-    def row(nodes: int) -> list[str]:
-        chosen = case("glass", nodes)
-        assert chosen.scales and chosen.thermal
-        grid = grid_of(chosen)
-        r2 = grid.kept_x[None, :] ** 2 + grid.kept_y[:, None] ** 2
-        P, H = np.sqrt(np.maximum(1.0 - r2, 0.0)), 1e-7 / chosen.scales.film + np.maximum(r2 - 1.0, 0.0)
-        found = heat.heated(at(chosen, 0.2), P, H)
-        rise = found.T_film.max() - chosen.thermal.temperature
-        about = f"{traction(chosen, found):.6f}", f"{rise:.4f}"
-        return [f"{nodes}", *about, f"{found.iterations}", f"{found.applications}"]
 
-    table(["nodes", "mu", "T_film - T_0 (K)", "Newton iterations", "convolutions"], map(row, (33, 65, 129, 257)))
+def balls(nodes: int = 129) -> None:
+    """Films of a ball with heat over those without, beside the formula, and what they cost."""
+    rows = []
+    for speed, slides in BALL:
+        for _ in range(2):  # the second time nothing is compiled
+            (warm, seconds), (cold, less) = (
+                solved(ball(speed, slides, nodes)),
+                solved(ball(speed, slides, nodes, "none")),
+            )
+        new, old, h = warm.finest.measure(), cold.finest.measure(), warm.finest.heat
+        phi = gupta_factor(h.inlet.L_t, slides, warm.finest.case.scales.p_h / 226e9)
+        films = f"{new['H_c'] / old['H_c']:.4f}", f"{phi:.3f}", f"{new['H_min'] / old['H_min']:.4f}"
+        work = f"{sum(s.newton for s in warm.solutions)} / {sum(s.newton for s in cold.solutions)}"
+        cost = f"{warm.convolutions / cold.convolutions:.1f}", f"{seconds / less:.1f}"
+        rows.append([f"{speed:g}", f"{slides:g}", f"{h.inlet.L_t:.2f}", *films, f"{h.T.max():.1f}", work, *cost])
+    heads = ["u (m/s)", "S", "L_t", "H_c over cold", "phi_T", "H_min over cold", "hottest (K)"]
+    table([*heads, "Newton iterations, warm / cold", "convolutions, ratio", "CPU time, ratio"], rows)
+
+
+def finer() -> None:
+    """The grid and the points across the film, in pure rolling at 10 m/s and with S = 1 at 5 m/s."""
+    given, rows = ((10.0, 0.0, "steel", "steel"), (5.0, 1.0, "steel", "steel")), []
+    for nodes in (129, 257, 513, 1025):
+        films = [steady_film(roller(*each, nodes=nodes)).finest.measure()["H_c"] for each in given]
+        rows.append([str(nodes), str(heat.POINTS), *(f"{film:.6f}" for film in films)])
+    for points in (5, 9, 13):
+        heat.POINTS, heat._program = points, Program(jax.jit(heat._temperatures), heat.SMALL)
+        films = [steady_film(roller(*each, nodes=257)).finest.measure()["H_c"] for each in given]
+        rows.append(["257", str(points), *(f"{film:.6f}" for film in films)])
+    table(["nodes", "points across", "H_c, 10 m/s, S = 0", "H_c, 5 m/s, S = 1"], rows)
 
 
 if __name__ == "__main__":
-    for part in (inlet_factor, cold_walls, worked_example, grids):
-        part()
-        print()
-    for disc in ("steel", "glass"):
-        curve(disc)
+    with double_precision():
+        for part in (factors, lines, balls, finer):
+            part()

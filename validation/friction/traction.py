@@ -29,7 +29,7 @@ from ertel.numerics.integrals import Plane
 from ertel.physics.fluidity import cut_off
 from ertel.runs.traction import curve_of
 from ertel.solvers import steady
-from ertel.solvers.steady import GridSolution
+from ertel.solvers.grid_solution import GridSolution
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests"))
