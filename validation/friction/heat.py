@@ -63,7 +63,8 @@ def lines(nodes: int = 257) -> None:
         given = speed, slides, *bodies
         warm, cold = (steady_film(roller(*given, nodes=nodes, inlet=way)).finest for way in ("solved", "none"))
         h, a = warm.heat, warm.case.scales.a_over_R
-        films = [one / other for one, other in zip(*([s.measure()[n] for n in ("H_c", "H_min")] for s in (warm, cold)))]
+        new, old = warm.measure(), cold.measure()
+        films = [new[name] / old[name] for name in ("H_c", "H_min")]
         c = float(h.share[0, np.abs(warm.grid.x).argmin()])
         found = f"{films[0]:.4f}", f"{ratio:.3f}", f"{films[1]:.4f}", f"{h.T.max():.1f}", f"{hottest:g}"
         friction = f"{float(h.sliding[0]) * a:.4f}", f"{traction:.4f}"

@@ -70,7 +70,7 @@ class Energy:
         return first, last
 
     def change(self, d: Array, m: OilMotion, softer: Array) -> Array:
-        """The change of `residual` by a change of the temperatures.  softer: that of the heat of a column 1 K warmer."""
+        """The change of `residual` by a change of the temperatures.  softer: that of the heat, by 1 K in a column."""
         kept = self._kept(d, m, softer * self.columns.across.integral(d), 0.0)
         for end, rise in zip(ENDS, self.rises, strict=True):
             kept = kept.at[end].set(d[end] - rise(-self.columns.film * kept[end]))

@@ -298,7 +298,7 @@ def thermal_warnings(case: Case, heat: Any) -> list[str]:
     if case.thermal.inlet == "gupta" and heat.inlet.factor < CLEARLY_THINNER:
         warnings.append(
             f"the inlet factor phi_T = {heat.inlet.factor:.3g} makes the film too thin: in a ball's pure rolling by "
-            'about 7, 12 and 23 % at L_t = 0.3, 1.1 and 4.6, with sliding by 11 to 31 %; thermal.inlet = "solved" does not'
+            '7, 12 and 23 % at L_t = 0.3, 1.1 and 4.6, with sliding by 11 to 31 %; use thermal.inlet = "solved"'
         )
     for number, peclet in enumerate(heat.peclet, 1):
         if slow_excess(peclet) > slow_excess(SLOWEST):
