@@ -182,6 +182,17 @@ def test_a_film_that_vanished_has_no_numbers() -> None:
     assert not key_numbers(gone)
 
 
+def test_a_ball_that_leaves_faster_than_it_came_has_no_restitution() -> None:
+    """At M = 1e-3 it left eight times as fast, with a restitution of 8.0."""
+    case, data = parse_case(MOES_FALLS), dry_impact(MOES_FALLS)
+    data["V"][-1], data["F"][-1] = -8.0, 0.0
+    wrong = impact_summary(case, data, None, {}, Status.CONVERGED)
+    assert wrong["restitution"] is wrong["contact_time"] is wrong["F_max"] is None
+    assert any("the ball leaves 8 times as fast as it came" in words for words in wrong["warnings"])
+    loaded = parse_case(MOES_FALLS + "[motion]\nload = [[0, 1], [1, 0]]\n")
+    assert impact_summary(loaded, data, None, {}, Status.CONVERGED)["restitution"] == 8.0  # the load may have done it
+
+
 def test_a_residual_that_is_not_a_number_is_written_as_none() -> None:
     assert _finite({"residual": nan, "si": {"h_c_m": inf}, "n": 3}) == {"residual": None, "si": {"h_c_m": None}, "n": 3}
 
