@@ -189,7 +189,7 @@ def test_a_ball_that_leaves_faster_than_it_came_has_no_restitution() -> None:
     wrong = impact_summary(case, data, None, {}, Status.CONVERGED)
     assert wrong["restitution"] is wrong["contact_time"] is wrong["F_max"] is None
     assert any("the ball leaves 8 times as fast as it came" in words for words in wrong["warnings"])
-    loaded = parse_case(MOES_FALLS + "[motion]\nload = [[0, 1], [1, 0]]\n")
+    loaded = parse_case({**MOES_FALLS, "motion": {"load": [[0, 1], [1, 0]]}})
     assert impact_summary(loaded, data, None, {}, Status.CONVERGED)["restitution"] == 8.0  # the load may have done it
 
 
