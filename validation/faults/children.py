@@ -232,11 +232,7 @@ def run_watched(
     if fault.limit:
         resource.setrlimit(resource.RLIMIT_FSIZE, (fault.limit, resource.RLIM_INFINITY))
     code, text, said = called(arguments)
-    found = {}
-    try:
-        found = {**fingerprint(judge), **gathered(judge)} if judge and code == 0 else {}
-    except (ValueError, OSError) as error:  # a fit does not read all arrays of its runs again; who reads them is told
-        code, said = 2, f"ertel: {error}"
+    found = {**fingerprint(judge), **gathered(judge)} if judge and code == 0 else {}
     tell(operations=changes[0], found=found)
     tell(code=code, said=said, text=text)
 
