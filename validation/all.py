@@ -59,6 +59,7 @@ PAGES = [
         Page(f"validation/contacts/line_{name}.md", "validation/contacts/line.py", name, minutes)
         for name, minutes in {"impacts": 3, "waves": 2, "formulas": 2, "ellipses": 3}.items()
     ),
+    Page("validation/contacts/README.md", "validation/contacts/mesh.py", "", 4),
     Page("validation/contacts/classics.md", "validation/contacts/classics.py", "", 3),
     Page("validation/optics/README.md", "validation/optics/films.py", "", 4),
     Page("validation/friction/README.md", "validation/friction/film_thinning.py", "", 1),

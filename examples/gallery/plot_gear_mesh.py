@@ -18,7 +18,7 @@ STEEL = {"E_prime": "226 GPa", "nodes": 129, **OIL}
 mesh = ertel.gears.involute(
     teeth_1=20, teeth_2=20, module="4 mm", speed="1500 rpm", torque="230 N*m", face_width="20 mm"
 )
-teeth = ertel.simulate(ertel.rolling(**mesh.keywords, **STEEL, time_tolerance=2e-4))
+teeth = ertel.simulate(ertel.rolling(**mesh.keywords, **STEEL, step=0.03))  # in t0
 
 # %%
 # One or two pairs of teeth carry the load, so it doubles in the middle of the path; the sliding changes its sign at the

@@ -38,6 +38,8 @@ def test_nothing_lies_across_a_line(steady: ertel.Result, impact: ertel.Result, 
         assert not ACROSS & {*table.read_text().splitlines()[0].split(",")}
     assert "on 129 nodes along x" in repr(steady)
     assert "X = 0.9" in repr(impact) and " a*\n" in repr(impact)
+    for text in (repr(impact), repr(impact.case)):  # 2d is the name of a square grid
+        assert "impact (line contact, in time), M = " in text and "(2d)" not in text
 
 
 def test_units_are_those_of_the_whole_roller(steady: ertel.Result, impact: ertel.Result) -> None:

@@ -164,6 +164,17 @@ def test_a_film_that_vanished_has_no_numbers() -> None:
     assert not key_numbers(gone)
 
 
+def test_a_ball_that_leaves_faster_than_it_came_has_no_restitution() -> None:
+    """At M = 1e-3 it left eight times as fast, with a restitution of 8.0."""
+    case, data = parse_case(MOES_FALLS), dry_impact(MOES_FALLS)
+    data["V"][-1], data["F"][-1] = -8.0, 0.0
+    wrong = impact_summary(case, data, None, {}, Status.CONVERGED)
+    assert wrong["restitution"] is wrong["contact_time"] is wrong["F_max"] is None
+    assert any("the ball leaves 8 times as fast as it came" in words for words in wrong["warnings"])
+    loaded = parse_case({**MOES_FALLS, "motion": {"load": [[0, 1], [1, 0]]}})
+    assert impact_summary(loaded, data, None, {}, Status.CONVERGED)["restitution"] == 8.0  # the load may have done it
+
+
 def test_an_approach_in_si_is_told_from_that_of_the_dry_contact() -> None:
     fall = ertel.impact(
         radius=0.01, ball_density=7850, speed=0.1, E_prime="226 GPa", oil=ertel.Oil(eta0=0.0186, alpha=20e-9),

@@ -22,7 +22,7 @@ from ertel.results import computed
 from ertel.results.alignment import light_along
 from ertel.results.measurements import Measurement
 from ertel.results.profiles import profile
-from ertel.runs.fit import FitError, fit, solve_fit
+from ertel.runs.fit import FitError, _outcome, fit, solve_fit
 from ertel.runs.fit_problem import fit_problem, load_fit_problem
 from ertel.runs.fit_result import FitPoint, FitResult
 from ertel.runs.result import Result
@@ -361,6 +361,15 @@ def test_fringes_give_the_film_and_the_oil(dry: xr.Dataset, tmp_path: Path) -> N
 @pytest.fixture(scope="module")
 def dry() -> xr.Dataset:
     return dry_impact(BALL_FALLS, radial=True, rebound=False)
+
+
+@pytest.mark.parametrize("kind", ["Damaged", "StoreError"])
+def test_a_damaged_run_ends_a_fit(kind: str, tmp_path: Path) -> None:
+    """The search stepped back from it, as from a run that fails, and ended at another oil without a word."""
+    case = ertel.impact(M=20, L=5, method="radial", nodes=33)
+    with pytest.raises(FitError, match=rf"tau_y: is damaged; delete {tmp_path}.*, and the same call computes the run"):
+        _outcome(tmp_path, case, f"failed: {kind}: tau_y: is damaged")
+    assert _outcome(tmp_path, case, "failed: ValueError: no film").reason.endswith("ValueError: no film")
 
 
 # -- stored runs ------------------------------------------------------------------------------------------------------

@@ -40,6 +40,10 @@ STEEL = (
 )
 OIL = '[lubricant]\neta0 = "40 mPa*s"\nalpha = "20 / GPa"\n'
 EYRING = 'rheology = { law = "ree-eyring", tau0 = "5 MPa" }\n'
+ASPERITIES = (
+    '[surfaces]\nsigma = "30 nm"\nboundary_friction = 0.12\n'
+    'asperities = { law = "persson", longest = "20 um", shortest = "1 um", hurst = 0.8 }\n'
+)
 SQUALANE = '[lubricant]\noil = "squalane"\ntemperature = "40 degC"\n'
 CARREAU = 'rheology = { law = "carreau", G = "6 MPa", n = 0.42 }\n'
 RADIAL = '[contact]\nM = 20\nL = 5\n[solver]\nmethod = "radial"\nnodes = 33\n[time]\nuntil = 0.05\n'
@@ -62,6 +66,9 @@ CASES = {
     "starved": f"{ROLLING}[solver]\nnodes = 33\n[lubricant]\nlayer = 0.05\n",
     "layer": RADIAL + MAPS + "[lubricant]\nlayer = 0.05\n",
     "track": ROLLING + IN_TIME + MAPS + "[lubricant]\nlayer = 0.05\n",
+    "touching": STEEL + OIL + ASPERITIES + TWO_GRIDS,
+    "touching in time": STEEL + OIL + ASPERITIES + IN_TIME + MAPS,
+    "line": f"[contact]\nM = 10\nL = 5\nradius_ratio = 0\nlength_ratio = 10\n{TWO_GRIDS}[time]\nuntil = 0.05\n{MAPS}",
     "converge": RADIAL.replace("33", "65") + MAPS,
     "study": RADIAL.replace("M = 20", "M = [20, 25]") + MAPS,
     "fit": 'case = "ball.toml"\n[unknowns]\n"lubricant.eta0" = { bounds = ["40 mPa*s", "60 mPa*s"] }\n'

@@ -112,7 +112,7 @@ def _rough(rough: Mapping[str, Any]) -> str:
 def print_summary(out: PlainConsole, case: "Case", summary: Mapping[str, Any]) -> None:
     """The outcome of a run."""
     parameters = f"M = {summary['M']:.5g}, L = {summary['L']:.4g}"
-    grid = f"{case.computed}, {domain(case)}"
+    grid = f"{case.method.in_words}, {domain(case)}"
     out.print(f"{case.name or case.kind}: {parameters} ({grid}): {summary['status']}", style="bold")
     if case.scales:
         out.print(f"Rheology: {rheology_of(case)}")

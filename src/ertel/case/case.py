@@ -125,15 +125,10 @@ class Case:
         return f"<div>Case: {escape(title)}<table>{''.join(rows)}</table></div>"
 
     @property
-    def computed(self) -> str:
-        """The method, as it is shown; "2d" is the name of one row, too."""
-        return f"line contact, {self.method.title}" if self.geometry.is_line else self.solver.method
-
-    @property
     def _described(self) -> tuple[str, dict[str, Any]]:
         """A title, and the sections; the fields themselves where a law cannot be written."""
         p, name = self.parameters, f"{self.name}, " if self.name else ""
-        title = f"{name}{self.kind} ({self.computed}), M = {p.M:.4g}, L = {p.L:.4g}"
+        title = f"{name}{self.kind} ({self.method.in_words}), M = {p.M:.4g}, L = {p.L:.4g}"
         try:
             return title, self.to_data()
         except ValueError:

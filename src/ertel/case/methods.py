@@ -123,6 +123,11 @@ class Method:
         """The axes of its maps, in order."""
         return self.space.axes
 
+    @property
+    def in_words(self) -> str:
+        """The method as it is shown: its name; that of a line contact, where "2d" is the name of one row, in words."""
+        return f"line contact, {self.title}" if self.axes == ("X",) else self.name
+
 
 METHODS: dict[str, Method] = {}
 

@@ -299,7 +299,8 @@ def lines(summary: Outcome) -> Iterator[str]:
 
 
 def _conditions(summary: Outcome) -> str:
-    return f"{summary['kind']} ({summary['method']}), M = {summary['M']:.4g}, L = {summary['L']:.4g}"
+    how = METHODS[summary["method"]].of(geometry_of(summary)).in_words
+    return f"{summary['kind']} ({how}), M = {summary['M']:.4g}, L = {summary['L']:.4g}"
 
 
 def more_lines(summary: Outcome) -> Iterator[str]:

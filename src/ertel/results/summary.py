@@ -5,7 +5,7 @@ Last comes the error of a run in grid, time and domain together, from runs on th
 many steps, and 9/16.
 """
 
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from math import hypot, inf, isfinite
@@ -37,6 +37,7 @@ from ertel.results.variables import (
 # share of a maximum by which the pressure may fall to the next nodes; below, P_max changes by some per cent
 NARROW = 0.1
 LIGHT = 0.01  # of the largest load, from which an impact counts as contact
+FASTEST = 1.01  # speed of a ball that leaves, over that with which it came: above, the run is wrong
 UNLOADED = 1e-8  # of the dry maximum load, below which the ball is free
 EXTREMES = {"H_min": (np.argmin, "X_min", "Y_min"), "P_max": (np.argmax, "X_P_max", "Y_P_max")}  # and their places
 Values = Mapping[str, float | None]
@@ -67,11 +68,11 @@ def impact_summary(
     if max_approach is not None and vanished == inf and not status.failed:
         values = with_coefficients({name: max_approach[name] for name in there if name in max_approach}, case.scales)
     over_time = _over_time(case, data, status)
-    warnings = diagnostics.impact_warnings(case, data)
+    warnings = [*diagnostics.impact_warnings(case, data), *_faster(case, data)]
     warnings += [] if status.failed else _account_warnings(case, data, over_time)
     touch = first_touch(data["time"].values, data["Delta"].values, case.schedule.start_approach)
     stresses = _stresses(case, data, status) if max_approach is not None else {}
-    content = {TOUCH: touch, **values, **stresses, **_contact(data, status), **over_time, **work}
+    content = {TOUCH: touch, **values, **stresses, **_contact(case, data, status), **over_time, **work}
     return _summary(case, content, status, warnings)
 
 
@@ -185,20 +186,30 @@ def _of_moment(there: Container[Any]) -> list[str]:
     return [name for name in names_where(lambda variable: variable.at_moment) if name in there]
 
 
-def _contact(data: xr.Dataset, status: Status) -> dict[str, float | None]:
+def _contact(case: Case, data: xr.Dataset, status: Status) -> dict[str, float | None]:
     """Restitution, the time in which the load is above `LIGHT` of its largest value, and that value.
 
     The coefficient of restitution is the speed after the impact over that before; all is None until the ball has left,
-    and where the run failed.
+    and where the run failed or the ball is too fast.
     """
     T, V, F, Delta = (data[name].values for name in ("time", "V", "F", "Delta"))
     left = len(T) and V[-1] < 0 and (F[-1] < UNLOADED or Delta[-1] < data.attrs[START_APPROACH])
-    if status.failed or not left:
+    if status.failed or not left or list(_faster(case, data)):
         return dict.fromkeys(names_where(lambda variable: variable.of_impact))
     above = np.flatnonzero(F > LIGHT * F.max())
     ends = [max(above[0] - 1, 0), above[0]], [min(above[-1] + 1, len(T) - 1), above[-1]]  # the lighter side first
     start, end = (float(np.interp(LIGHT * F.max(), F[pair], T[pair])) for pair in ends)
     return {"restitution": -float(V[-1]), "contact_time": end - start, "F_max": float(F.max())}
+
+
+def _faster(case: Case, data: xr.Dataset) -> Iterator[str]:
+    """A warning if a ball to which nothing adds energy is faster at the end than when it came."""
+    alone = case.motion.load.is_constant and not case.motion.flows
+    if alone and data.sizes["time"] and data["V"][-1] < -FASTEST:
+        yield (
+            f"the ball leaves {-float(data['V'][-1]):.3g} times as fast as it came, so the run has no restitution: its "
+            "first film pressed on it; use a lower time.start_approach, and a finer grid"
+        )
 
 
 def _judged(status: Status, data: xr.Dataset) -> tuple[Status, float]:

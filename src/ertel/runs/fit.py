@@ -35,6 +35,7 @@ from ertel.runs.compile import check_jax
 from ertel.runs.directory import CASE, read_progress, write_progress
 from ertel.runs.drive import warn
 from ertel.runs.engine import Engine
+from ertel.runs.files import Damaged, StoreError
 from ertel.runs.fit_problem import FitProblem, Given, fit_problem, under_the_law
 from ertel.runs.fit_result import FitPoint, FitResult, Values, amount, fit_dataset, with_laws
 from ertel.runs.result import Result
@@ -52,7 +53,7 @@ Runner = Callable[[Sequence[Case]], Sequence[Result | Failure]]
 
 
 class FitError(RuntimeError):
-    """A fit cannot begin, because a run that it needs has failed; or it was asked to stop."""
+    """A fit cannot begin or go on, because a run that it needs has failed or is damaged; or it was asked to stop."""
 
 
 class StoppedFit(FitError):
@@ -108,7 +109,8 @@ def fit(
         A path, bounds, a prior or a measurement is not allowed, or there are more unknowns than data; the message names
         it.
     FitError
-        The run with the first values failed, or a file `stop` asked the fit to stop; the message names the run.
+        The run with the first values failed, the files of a run are damaged, or a file `stop` asked the fit to stop;
+        the message names the run.
     StoreError
         Another process is working on the fit, or the directory holds other files.
 
@@ -327,6 +329,9 @@ def _stored_runs(
 def _outcome(directory: Path, case: Case, status: str) -> Result | Failure:
     place = studies.run_directory(directory, case)
     if status.startswith(studies.FAILED):
+        kind, _, why = status.removeprefix(studies.FAILED).partition(": ")
+        if kind in (StoreError.__name__, Damaged.__name__):  # no answer of the model, from which a search steps back
+            raise FitError(f"{why}; delete {place}, and the same call computes the run again")
         return Failure(f"{place}: {status.removeprefix(studies.FAILED)}")
     if status == Status.INTERRUPTED.value or not (place / CASE).exists():
         raise StoppedFit(f"{directory}: the fit was asked to stop; the same call goes on")
