@@ -70,7 +70,7 @@ def _of_run(directory: Path) -> Page:
     rows = [(each.about.long_name, each.text_in_si or each.text, each.text_of_error) for each in chosen]
     named = [[name, value, f"± {error}" if error else ""] for name, value, error in rows]
     computed = [moment(summary), *(aligned([*zip(*named, strict=True)], left=1) if named else [])]
-    method = f"{case.contact.kind}, {case.computed}: {status.value}"
+    method = f"{case.contact.kind}, {case.method.in_words}: {status.value}"
     notes = [*more_lines(summary), *(f"warning: {each}" for each in summary["warnings"])]
     try:
         picture = plots.draw(data, "overview", columns=2, title=False)
