@@ -100,9 +100,9 @@ INLET_FACTORS: dict[InletName, InletFactor] = {
 # The moving kernel is singular at x' = x.  It is integrated exactly over every cell, with q linear between the nodes.
 
 Floats = NDArray[np.float64]
-AT_REST_ON_A_LINE = 0.1  # likewise of a strip that is a hundred times as long as wide, whose ends cool its middle
 SLOWEST = 5.0  # Peclet number below which heat that flows along the surface counts
 AT_REST = 4.0 / pi  # Peclet number of a circle with uniform heat that is as hot in its middle at rest as by the formula
+AT_REST_ON_A_LINE = 0.1  # likewise of a strip that is a hundred times as long as wide, whose ends cool its middle
 
 
 def peclet_number(solid: Solid, speed: float, half_width: float) -> float:
@@ -110,18 +110,20 @@ def peclet_number(solid: Solid, speed: float, half_width: float) -> float:
     return abs(speed) * half_width * solid.density * solid.heat_capacity / (2.0 * solid.conductivity)
 
 
-def slow_excess(peclet: float) -> float:
+def slow_excess(peclet: float, is_line: bool = False) -> float:
     """By what share a temperature rise is too high where a surface is slow.
 
     Below AT_REST the surface counts as one at rest; above it, heat that flows along the surface is left out.  Compared
     with 2 q a/[k (4 + pi Pe)^{1/2}], the highest temperature of a circle with uniform heat, which joins both limits
-    (Tian X, Kennedy FE. J Tribol 1994;116:167-174).
+    (Tian X, Kennedy FE. J Tribol 1994;116:167-174); on a line with their 2 q b/[k (pi + pi Pe)^{1/2}] of a long strip.
 
     Examples
     --------
     >>> round(slow_excess(SLOWEST), 2)
     0.12
     """
+    if is_line:
+        return sqrt(1.0 + 1.0 / max(peclet, AT_REST_ON_A_LINE)) - 1.0
     ratio = peclet / AT_REST
     return sqrt(1.0 + min(ratio, 1.0 / ratio if ratio > 0 else 0.0)) - 1.0
 

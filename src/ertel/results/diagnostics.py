@@ -18,7 +18,7 @@ from ertel.numerics.grid import Extrapolation, allowed_nodes, on_grids
 from ertel.physics.line_scales import LineScales
 from ertel.physics.lubricant import Barus
 from ertel.physics.surfaces import CELLS_IN_WAVE, CELLS_KEPT, has_waves
-from ertel.physics.thermal import AT_REST, INLET_FACTORS, SLOWEST, slow_excess
+from ertel.physics.thermal import AT_REST, AT_REST_ON_A_LINE, INLET_FACTORS, SLOWEST, slow_excess
 from ertel.results.balances import UNCERTAIN_MOMENTUM, Balances, needed_half_width, share_outside, uncertain_momentum
 from ertel.results.variables import FILMS
 
@@ -289,7 +289,7 @@ def _centre(case: Case) -> Iterator[str]:
 def thermal_warnings(case: Case, heat: Any) -> list[str]:
     """Warnings where the formulas for the temperatures are used outside their range; an empty list if they are not."""
     assert case.thermal is not None
-    warnings, inlet = [], INLET_FACTORS[case.thermal.inlet]
+    warnings, inlet, line = [], INLET_FACTORS[case.thermal.inlet], case.geometry.is_line
     if heat.inlet.L_t > inlet.largest_L_t:
         warnings.append(
             f"the inlet factor phi_T = {heat.inlet.factor:.3g} ({inlet.source}) is made for {inlet.valid}, and this "
@@ -301,12 +301,13 @@ def thermal_warnings(case: Case, heat: Any) -> list[str]:
             '7, 12 and 23 % at L_t = 0.3, 1.1 and 4.6, with sliding by 11 to 31 %; use thermal.inlet = "solved"'
         )
     for number, peclet in enumerate(heat.peclet, 1):
-        if slow_excess(peclet) > slow_excess(SLOWEST):
+        rest, excess = (AT_REST, slow_excess(peclet)) if not line else (AT_REST_ON_A_LINE, slow_excess(peclet, line))
+        if excess > slow_excess(SLOWEST):
             slow = f"below {SLOWEST:g} heat also flows along the surface"
             warnings.append(
                 f"surface {number} moves slowly, with a Peclet number of {peclet:.2g}: "
-                f"{'it counts as at rest' if peclet < AT_REST else slow}, "
-                f"and its temperature rise is about {slow_excess(peclet):.0%} too high"
+                f"{'it counts as at rest' if peclet < rest else slow}, "
+                f"and its temperature rise is about {excess:.0%} too high"
             )
     if not heat.converged:
         warnings.append(
