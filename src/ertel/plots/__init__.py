@@ -106,7 +106,7 @@ PANELS: Mapping[str, Rows | Callable[[View], Rows]] = {  # of each figure
     ],
     "convergence": [[histories.draw_convergence, histories.draw_grids]],
     "friction": _friction_rows,
-    "temperature": temperatures.rows,
+    "temperature": [[temperatures.draw_across, temperatures.draw_along]],
     "front": [[histories.draw_place, histories.draw_front_speed]],
     "spacetime": [[histories.draw_film_through_time]],
     "stress": stresses.rows,

@@ -57,7 +57,7 @@ def figures_of(dataset: "xr.Dataset") -> tuple[str, ...]:
         In the order in which they are shown.
     """
     names = FIGURES_STEADY if is_steady(dataset) else FIGURES_IN_TIME
-    left_out = {"asperities"} if "P_asperity" not in dataset else set()
-    left_out |= {"temperature"} if "T_across" not in dataset else set()
+    needed = {"asperities": "P_asperity", "temperature": "T_across"}
+    left_out = {name for name, variable in needed.items() if variable not in dataset}
     left_out |= set(FIGURES_OF_MAPS) if is_line(dataset.attrs) else set()
     return tuple(name for name in names if name not in left_out)
