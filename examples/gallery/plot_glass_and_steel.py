@@ -3,8 +3,8 @@ Glass on steel and steel on glass
 =================================
 
 A ball slides fast on a flat.  One of the two is of steel, the other one of glass, which conducts heat 45 times worse.
-It matters which of the two is the fast one: the film is thicker where that is the glass.  Both films together take some
-two minutes on one core.
+It matters which of the two is the fast one: with fast glass the central film is thicker, and the film at its end is
+thinner.  Both films together take some two minutes on one core.
 """
 
 from matplotlib import pyplot as plt
@@ -39,7 +39,7 @@ figure = steel.plot.temperature()
 # %%
 # The oil shears where it is thin, and the rest of it moves with the cooler surface.  If that is the fast one, the
 # surfaces drag along more oil than in a film that is equally warm across, by the share c.  This is the viscosity wedge:
-# the same oil then makes a thinner film.
+# the same oil then makes a thinner film in the middle.
 figure, axes = plt.subplots(figsize=(6, 3.4), layout="constrained")
 for name, run in (("fast glass", glass), ("fast steel", steel)):
     line, si = run.si.sel(y=0.0, method="nearest"), run.summary["si"]

@@ -86,8 +86,8 @@ assert newtonian > 1
 # %%
 # Film and Lambda
 # ---------------
-# 65 nodes along the rolling direction are few.  They answer in some two minutes, with an error that the result tells; for the
-# final number take 129.
+# 65 nodes along the rolling direction are few.  They answer in some two minutes, with an error that the result tells;
+# for the final number take 129.
 result = ertel.simulate(case)
 figure = result.plot.film()
 
