@@ -47,7 +47,7 @@ MOST_MEMORY = max(1.2e9, psutil.virtual_memory().total / 4 / min(os.cpu_count() 
 LONGEST = ("solvers/", "runs/", "test_documents", "equations/", "apps/test_cli", "numerics/", "results/", "plots/")
 
 # Distinct programs that the quick tests compile, which is most of their work; what needs more of them is slow
-MOST_PROGRAMS = 110
+MOST_PROGRAMS = 120
 
 settings.register_profile("ertel", deadline=None, derandomize=True, max_examples=50)
 settings.load_profile("ertel")

@@ -114,6 +114,14 @@ def steady(case: Case, flow: float = 1.0) -> xr.Dataset:
     return assemble_steady(case, solved[-1].grid, solved)
 
 
+def with_temperature(data: xr.Dataset) -> xr.Dataset:
+    """A steady contact whose surface 1 is 10 K and surface 2 20 K warmer than its inlet, and the film yet warmer."""
+    zeta, loaded = np.array([-0.5, 0.0, 0.5]), data["P"].sel(Y=0.0, method="nearest").values ** 0.5
+    T = 300.0 + np.outer([20.0, 40.0, 10.0], loaded)
+    about = variables.variable_attributes("T_across", None)
+    return data.assign_coords(zeta=zeta).assign(T_across=(("zeta", "X"), T, about))
+
+
 def as_in_time(case: Case) -> Case:
     """The same contact, as a run in time."""
     return replace(case, solver=replace(METHODS["transient"].defaults, nodes=81))

@@ -6,7 +6,18 @@ import numpy as np
 import pytest
 from cases import python
 from drawn import line, panels, words
-from made_up import BALL_FALLS, BALL_ROLLS, C1, MOES_FALLS, MOES_ROLLS, as_in_time, dry_impact, in_time, steady
+from made_up import (
+    BALL_FALLS,
+    BALL_ROLLS,
+    C1,
+    MOES_FALLS,
+    MOES_ROLLS,
+    as_in_time,
+    dry_impact,
+    in_time,
+    steady,
+    with_temperature,
+)
 from matplotlib.colors import to_rgba
 
 from ertel import plots
@@ -34,7 +45,7 @@ def moes():
 
 @pytest.fixture(scope="module")
 def runs(ball):
-    return {"ball": ball, "moes rolls": in_time(MOES_ROLLS), "steady ball": steady(BALL_ROLLS)}
+    return {"ball": ball, "moes rolls": in_time(MOES_ROLLS), "steady ball": with_temperature(steady(BALL_ROLLS))}
 
 
 def frame_of_maximum(data):

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from drawn import panels, right_of
+from drawn import line, of_type, panels, right_of
 from made_up import BALL_ROLLS as BALL
-from made_up import C1, H_C, solutions, steady
+from made_up import C1, H_C, solutions, steady, with_temperature
 
 from ertel import plots
 from ertel.physics import hertz
@@ -44,3 +44,18 @@ def test_midlines_carry_both_fields(ball):
     np.testing.assert_allclose(dry.get_ydata(), hertz.pressure(x) * C1.p_h * 1e-9)
     np.testing.assert_allclose(across.get_lines()[0].get_ydata(), ball["H"].values[:, 96] * C1.film * 1e9)
     assert (along.get_xlabel(), across.get_xlabel()) == ("$x$ (µm)", "$y$ (µm)")
+
+
+def test_temperature_across_the_film(ball):
+    """The mesh lies between surface 2 at zero and surface 1 on the film; the lines are those of the surfaces."""
+    across, along = panels(plots.temperature(with_temperature(ball)))
+    (mesh,) = of_type(across, "QuadMesh")
+    loaded = ball["P"].values[64] > 1e-6 * ball["P"].values.max()
+    film = ball["H"].values[64, loaded] * C1.film * 1e9
+    np.testing.assert_allclose(mesh.get_coordinates()[..., 1], np.outer([0.0, 0.5, 1.0], film))
+    colours = mesh.get_array().reshape(3, -1)
+    for label, row, hottest in (("surface 2", 0, 46.85), ("surface 1", 2, 36.85)):  # degC
+        drawn = line(along, label).get_ydata()
+        assert drawn.max() == pytest.approx(hottest)
+        np.testing.assert_allclose(colours[row], drawn[loaded])
+    assert across.get_ylabel() == "$z$ (nm)" and across.get_xlim() == along.get_xlim()

@@ -286,13 +286,19 @@ class Thermal:
         Meaning("how it falls with the temperature: more under pressure, or equally at all pressures"),
     ] = "houpert"
     density: Annotated[
-        float, units.DENSITY, Meaning("of the oil in the inlet; left out: that of the named oil, or 870 kg/m^3")
+        float,
+        units.DENSITY,
+        Meaning("of the oil in the inlet; left out: that of the named oil, or 870 kg/m^3", "870 kg/m^3"),
     ] = 870.0
     heat_capacity: Annotated[
-        float, units.HEAT_CAPACITY, Meaning("of the oil; left out: that of the named oil, or 2000 J/(kg*K)")
+        float,
+        units.HEAT_CAPACITY,
+        Meaning("of the oil; left out: that of the named oil, or 2000 J/(kg*K)", "2000 J/(kg*K)"),
     ] = 2000.0
     expansion: Annotated[
-        float, units.EXPANSION, Meaning("thermal expansion of the oil; left out: that of the named oil, or 0.00065 / K")
+        float,
+        units.EXPANSION,
+        Meaning("thermal expansion of the oil; left out: that of the named oil, or 0.00065 / K", "0.00065 / K"),
     ] = 6.5e-4
     inlet: Annotated[
         thermal.InletName,

@@ -6,11 +6,11 @@
 pressure of a run in time.
 
 A run in time has overview, film, pressure, oil, maps, profiles, history, friction, spacetime and stress, and an impact
-front; a steady contact overview, film, pressure, oil, maps, midlines, convergence, friction and stress. A line contact
-has no maps: film, pressure, oil, maps, interferograms and movies are refused. `at` chooses the moment of a run
-in time: a time in t0, or with its unit, "95 us" (the map next to it is drawn, and the title says its time), or an
-event, "max-approach" or "end"; by default maximum approach, of a rolling contact the thinnest film where it is
-thinner than at both ends of the run, or else the last map.
+front; a steady contact overview, film, pressure, oil, maps, midlines, convergence, friction and stress, and with
+[thermal] temperature. A line contact has no maps: film, pressure, oil, maps, interferograms and movies are refused.
+`at` chooses the moment of a run in time: a time in t0, or with its unit, "95 us" (the map next to it is drawn, and the
+title says its time), or an event, "max-approach" or "end"; by default maximum approach, of a rolling contact the
+thinnest film where it is thinner than at both ends of the run, or else the last map.
 
 `ax=` draws into axes of your own; `columns=1` or `columns=2` makes a figure of 85 or 170 mm for print,
 `figsize=` one of another size; `title=False` leaves headings out; see `Sheet`.
@@ -28,7 +28,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ertel.plots import drawing, fields, histories, stresses
+from ertel.plots import drawing, fields, histories, stresses, temperatures
 from ertel.plots.drawing import (
     BLUE,
     GREEN,
@@ -50,9 +50,9 @@ from ertel.results.profiles import At
 
 __all__ = [
     "BLUE", "GREEN", "GREY", "NAMES", "ORANGE", "ORDERED_COLOURS", "NoFigure", "Sheet", "animation", "asperities",
-    "comparison",
-    "convergence", "draw", "film", "friction", "front", "history", "interferogram", "maps", "measured", "midlines",
-    "movie", "names_of", "oil", "overview", "pressure", "profiles", "side_by_side", "spacetime", "stress",
+    "comparison", "convergence", "draw", "film", "friction", "front", "history", "interferogram", "maps", "measured",
+    "midlines", "movie", "names_of", "oil", "overview", "pressure", "profiles", "side_by_side", "spacetime", "stress",
+    "temperature",
 ]  # fmt: skip
 
 Rows = Sequence[Sequence[Callable[[Axes, View], None]]]
@@ -106,6 +106,7 @@ PANELS: Mapping[str, Rows | Callable[[View], Rows]] = {  # of each figure
     ],
     "convergence": [[histories.draw_convergence, histories.draw_grids]],
     "friction": _friction_rows,
+    "temperature": [[temperatures.draw_across, temperatures.draw_along]],
     "front": [[histories.draw_place, histories.draw_front_speed]],
     "spacetime": [[histories.draw_film_through_time]],
     "stress": stresses.rows,
@@ -317,6 +318,11 @@ def friction(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) 
     The shear stress is that in the middle of the film; it is left out where the surfaces do not slide.
     """
     return draw(dataset, "friction", at, **sheet)
+
+
+def temperature(dataset: xr.Dataset, at: At = None, **sheet: Unpack[SheetOptions]) -> Figure:
+    """The temperature across the film of a steady contact at y = 0, in the shape of the film, and of both surfaces."""
+    return draw(dataset, "temperature", at, **sheet)
 
 
 def stress(dataset: xr.Dataset, at: At = None, body: int = 1, **sheet: Unpack[SheetOptions]) -> Figure:

@@ -1,7 +1,7 @@
 """The kind of a run as its Dataset tells it, and the figures that it therefore has; `ertel.plots` draws them.
 
 A steady contact has its grids in place of steps in time.  A line contact has no maps.  A run whose asperities touch has
-their pressure.
+their pressure, a steady one with [thermal] its temperatures.
 """
 
 from collections.abc import Mapping
@@ -16,7 +16,8 @@ FIGURES_IN_TIME = (
     "spacetime", "stress",
 )  # fmt: skip
 FIGURES_STEADY = (
-    "overview", "film", "pressure", "asperities", "oil", "maps", "midlines", "convergence", "friction", "stress",
+    "overview", "film", "pressure", "asperities", "oil", "maps", "midlines", "convergence", "friction",
+    "temperature", "stress",
 )  # fmt: skip
 FIGURES_OF_MAPS = ("film", "pressure", "asperities", "oil", "maps")  # which a line contact does not have
 
@@ -56,6 +57,7 @@ def figures_of(dataset: "xr.Dataset") -> tuple[str, ...]:
         In the order in which they are shown.
     """
     names = FIGURES_STEADY if is_steady(dataset) else FIGURES_IN_TIME
-    left_out = {"asperities"} if "P_asperity" not in dataset else set()
+    needed = {"asperities": "P_asperity", "temperature": "T_across"}
+    left_out = {name for name, variable in needed.items() if variable not in dataset}
     left_out |= set(FIGURES_OF_MAPS) if is_line(dataset.attrs) else set()
     return tuple(name for name in names if name not in left_out)

@@ -47,6 +47,7 @@ FIGURES = {  # in the order of their tabs: label, icon
     "front": ("Front", "open_in_full"),
     "spacetime": ("Through time", "waves"),
     "friction": ("Friction", "local_fire_department"),
+    "temperature": ("Temperature", "thermostat"),
     INTERFEROGRAM: ("Interferogram", "lens_blur"),
     "convergence": ("Grids", "grid_on"),
     "overview": ("Overview", "dashboard"),
