@@ -133,7 +133,9 @@ def test_the_line_has_what_the_run_has():
     # with heat the film and the friction are the warm ones
     films = {"H_c_warm": 300e-9 / C1.film, "H_min_warm": 180e-9 / C1.film}
     heat = {**films, "mu_sliding_warm": 0.031, "T_film_mean": 324.0}
-    case = SimpleNamespace(features=(), surfaces=None, sigma=None, scales=C1, thermal=SimpleNamespace(temperature=313.0))
+    case = SimpleNamespace(
+        features=(), surfaces=None, sigma=None, scales=C1, thermal=SimpleNamespace(temperature=313.0)
+    )
     assert verdict(replace(rolled(**heat), case=case)) == "warm film 300 ± 13 nm, mu = 0.031, 11 K"
 
 

@@ -273,6 +273,16 @@ def test_the_mirror_of_sliding() -> None:
     assert other.account.friction.sliding[0] == pytest.approx(-float(one.account.friction.sliding[0]), rel=1e-3)
 
 
+def test_rolling_to_the_other_side() -> None:
+    """The same film, seen in a mirror, with its account."""
+    one, back = rolled(2.0, 1.9, "steel", "glass"), rolled(-2.0, 1.9, "steel", "glass")
+    assert_allclose(back.H[:, ::-1], one.H, rtol=1e-6)
+    assert_allclose(back.heat.T[..., ::-1], one.heat.T, atol=1e-3)
+    assert back.account.terms["outflow"] == pytest.approx(one.account.terms["outflow"], rel=1e-6)
+    assert float(back.account.friction.power) == pytest.approx(float(one.account.friction.power), rel=1e-6)
+    assert float(back.account.friction.sliding[0]) == pytest.approx(-float(one.account.friction.sliding[0]), rel=1e-6)
+
+
 def test_the_balances_of_mass_and_energy_hold_with_heat() -> None:
     s = rolled(2.0, 1.9, "steel", "glass")
     terms, scales = s.account.terms, s.case.scales
@@ -280,5 +290,5 @@ def test_the_balances_of_mass_and_energy_hold_with_heat() -> None:
     cold = rolled(2.0, 1.9, "steel", "glass", inlet="none").account.terms
     lost, lost_cold = (1.0 - each["outflow"] / each["inflow"] for each in (terms, cold))
     assert abs(lost) < max(2.0 * abs(lost_cold), 0.025)  # of second order: a quarter on 257 nodes
-    power = float(s.account.friction.power) * scales.load / 0.01 * scales.a * scales.a_over_R / scales.t0  # per length
+    power = float(s.account.friction.power) * scales.load * scales.a * scales.a_over_R / scales.t0
     assert power == pytest.approx(s.heat.balance[0], rel=0.02)  # both are all that the oil is heated by

@@ -208,8 +208,8 @@ class TractionCurve(StudyResult):
         resistance mu_rolling of each surface, the power loss, the central and the minimum film thickness (on the grid,
         not extrapolated), the maximum shear stress in the middle of the film, the maximum pressure, status and work of
         each point; nan where the film did not converge.  In SI under SI names (h_c for H_c) where the case is physical.
-        With a section [thermal] these are without heat, and those with heat beside them: mu_sliding_warm, h_c_warm,
-        ..., the inlet factor phi_T in the films, and T_1_max, T_2_max, T_film_max (K), the highest temperatures.
+        With a section [thermal] T_1_max, T_2_max and T_film_max (K), the highest temperatures.  With a formula of the
+        inlet the others are without heat, and those with heat beside them: mu_sliding_warm, h_c_warm, ..., phi_T.
     directory : Path, optional
         Where the curve is stored.
     """

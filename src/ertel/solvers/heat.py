@@ -47,6 +47,7 @@ from ertel.numerics.programs import Program, exportable
 from ertel.numerics.stencils import inside, node_slopes
 from ertel.physics.fluidity import limited_stress
 from ertel.physics.geometry import Geometry
+from ertel.physics.line_scales import LineScales
 from ertel.physics.thermal import AT_REST, AT_REST_ON_A_LINE, Floats, Solid, peclet_number, response
 
 POINTS = 7  # across the film
@@ -72,7 +73,7 @@ class Heated(NamedTuple):
     stress: tau_m along X and Y in p_h a/R, zero where P = 0, shape (2, n_y, n_x).  sliding: its force over the load
     along X and Y, in a/R, shape (2,).  share, theta: c, and theta along X and along Y, of these temperatures.
     weight: of their changes, see `Rounds`.  balance: the heat of the film, what flows into body 1 and into body 2, and
-    what the oil takes along, in W, of a line contact in W/m.
+    what the oil takes along, in W.
     peclet: numbers of both surfaces.  iterations: changes of the temperatures.  converged: whether they are found.
     """
 
@@ -128,7 +129,7 @@ def heated(
     _, theta, T = (turned(jnp.asarray(each)) for each in factors or WarmFactors.of_cold(grid))
     found = _program(energy, T, theta, inf if factors is None else LARGEST_CHANGE, limit)
 
-    plane, area = Plane.of(grid), s.a if case.geometry.is_line else s.a**2
+    plane, area = Plane.of(grid), s.a * (s.length if isinstance(s, LineScales) else s.a)
     balance = [float(plane.total(part)) * area for part in (found.heat, *found.into[::-1], found.carried)]
     found = found._replace(
         **{name: turned(getattr(found, name)) for name in ("T", "stress", "share", "theta", "weight")}
