@@ -273,6 +273,14 @@ def test_the_mirror_of_sliding() -> None:
     assert other.account.friction.sliding[0] == pytest.approx(-float(one.account.friction.sliding[0]), rel=1e-3)
 
 
+def test_reversed_rolling_is_the_mirror_image() -> None:
+    one, other = rolled(2.0, 1.9, "steel", "glass"), rolled(-2.0, 1.9, "steel", "glass")
+    assert_allclose(other.H[:, ::-1], one.H, rtol=1e-6)
+    assert_allclose(other.heat.T[..., ::-1], one.heat.T, atol=1e-3)
+    assert_allclose(other.content.passing[:, ::-1], one.content.passing, rtol=1e-6)
+    assert float(other.account.friction.sliding[0]) == pytest.approx(-float(one.account.friction.sliding[0]), rel=1e-6)
+
+
 def test_the_balances_of_mass_and_energy_hold_with_heat() -> None:
     s = rolled(2.0, 1.9, "steel", "glass")
     terms, scales = s.account.terms, s.case.scales

@@ -17,7 +17,8 @@ bodies and carries the load.  The functions of the oil here (`mass`, `mobility`,
 take its own pressure P_f in place of P.
 """
 
-from dataclasses import dataclass, field, fields, is_dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields, is_dataclass, replace
 from functools import cache, partial
 from typing import Any, NamedTuple, TypeVar
 
@@ -71,6 +72,10 @@ class PressureFlow:
 
     def at(self, contact: "Contact", P: Array, H: Array) -> "PressureFlow":
         """This flow with what takes long to find in the film, so that the other methods need not find it again."""
+        return self
+
+    def turned(self, turn: Callable[[Any], Any]) -> "PressureFlow":
+        """This flow with its fields turned, as `flow.flow_aligned` does; one without fields stays as it is."""
         return self
 
     def dragged(self, mass: Array) -> Array:
@@ -186,7 +191,7 @@ def steady_oil(contact: Contact, P: Array, H: Array, rate: Rate) -> OilContent:
     """
     assert rate.wedge is not None
     turned, entrainment, speed = partial(flow_aligned, rate), rate.wedge, jnp.abs(rate.wedge)
-    P, H = turned(P), turned(H)
+    P, H, contact = turned(P), turned(H), replace(contact, flow=contact.flow.turned(turned))
     rate = rate._replace(wedge=speed, held=turned(rate.held))
     full, kinked, r = mass(contact, P, H), rate.kinked(P), _of_a_full_gap(contact, P, H, rate)
     void = _void(contact, P, H, rate, r)

@@ -7,8 +7,10 @@ with c and theta of `columns`, theta along X and along Y.  They are held while N
 and found again in its new columns (`solvers.heat`).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 from jax import Array, tree
 from jax.tree_util import register_dataclass
@@ -35,6 +37,10 @@ class WarmFlow(PressureFlow):
 
     def at(self, contact: Contact, P: Array, H: Array) -> "WarmFlow":
         return replace(self, cold=self.cold.at(contact, P, H))
+
+    def turned(self, turn: Callable[[Any], Any]) -> "WarmFlow":
+        share, theta, stress = turn(self.share), Pair(*map(turn, self.theta)), turn(self.stress)
+        return replace(self, share=share, theta=theta, stress=stress, cold=self.cold.turned(turn))
 
     def dragged(self, mass: Array) -> Array:
         return self.share * mass

@@ -223,10 +223,10 @@ def _flow_aligned(problem: Problem) -> Problem:
     """The problem with X in the direction of entrainment, where the rate has one."""
     if problem.rate.wedge is None:
         return problem
-    turned = partial(flow_aligned, problem.rate)
+    turned, c = partial(flow_aligned, problem.rate), problem.contact
     return replace(
         problem,
-        contact=replace(problem.contact, gap=turned(problem.contact.gap)),
+        contact=replace(c, gap=turned(c.gap), flow=c.flow.turned(turned)),
         rate=problem.rate._replace(past=turned(problem.rate.past), wedge=jnp.abs(problem.rate.wedge)),
         tolerance=turned(problem.tolerance),
     )
