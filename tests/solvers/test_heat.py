@@ -288,5 +288,5 @@ def test_the_balances_of_mass_and_energy_hold_with_heat() -> None:
     cold = rolled(2.0, 1.9, "steel", "glass", inlet="none").account.terms
     lost, lost_cold = (1.0 - each["outflow"] / each["inflow"] for each in (terms, cold))
     assert abs(lost) < max(2.0 * abs(lost_cold), 0.025)  # of second order: a quarter on 257 nodes
-    power = float(s.account.friction.power) * scales.load / 0.01 * scales.a * scales.a_over_R / scales.t0  # per length
+    power = float(s.account.friction.power) * scales.power
     assert power == pytest.approx(s.heat.balance[0], rel=0.02)  # both are all that the oil is heated by

@@ -72,7 +72,7 @@ class Heated(NamedTuple):
     stress: tau_m along X and Y in p_h a/R, zero where P = 0, shape (2, n_y, n_x).  sliding: its force over the load
     along X and Y, in a/R, shape (2,).  share, theta: c, and theta along X and along Y, of these temperatures.
     weight: of their changes, see `Rounds`.  balance: the heat of the film, what flows into body 1 and into body 2, and
-    what the oil takes along, in W, of a line contact in W/m.
+    what the oil takes along, in W.
     peclet: numbers of both surfaces.  iterations: changes of the temperatures.  converged: whether they are found.
     """
 
@@ -128,7 +128,7 @@ def heated(
     _, theta, T = (turned(jnp.asarray(each)) for each in factors or WarmFactors.of_cold(grid))
     found = _program(energy, T, theta, inf if factors is None else LARGEST_CHANGE, limit)
 
-    plane, area = Plane.of(grid), s.a if case.geometry.is_line else s.a**2
+    plane, area = Plane.of(grid), s.a**2 * (case.geometry.reach if case.geometry.is_line else 1.0)
     balance = [float(plane.total(part)) * area for part in (found.heat, *found.into[::-1], found.carried)]
     found = found._replace(
         **{name: turned(getattr(found, name)) for name in ("T", "stress", "share", "theta", "weight")}
