@@ -286,6 +286,7 @@ def test_the_balances_of_mass_and_energy_hold_with_heat() -> None:
     terms, scales = s.account.terms, s.case.scales
     assert scales and s.heat
     cold = rolled(2.0, 1.9, "steel", "glass", inlet="none").account.terms
+    assert float(np.max(s.maps["oil"] / s.maps["H"])) < 1.0 + 1e-9
     lost, lost_cold = (1.0 - each["outflow"] / each["inflow"] for each in (terms, cold))
     assert abs(lost) < max(2.0 * abs(lost_cold), 0.025)  # of second order: a quarter on 257 nodes
     power = float(s.account.friction.power) * scales.power

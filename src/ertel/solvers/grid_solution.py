@@ -172,6 +172,8 @@ def _account(
 ) -> tuple[dict[str, Array], account.Friction, OilContent]:
     content = contact.steady_oil(c, P, H, rate)
     change = wedge(content, m.U, c.spacing)
+    if isinstance(c.flow, WarmFlow):  # so far it was what moves with the surfaces
+        content = content._replace(oil=content.oil / c.flow.share)
     return *account.account(space, c, P, H, m, content.oil, content.passing, change, P_asperity), content
 
 
