@@ -273,6 +273,17 @@ def test_the_mirror_of_sliding() -> None:
     assert other.account.friction.sliding[0] == pytest.approx(-float(one.account.friction.sliding[0]), rel=1e-3)
 
 
+def test_the_friction_of_asperities_counts_once() -> None:
+    persson = {"law": "persson", "longest": "50 um", "shortest": "1 um"}
+    data = roller(2.0, 0.2).to_data() | {"surfaces": {"sigma": "300 nm", "asperities": persson, "hardness": "7 GPa"}}
+    with double_precision():
+        s = steady_film(parse_case(data)).finest
+        friction, scales = s.account.friction, s.case.scales
+        assert scales and s.heat and float(friction.boundary) > 0.0
+        assert_allclose(friction.sliding, s.heat.sliding, rtol=1e-9)
+        assert float(friction.power) * scales.power == pytest.approx(s.heat.balance[0], rel=0.02)
+
+
 def test_reversed_rolling_is_the_mirror_image() -> None:
     one, other = rolled(2.0, 1.9, "steel", "glass"), rolled(-2.0, 1.9, "steel", "glass")
     assert_allclose(other.H[:, ::-1], one.H, rtol=1e-6)

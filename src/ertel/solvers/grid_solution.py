@@ -110,7 +110,8 @@ class GridSolution:
         U, load = m.entrainment(0.0), m.load(0.0)
         gap_change = discretise.gap_change(self.case, self.grid, 0.0)
         moment = account.Moment(self.approach, U, m.sliding(0.0), gap_change, load, scale)
-        stress = None if self.T is None or self.heat is None else self.heat.stress
+        heat = None if self.T is None else self.heat
+        stress = None if heat is None else heat.stress.at[0].add(-heat.boundary)  # of the oil
         c, layer = warm_contact(self.case, self.grid, self.factors, stress), discretise.layer_of(self.case, self.grid)
         rate = steady_rate(U, layer)._replace(held=self.kinked)
         fields = self.P_f, self.H, self.P_asperity
