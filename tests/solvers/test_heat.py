@@ -284,6 +284,23 @@ def test_the_friction_of_asperities_counts_once() -> None:
         assert float(friction.power) * scales.power == pytest.approx(s.heat.balance[0], rel=0.02)
 
 
+def test_a_starved_film_passes_its_layer() -> None:
+    data = roller(2.0, 1.9, "steel", "glass").to_data()
+    case = parse_case({**data, "lubricant": {**data["lubricant"], "layer": "0.1 um"}})
+    with double_precision():
+        s = steady_film(case).finest
+        terms = s.account.terms
+    assert s.status is Status.CONVERGED and s.heat is not None and s.heat.converged and s.heat.T.max() > 100.0
+    assert terms["inflow"] / case.motion.entrainment(0.0) == pytest.approx(case.layer, rel=1e-6)
+    assert terms["outflow"] == pytest.approx(terms["inflow"], rel=1e-6)
+
+
+@pytest.mark.slow
+def test_a_film_whose_temperatures_are_not_found_is_a_failed_run() -> None:
+    """At 60 m/s (L_t = 41) the rounds stay at a thick film with cold oil."""
+    assert rolled(60.0, 0.0).status is Status.NO_AGREEMENT
+
+
 def test_reversed_rolling_is_the_mirror_image() -> None:
     one, other = rolled(2.0, 1.9, "steel", "glass"), rolled(-2.0, 1.9, "steel", "glass")
     assert_allclose(other.H[:, ::-1], one.H, rtol=1e-6)
