@@ -70,9 +70,9 @@ class Heated(NamedTuple):
     T_1, T_2, T_film: temperatures of the surfaces and the mean across the film, K.  T: above that of the inlet at the
     points across the film from surface 2 to surface 1, shape (POINTS, n_y, n_x).
     stress: tau_m along X and Y in p_h a/R, zero where P = 0, shape (2, n_y, n_x); boundary: the part of asperities,
-    along X.  sliding: its force over the load along X and Y, in a/R, shape (2,).  share, theta: c, and theta along X and along Y, of these temperatures.
-    weight: of their changes, see `Rounds`.  balance: the heat of the film, what flows into body 1 and into body 2, and
-    what the oil takes along, in W.
+    along X.  sliding: its force over the load along X and Y, in a/R, shape (2,).
+    share, theta: c, and theta along X and along Y, of these temperatures.  weight: of their changes, see `Rounds`.
+    balance: the heat of the film, what flows into body 1 and into body 2, and what the oil takes along, in W.
     peclet: numbers of both surfaces.  iterations: changes of the temperatures.  converged: whether they are found.
     """
 
