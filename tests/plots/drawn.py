@@ -22,3 +22,8 @@ def words(axes):
     """What the legend says."""
     legend = axes.get_legend()
     return [text.get_text() for text in legend.get_texts()] if legend else []
+
+
+def of_type(axes, name):
+    """The collections of a type, such as QuadMesh."""
+    return [collection for collection in axes.collections if type(collection).__name__ == name]

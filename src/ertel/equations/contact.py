@@ -75,7 +75,7 @@ class PressureFlow:
         return self
 
     def turned(self, turn: Callable[[Any], Any]) -> "PressureFlow":
-        """This flow with its maps as seen along X in the direction of entrainment (`flow.flow_aligned`)."""
+        """This flow with its fields turned, as `flow.flow_aligned` does; one without fields stays as it is."""
         return self
 
     def dragged(self, mass: Array) -> Array:
@@ -224,7 +224,7 @@ def _void(contact: Contact, P: Array, H: Array, rate: Rate, r: Array) -> Array:
     assert rate.wedge is not None
     first: FloatLike = 0.0
     if (kinked := rate.kinked(P)) is not None:
-        full = downstream(mass(contact, P[:, :2], H[:, :2]), kinked[:, :2])
+        full = downstream(mass(contact, P, H)[:, :2], kinked[:, :2])
         first = (full[:, :1] - jnp.asarray(rate.layer))[:, 0]
     return void_downstream(P, r, first, rate.wedge, contact.spacing)
 

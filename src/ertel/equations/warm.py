@@ -39,8 +39,8 @@ class WarmFlow(PressureFlow):
         return replace(self, cold=self.cold.at(contact, P, H))
 
     def turned(self, turn: Callable[[Any], Any]) -> "WarmFlow":
-        share, stress, x, y = (turn(each) for each in (self.share, self.stress, self.theta.x, self.theta.y))
-        return replace(self, share=share, theta=Pair(x, y), stress=stress, cold=self.cold.turned(turn))
+        share, theta, stress = turn(self.share), Pair(*map(turn, self.theta)), turn(self.stress)
+        return replace(self, share=share, theta=theta, stress=stress, cold=self.cold.turned(turn))
 
     def dragged(self, mass: Array) -> Array:
         return self.share * mass

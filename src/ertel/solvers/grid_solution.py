@@ -110,7 +110,8 @@ class GridSolution:
         U, load = m.entrainment(0.0), m.load(0.0)
         gap_change = discretise.gap_change(self.case, self.grid, 0.0)
         moment = account.Moment(self.approach, U, m.sliding(0.0), gap_change, load, scale)
-        stress = None if self.T is None or self.heat is None else self.heat.stress
+        heat = None if self.T is None else self.heat
+        stress = None if heat is None else heat.stress.at[0].add(-heat.boundary)  # of the oil
         c, layer = warm_contact(self.case, self.grid, self.factors, stress), discretise.layer_of(self.case, self.grid)
         rate = steady_rate(U, layer)._replace(held=self.kinked)
         fields = self.P_f, self.H, self.P_asperity
@@ -172,6 +173,8 @@ def _account(
 ) -> tuple[dict[str, Array], account.Friction, OilContent]:
     content = contact.steady_oil(c, P, H, rate)
     change = wedge(content, m.U, c.spacing)
+    if isinstance(c.flow, WarmFlow):  # so far it was what moves with the surfaces
+        content = content._replace(oil=content.oil / c.flow.share)
     return *account.account(space, c, P, H, m, content.oil, content.passing, change, P_asperity), content
 
 

@@ -70,10 +70,10 @@ class Heated(NamedTuple):
     `_of_layer`.  film: H in a^2/R.  Maps have its shape (n_y, n_x).
     T_1, T_2, T_film: temperatures of the surfaces and the mean across the film, K.  T: above that of the inlet at the
     points across the film from surface 2 to surface 1, shape (POINTS, n_y, n_x).
-    stress: tau_m along X and Y in p_h a/R, zero where P = 0, shape (2, n_y, n_x).  sliding: its force over the load
-    along X and Y, in a/R, shape (2,).  share, theta: c, and theta along X and along Y, of these temperatures.
-    weight: of their changes, see `Rounds`.  balance: the heat of the film, what flows into body 1 and into body 2, and
-    what the oil takes along, in W.
+    stress: tau_m along X and Y in p_h a/R, zero where P = 0, shape (2, n_y, n_x); boundary: the part of asperities,
+    along X.  sliding: its force over the load along X and Y, in a/R, shape (2,).
+    share, theta: c, and theta along X and along Y, of these temperatures.  weight: of their changes, see `Rounds`.
+    balance: the heat of the film, what flows into body 1 and into body 2, and what the oil takes along, in W.
     peclet: numbers of both surfaces.  iterations: changes of the temperatures.  converged: whether they are found.
     """
 
@@ -84,6 +84,7 @@ class Heated(NamedTuple):
     T_film: Floats
     T: Floats
     stress: Array
+    boundary: Array
     sliding: Array
     share: Array
     theta: Array
@@ -136,7 +137,8 @@ def heated(
     )
     stress = found.stress * jnp.array([np.sign(mean), 1.0])[:, None, None]
     stress = jnp.where(P > 0.0, limited_stress(energy.columns.law, stress, s.p_h * P), 0.0)
-    stress = stress.at[0].add(np.sign(slides * mean) * boundary) / s.shear_stress
+    of_asperities = jnp.broadcast_to(np.sign(slides * mean) * jnp.asarray(boundary) / s.shear_stress, grid.shape)
+    stress = (stress / s.shear_stress).at[0].add(of_asperities)
     T = np.asarray(found.T)
     return Heated(
         inlet=inlet,
@@ -146,6 +148,7 @@ def heated(
         T_film=thermal.temperature + np.asarray(energy.columns.across.integral(found.T)),
         T=T,
         stress=stress,
+        boundary=of_asperities,
         sliding=shear_force(plane, stress) / (case.motion.load(0.0) * case.geometry.hertz_load),
         share=found.share,
         theta=found.theta,

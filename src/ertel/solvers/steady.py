@@ -31,7 +31,7 @@ from ertel.numerics.programs import Program, double_precision
 from ertel.solvers import nonlinear
 from ertel.solvers.grid_solution import GridSolution, warm_contact
 from ertel.solvers.guesses import motion_of, refined, rough_guess, unbalanced
-from ertel.solvers.heat import AGREED, IN_A_ROUND, ROUNDS, Rounds, WarmFactors, heated
+from ertel.solvers.heat import AGREED, IN_A_ROUND, LARGEST_CHANGE, ROUNDS, Rounds, WarmFactors, heated
 
 Floats = NDArray[np.float64]
 
@@ -143,7 +143,7 @@ def first_factors(case: Case, grid: Grid, coarser: Sequence[GridSolution]) -> Wa
     """The factors of a warm film with which the search on a grid starts; None of a film that is solved without heat."""
     if case.thermal is None or not case.thermal.is_solved:
         return None
-    known = coarser[-1].factors if coarser else None
+    known = coarser[-1].factors if coarser and coarser[-1].status.ok else None
     return WarmFactors.of_cold(grid) if known is None else known.finer()
 
 
@@ -152,11 +152,15 @@ def _with_heat(s: GridSolution, factors: WarmFactors) -> GridSolution:
     rounds, films = Rounds(factors), s.measure()
     for _ in range(ROUNDS):
         found = heated(s.case, s.P_f, s.H, s.grid, s.P_asperity, factors, IN_A_ROUND)
+        moved = np.max(np.abs(found.T - factors.T))
         factors, last = rounds.next(found), films
         s = _added(s, solve_on_grid(s.case, s.grid, warm_contact(s.case, s.grid, factors), s.P, s.approach, s.P_f))
         s, films = replace(s, share=factors.share, theta=factors.theta, T=factors.T), s.measure()
-        if not s.status.ok or max(abs(films[name] - last[name]) for name in ("H_c", "H_min")) <= AGREED * films["H_c"]:
+        if not s.status.ok:
             return s
+        stays = max(abs(films[name] - last[name]) for name in ("H_c", "H_min")) <= AGREED * films["H_c"]
+        if stays and moved < 0.99 * LARGEST_CHANGE:
+            return s if s.heat is not None and s.heat.converged else replace(s, status=Status.NO_AGREEMENT)
     return replace(s, status=Status.NO_AGREEMENT)
 
 
