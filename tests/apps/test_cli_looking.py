@@ -4,6 +4,7 @@ import csv
 import json
 import re
 import struct
+import zlib
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -266,10 +267,12 @@ def test_a_profile_is_exported_and_compared_with_its_run(runs, tmp_path):
         ("export plane --along y", "--along y: only for --what profile"),
         ("export below/radial --to vtk", "ParaView: a radial run has profiles only; use netcdf or csv"),
         ("export below/moes --to csv --si", "the case is dimensionless"),
-        ("report film.csv", "film.csv is not a study"),
+        ("report film.csv", "film.csv is not the directory of a run, a study or a fit"),
         ("report plane -o page.docx", "--out page.docx: must end with .pdf, .png or .svg"),
         ("fringes film.csv --pixel 1um", 'frame = "film.csv": is not a PNG or TIFF picture'),
         ("fringes none.png --pixel 1um", 'frame = "none.png": cannot be read'),
+        ("fringes nan.tif --pixel 1um", 'frame = "nan.tif": has pixels that are no finite numbers'),
+        ("fringes bomb.png --pixel 1um", 'frame = "bomb.png": has too many pixels; must have at most 50 million'),
         ("fringes film.csv --pixel 1kg", "is not a PNG or TIFF picture"),
         ("show plane --sigma 1nm,2nm,3nm", "--sigma 1nm,2nm,3nm: must be one"),
     ],
@@ -277,6 +280,9 @@ def test_a_profile_is_exported_and_compared_with_its_run(runs, tmp_path):
 def test_refused(runs, monkeypatch, command, said):
     monkeypatch.chdir(runs)
     (runs / "film.csv").write_text("place,film\n1,2\n")
+    Image.fromarray(np.full((20, 20), np.nan, np.float32)).save(runs / "nan.tif")
+    header = b"IHDR" + struct.pack(">IIBBBBB", 60000, 60000, 8, 0, 0, 0, 0)
+    (runs / "bomb.png").write_bytes(b"\x89PNG\r\n\x1a\n\0\0\0\r" + header + struct.pack(">I", zlib.crc32(header)) + b"\0\0\0\0IDAT")
     assert said in refused(*command.split())
     assert not list(runs.rglob("export"))
 

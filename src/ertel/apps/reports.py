@@ -26,7 +26,8 @@ from ertel.plots.drawing import NoFigure, Picture
 from ertel.results.numbers import aligned, differences, moment, more_lines, numbers, values_of
 from ertel.results.variables import in_celsius, with_prefix
 from ertel.runs.directory import is_run, read_case
-from ertel.runs.fit_result import open_study
+from ertel.runs.files import StoreError
+from ertel.runs.fit_result import KINDS, open_study
 from ertel.runs.result import Result, verdict
 from ertel.runs.store import RunStore
 
@@ -36,6 +37,7 @@ LETTER = 6.4  # pt, of the texts; each letter is 0.602 of it wide
 LINE = 1.32 * LETTER / 72.0  # inches
 COLUMNS = int((PAPER[0] - 2 * MARGIN) * 72.0 / (0.602 * LETTER))  # letters across the page
 HALF = COLUMNS // 2 - 2
+WIDEST = 60  # letters of a heading in its full size
 MOST_LINES, MOST_NOTES, MOST_OF_CASE = 38, 24, 20
 HAVE_PREFIXES = {unit for _, unit in PREFIXED}
 LEFT_OUT = ("solver.", "time.", "output.", "schema", "contact.kind")  # of the case: how it is computed, and names
@@ -54,6 +56,8 @@ class Page(NamedTuple):
 
 def page_of(directory: Path) -> Page:
     """The page of the run or of the study in a directory.  Raises StoreError."""
+    if not is_run(directory) and not any((directory / f"{name}.zarr").exists() for name in KINDS):
+        raise StoreError(f"{directory} is not the directory of a run, a study or a fit")
     return _of_run(directory) if is_run(directory) else _of_study(directory)
 
 
@@ -72,8 +76,9 @@ def _of_run(directory: Path) -> Page:
     computed = [moment(summary), *(aligned([*zip(*named, strict=True)], left=1) if named else [])]
     method = f"{case.contact.kind}, {case.method.in_words}: {status.value}"
     notes = [*more_lines(summary), *(f"warning: {each}" for each in summary["warnings"])]
-    try:
-        picture = plots.draw(data, "overview", columns=2, title=False)
+    try:  # of a film below zero everything would be upside down
+        gone = status is Status.FILM_VANISHED and case.is_steady
+        picture = None if gone else plots.draw(data, "overview", columns=2, title=False)
     except NoFigure:
         picture = None
     versions, begun = json.loads(data.attrs["versions"]), data.attrs["date_created"]
@@ -133,7 +138,8 @@ def drawn(page: Page) -> Figure:
         figure.text(left / PAPER[0], height / PAPER[1], text, **options)
         return height - LINE * len(lines)
 
-    write([page.heading], top, family="sans-serif", fontsize=12, weight="bold")
+    size = 12.0 * min(1.0, WIDEST / len(page.heading))
+    write([page.heading], top, family="sans-serif", fontsize=size, weight="bold")
     top -= 0.28
     if page.outcome:
         write([page.outcome], top, family="sans-serif", fontsize=9)

@@ -24,6 +24,7 @@ from ertel.physics.units import ANGLE, LENGTH
 
 Array = NDArray[np.float64]
 LARGEST_FILE, MOST_PIXELS = 200_000_000, 50_000_000
+PLAINER = {"LA": "L", "P": "RGB", "PA": "RGB", "CMYK": "RGB"}  # modes of Pillow; an alpha channel is not light
 ACROSS = 1  # lines to each side whose mean is taken
 ENDS = 2.0  # percent of the points of a line that are brighter, and darker, than its fringes: noise
 NARROWEST = 5  # points of half a fringe, where the line ends
@@ -144,13 +145,17 @@ def _picture(path: Path) -> Array:
             with warnings.catch_warnings(), Image.open(BytesIO(content), formats=("PNG", "TIFF")) as image:
                 warnings.simplefilter("ignore")  # that it is large: it is refused
                 columns, rows = image.size
-                if not (16 <= min(columns, rows) and columns * rows <= MOST_PIXELS):
-                    raise ValueError(f"has {columns} x {rows} pixels; must have 16 a side, and at most 50 million")
-                pixels = np.asarray(image.convert("RGB") if image.mode in ("P", "CMYK") else image, dtype=float)
-        except ValueError:
-            raise
+                fits = 16 <= min(columns, rows) and columns * rows <= MOST_PIXELS
+                if fits:
+                    pixels = np.asarray(image.convert(PLAINER.get(image.mode, image.mode)), dtype=float)
+        except Image.DecompressionBombError as error:
+            raise ValueError("has too many pixels; must have at most 50 million") from error
         except Exception as error:  # of Pillow, for damaged files, too
-            raise ValueError("is not a PNG or TIFF picture") from error
+            raise ValueError("is not a PNG or TIFF picture, or is damaged") from error
+        if not fits:
+            raise ValueError(f"has {columns} x {rows} pixels; must have 16 a side, and at most 50 million")
+        if not np.isfinite(pixels).all():
+            raise ValueError("has pixels that are no finite numbers")
         colours = pixels.reshape(*pixels.shape[:2], -1)[..., :3]
         grey: Array = colours[..., int(np.argmax(colours.std(axis=(0, 1))))]
         if not np.ptp(grey) > 0:

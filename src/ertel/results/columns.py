@@ -20,6 +20,7 @@ from ertel.case.reading import decoded, regular_content
 from ertel.physics.units import Unit, si_numbers
 
 LARGEST_FILE = 20_000_000  # bytes: a million rows
+MOST_COLUMNS, MOST_LISTED, LONGEST_NAME = 1000, 40, 200
 SEPARATORS = ";", "\t", ",", None  # None: blanks
 SAMPLE = 100  # lines, the last ones, from which the separator is taken
 WORDS = re.compile(r"\S+(?:\s+[\[(][^\])]*[\])])?")  # between blanks, a unit in brackets with its name
@@ -178,6 +179,8 @@ def _table(path: Path) -> _Table:
     while all(len(cells) > 1 and not cells[-1] for cells in rows.values()):  # a separator also ends each line
         rows = {number: cells[:-1] for number, cells in rows.items()}
     first = next(iter(rows.values()))
+    if len(first) > MOST_COLUMNS:
+        raise ValueError(f"{path.name}: has {len(first)} columns; must have at most {MOST_COLUMNS}")
     above = [(n, cells if any(cells[len(first) :]) else cells[: len(first)]) for n, cells in above]
     for number, cells in rows.items():
         if len(cells) != len(first):
@@ -207,13 +210,13 @@ def _score(line: str, separator: str | None) -> int:
 
 def _is_among(heading: str, header: Sequence[str]) -> bool:
     """Whether a column has this heading, or this name before its unit."""
-    parts = [(cell, HEADING.fullmatch(cell)) for cell in header]
+    parts = [(cell, HEADING.fullmatch(cell[:LONGEST_NAME])) for cell in header]
     return any(heading == cell or (found and heading == found["name"]) for cell, found in parts)
 
 
 def _quantity(heading: str, headings: Mapping[str, str], known: Collection[str]) -> tuple[str, str]:
     """The quantity and the unit of a column by its heading; "" of one that is not known."""
-    parts = HEADING.fullmatch(heading)
+    parts = HEADING.fullmatch(heading[:LONGEST_NAME])
     written, unit = (parts["name"].lower(), parts["unit"] or parts["after"] or "") if parts else ("", "")
     for name, there in headings.items():
         if _is_among(there, [heading]):
@@ -236,4 +239,5 @@ def _number(text: str) -> float:
 
 
 def _listed(header: Collection[str]) -> str:
-    return f"it has {', '.join(repr(name) for name in header)}"
+    names, more = [repr(name) for name in header][:MOST_LISTED], len(header) - MOST_LISTED
+    return f"it has {', '.join(names)}{f' and {more} more columns' if more > 0 else ''}"
