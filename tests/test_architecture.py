@@ -32,7 +32,7 @@ ROOMS: dict[str, set[str]] = {
 SHORTEST_FILE = 60
 SHORT = {"case.status", "inputs.materials"}  # an enumeration and a public face
 LONGEST_FILE = 400
-MOST_CODE, MOST_SHELL, MOST_FILES = 23_415, 13_045, 175  # aims: 17 500, 9 000, 140
+MOST_CODE, MOST_SHELL, MOST_FILES = 23_450, 13_720, 175  # aims: 17 500, 9 000, 140
 
 
 def module_name(path: Path) -> str:

@@ -282,7 +282,9 @@ def test_refused(runs, monkeypatch, command, said):
     (runs / "film.csv").write_text("place,film\n1,2\n")
     Image.fromarray(np.full((20, 20), np.nan, np.float32)).save(runs / "nan.tif")
     header = b"IHDR" + struct.pack(">IIBBBBB", 60000, 60000, 8, 0, 0, 0, 0)
-    (runs / "bomb.png").write_bytes(b"\x89PNG\r\n\x1a\n\0\0\0\r" + header + struct.pack(">I", zlib.crc32(header)) + b"\0\0\0\0IDAT")
+    (runs / "bomb.png").write_bytes(
+        b"\x89PNG\r\n\x1a\n\0\0\0\r" + header + struct.pack(">I", zlib.crc32(header)) + b"\0\0\0\0IDAT"
+    )
     assert said in refused(*command.split())
     assert not list(runs.rglob("export"))
 

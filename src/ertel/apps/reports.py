@@ -97,13 +97,20 @@ def _of_study(directory: Path) -> Page:
     except NoFigure:
         picture = None
     first = "" if "best" in data.attrs else str(data["directory"].values.flat[0]) if "directory" in data else ""
-    case = getattr(result, "case", None) or (read_case(directory / first) if is_run(directory / first) else None)
+    is_inside = (directory / first).resolve().is_relative_to(directory.resolve())
+    there = is_inside and is_run(directory / first)
+    case = getattr(result, "case", None) or (read_case(directory / first) if there else None)
     varied = {str(axis.attrs.get("field", axis.name)) for axis in data.coords.values()}
+    varied |= {f"contact.{name}" for name in varied if "." not in name}  # the axis of a traction curve
     rows = _cut([*aligned(result.table())], MOST_LINES)
-    lines = [f"as in the first run, but for {', '.join(sorted(varied))}" if first else "with the values of the fit"]
+    lines = [
+        f"as in the first run, but for {', '.join(sorted(name for name in varied if '.' in name))}"
+        if first
+        else "with the values of the fit"
+    ]
     lines += _case_lines(case, varied if first else ()) if case else []
     half = -(-len(lines) // 2)
-    table = ["", *(line[:COLUMNS] for line in rows)]
+    table = ["", *(line if len(line) <= COLUMNS else f"{line[: COLUMNS - 1]}…" for line in rows)]
     source = f"{data.attrs.get('source', '')}, {data.attrs.get('date_created', '')}".strip(", ")
     columns = [lines[:half] + table, lines[half:]] if case else [table]
     return Page(result.heading, "", columns, picture, result.remarks, source)
