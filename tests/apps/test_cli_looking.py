@@ -170,7 +170,7 @@ def test_a_run_on_one_page(runs, tmp_path, name):
     run = ertel.open(runs / name)
     assert run.case.digest in page.source and page.picture is not None
     case, computed = ("\n".join(column) for column in page.columns)
-    assert "lubricant" in case and f"{run.case.kind}, {run.case.computed}: converged" in computed
+    assert "lubricant" in case and f"{run.case.kind}, {run.case.method.in_words}: converged" in computed
     if name == "plane":
         assert re.search(r"contact.radius +10 mm", case) and re.search(r"contact.mass +0.03267 kg", case)
 

@@ -42,8 +42,8 @@ def _thin(case: Case, H_min: float) -> Iterator[str]:
     assert case.scales is not None
     if H_min * case.scales.film < ROUGH * (case.sigma or 0.0):
         yield (
-            f"the film is thinner than {ROUGH:g} times the roughness, which hinders its flow; ertel has no flow factors, "
-            "so that the film may be off by some 10%"
+            f"the film is thinner than {ROUGH:g} times the roughness, which hinders its flow; ertel has no flow "
+            "factors, so that the film may be off by some 10%"
         )
     if case.thermal and not case.thermal.is_solved:
         yield "the asperities carry their share in the isothermal film; heat thins the film, and more of it would touch"
