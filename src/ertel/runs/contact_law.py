@@ -147,7 +147,7 @@ def contact_law(study: StudyResult | str | Path) -> ContactLaw:
     empty = xr.full_like(data["warnings"], np.nan, dtype=float)
     about = {name: data.attrs[name] for name in ("title", "source", "date_created")} | {"comment": COMMENT}
     order = {name: data[name] for name in data["warnings"].dims}  # a file may have the coordinates in another order
-    table = xr.Dataset({new: data.get(name, empty) for name, new in stored.items()}, order, about)
+    table = xr.Dataset({new: data.get(name, empty).variable for name, new in stored.items()}, order, about)
     lacking = (table.to_array().isnull().any("variable") | (data["status"] != DONE)).values
     if lacking.any():
         first, status = (data[name].values[lacking][0] for name in ("directory", "status"))
@@ -155,4 +155,4 @@ def contact_law(study: StudyResult | str | Path) -> ContactLaw:
             f"study: {lacking.sum()} of {lacking.size} runs failed or have no rebound, first {first} ({status}); "
             'all must converge with time.until = "rebound"'
         )
-    return ContactLaw(table.sortby(list(data.sizes)))
+    return ContactLaw(table.sortby(list(order)))
