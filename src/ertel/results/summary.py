@@ -158,7 +158,7 @@ def heat_numbers(case: Case, solution: SteadyGrid) -> dict[str, float | None]:
     T_2_max, T_film_max: highest temperatures of the surfaces and of the film (mean across it).  T_film_mean: that of
     the film on average over the contact, weighted with the pressure.  They are None where they have not converged.
     With a formula of the inlet besides: phi_T, its factor.  H_c_warm, H_min_warm: the films on the grid with that
-    factor; as shown they are extrapolated.  mu_sliding_warm: traction coefficient of that film.
+    factor; as shown they are extrapolated.  mu_sliding_warm, power_loss_warm: traction and power loss of that film.
     """
     heat, maps = solution.heat, solution.maps
     assert case.scales is not None
@@ -172,7 +172,10 @@ def heat_numbers(case: Case, solution: SteadyGrid) -> dict[str, float | None]:
     found = warm if heat.converged else dict.fromkeys(warm)
     if quick:
         films = {f"{name}_warm": heat.inlet.factor * solution.record[name] for name in FILMS}
-        found |= {**films, "phi_T": heat.inlet.factor}
+        less = (
+            (solution.record["mu_sliding"] - float(heat.sliding[0])) * case.motion.load(0.0) * case.motion.sliding(0.0)
+        )
+        found |= {**films, "phi_T": heat.inlet.factor, "power_loss_warm": solution.record["power_loss"] - less}
     return {"L_t": heat.inlet.L_t, **found}
 
 

@@ -319,16 +319,14 @@ def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyR
 
 
 def _warm_values(solution: GridSolution, cold: Mapping[str, float]) -> dict[str, Any]:
-    """The numbers that heat changes: film (by its inlet factor), traction, the part of sliding in the power loss."""
+    """The numbers that heat changes: film (by its inlet factor), traction, power loss."""
     case, heat, warm = solution.case, solution.heat, heat_numbers(solution.case, solution)
     assert case.scales is not None and heat is not None
     unit, sliding = case.scales.a_over_R, float(heat.sliding[0]) * case.scales.a_over_R
-    less = (cold["mu_sliding"] - sliding) / unit * case.motion.load(0.0) * case.motion.sliding(0.0)
     return {
         **warm,
         "mu_sliding_y_warm": float(heat.sliding[1]) * unit,
         "mu_1_warm": cold["mu_rolling"] + sliding,
         "mu_2_warm": cold["mu_rolling"] - sliding,
-        "power_loss_warm": cold["power_loss"] - less,
         "tau_max_warm": float(np.hypot(*np.asarray(heat.stress)).max()),
     }
