@@ -172,7 +172,7 @@ def middle_stress(
         either = partial(jnp.where, better)
         change = tree.map(either, divided(m.A, resting * unbent(aim - now)), 0.5 * it.change)
         stress = tree.map(either, t, it.stress)
-        wall = length(stress) + length(gradient)
+        wall = jnp.maximum(length(stress) + length(gradient), across.NO_STRESS)
         tried = jnp.where(better & (it.iterations > 0), length(it.change), jnp.inf)
         left = jnp.max(jnp.minimum(length(change) / TOLERANCE, tried / CLOSE) / wall)
         return _Iterate(stress, change, jnp.where(better, residual, it.residual), left, it.iterations + 1)
