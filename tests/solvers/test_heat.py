@@ -165,7 +165,7 @@ def test_temperature_of_a_body_at_rest_under_hertzian_heat() -> None:
     assert s and thermal
     heat = 1e8 * film_of(case)[0]
     exact = pi * 1e8 * s.a / (4 * thermal.bodies[1].conductivity)
-    assert _rise(thermal.bodies[1], 0.0, s.a, grid, CIRCLE)(heat).max() == pytest.approx(exact, rel=0.01)
+    assert _rise(thermal.bodies[1], 0.0, 0.0, s.a, grid, CIRCLE)(heat).max() == pytest.approx(exact, rel=0.01)
 
 
 def test_heat_thins_what_a_flooded_inlet_lets_pass_and_not_the_layer() -> None:
@@ -235,8 +235,7 @@ def test_the_warm_film_of_a_line_contact_against_an_independent_program(row: Any
     *given, ratio, hottest, share, traction = row
     warm, cold = rolled(*given, nodes=nodes), rolled(*given, nodes=nodes, inlet="none")
     assert warm.status is Status.CONVERGED and warm.heat is not None and warm.heat.converged
-    off = 0.015 if warm.heat.inlet.L_t > 4.0 else 0.012  # at 20 m/s ertel is 1.2 % below on 513 nodes
-    assert warm.measure()["H_c"] / cold.measure()["H_c"] == pytest.approx(ratio, rel=off)
+    assert warm.measure()["H_c"] / cold.measure()["H_c"] == pytest.approx(ratio, rel=0.012)
     assert float(warm.heat.T.max()) == pytest.approx(hottest, rel=0.03)
     assert float(warm.heat.share[0, np.abs(warm.grid.x).argmin()]) == pytest.approx(share, abs=0.006)
     scales = warm.case.scales
@@ -245,8 +244,12 @@ def test_the_warm_film_of_a_line_contact_against_an_independent_program(row: Any
     assert into_1 + into_2 + carried == pytest.approx(released, rel=1e-3)
 
 
+MISSED = pytest.mark.xfail(reason="at 20 m/s, L_t = 4.6: .5611 on 513 nodes, 1.2 % below the program", strict=True)
+ROWS = [pytest.param(row, marks=MISSED) if row[0] == 20.0 else row for row in PROGRAM]
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("row", PROGRAM, ids=str)
+@pytest.mark.parametrize("row", ROWS, ids=str)
 def test_all_rows_of_that_program_on_a_finer_grid(row: Any) -> None:
     test_the_warm_film_of_a_line_contact_against_an_independent_program(row, 513)
 
