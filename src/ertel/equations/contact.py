@@ -15,6 +15,9 @@ All quantities are dimensionless: X = x/a, H = h R/a^2, P = p/p_h, T = t/t0.  Fi
 Where asperities touch they carry a part of the pressure, P = P_f + P_c(H) (`touch`).  The total pressure P deforms the
 bodies and carries the load.  The functions of the oil here (`mass`, `mobility`, `residual`, `steady_oil`, `oil_there`)
 take its own pressure P_f in place of P.
+
+In a warm film the oil that moves with the surfaces is c rho H, and the mobility is theta eps, with the factors of
+`warm`.
 """
 
 from collections.abc import Callable

@@ -18,6 +18,7 @@ isothermal film, thinner by phi_T everywhere.
 A surface below the Peclet number `thermal.AT_REST` counts as one at rest.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import inf, isinf, pi
@@ -126,7 +127,7 @@ def heated(
     P, film = jnp.asarray(P), opened(inlet.factor * jnp.asarray(H))
     boundary = 0.0 if P_asperity is None or case.surfaces is None else case.surfaces.friction * s.p_h * P_asperity
     solid = jnp.broadcast_to(abs(slides * mean) * jnp.asarray(boundary), grid.shape)
-    energy = _energy(case, grid, turned(P), turned(film), speeds, turned(solid))
+    energy = _energy(case, grid, turned(P), turned(film), speeds, peclet, turned(solid))
     _, theta, T = (turned(jnp.asarray(each)) for each in factors or WarmFactors.of_cold(grid))
     found = _program(energy, T, theta, inf if factors is None else LARGEST_CHANGE, limit)
 
@@ -174,7 +175,9 @@ def _of_layer(case: Case, inlet: Inlet) -> Inlet:
     return inlet._replace(factor=inlet.factor * share_of(case, r / inlet.factor) / share)
 
 
-def _energy(case: Case, grid: Grid, P: Array, film: Array, speeds: tuple[float, float], solid: Any) -> Energy:
+def _energy(
+    case: Case, grid: Grid, P: Array, film: Array, speeds: tuple[float, float], peclet: Sequence[float], solid: Any
+) -> Energy:
     """The energy equation of a film, of which X points downstream.  film: in a^2/R."""
     thermal, s, eta0 = case.thermal, case.scales, case.oil.eta0
     assert thermal is not None and s is not None and eta0 is not None  # `heated`
@@ -183,7 +186,7 @@ def _energy(case: Case, grid: Grid, P: Array, film: Array, speeds: tuple[float, 
     ratio = jnp.log(oil.viscosity(P))
     gradient = Vector(*(s.p_h * h * node_slopes(P, spacing, grid.even)))
     columns = WarmColumns(*laws, s.p_h * P, h, eta0 * jnp.exp(ratio), ratio, gradient, *speeds, Lobatto.of(POINTS))
-    rises = [_rise(*each, s.a, grid, case.geometry) for each in zip(thermal.bodies, speeds, strict=True)]
+    rises = [_rise(*each, s.a, grid, case.geometry) for each in zip(thermal.bodies, speeds, peclet, strict=True)]
     return Energy(
         columns,
         thermal.density * thermal.heat_capacity * oil.density(P),
@@ -208,8 +211,7 @@ def _of_oil(P: Array, film: Array) -> Array:
 # -- how warm a surface gets -------------------------------------------------------------------------------------------
 
 
-def _rise(body: Solid, speed: float, a: float, grid: Grid, geometry: Geometry) -> "Rise":
-    peclet = peclet_number(body, speed, a * geometry.extent[0])
+def _rise(body: Solid, speed: float, peclet: float, a: float, grid: Grid, geometry: Geometry) -> "Rise":
     if peclet >= (AT_REST_ON_A_LINE if geometry.is_line else AT_REST):
         return Moving(jnp.asarray(response(body, speed, grid.shape[1], grid.spacing * a)))
     # a source of the length l on a line heats its middle by ln(l/x)/(pi k), which is the sum of 1/(2 pi k r)

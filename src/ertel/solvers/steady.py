@@ -148,7 +148,7 @@ def first_factors(case: Case, grid: Grid, coarser: Sequence[GridSolution]) -> Wa
 
 
 def _with_heat(s: GridSolution, factors: WarmFactors) -> GridSolution:
-    """The film with its heat, in rounds (`solvers.heat`); stalled where they do not agree."""
+    """The film with its heat, in rounds (`solvers.heat`); without a result where the two do not agree."""
     rounds, films = Rounds(factors), s.measure()
     for _ in range(ROUNDS):
         found = heated(s.case, s.P_f, s.H, s.grid, s.P_asperity, factors, IN_A_ROUND)
@@ -185,7 +185,8 @@ def grids_of(case: Case) -> list[Grid]:
 
 def _judged(finest: GridSolution) -> GridSolution:
     """The solution on the finest grid, which is none where the film vanishes; a coarser one is a first guess."""
-    return replace(finest, status=finest.status.of_film(finest.measure()["H_min"]))
+    status = finest.status.of_film(finest.measure()["H_min"])
+    return finest if status is finest.status else replace(finest, status=status)  # which would forget its temperatures
 
 
 def settled(case: Case) -> Rolling:
@@ -223,12 +224,7 @@ def first_guess(c: Contact, coarse: GridSolution, approach: float) -> tuple[Arra
 
 
 def solve_on_grid(
-    case: Case,
-    grid: Grid,
-    c: Contact,
-    P: Array | Floats,
-    approach: float,
-    P_f: Array | Floats | None = None,
+    case: Case, grid: Grid, c: Contact, P: Array | Floats, approach: float, P_f: Array | Floats | None = None
 ) -> GridSolution:
     """The steady solution on one grid from a first guess of P and the approach; the latter fixes the oil outside.
 
