@@ -15,7 +15,7 @@ from numpy.testing import assert_allclose
 from ertel.equations.across import Vector
 from ertel.equations.columns import WarmColumns
 from ertel.equations.contact import traceable
-from ertel.equations.energy import Energy, sweep_of
+from ertel.equations.energy import Energy, sweeps_of
 from ertel.equations.shear import shear
 from ertel.numerics.grid import NO_SYMMETRY
 from ertel.numerics.lobatto import Lobatto
@@ -87,7 +87,7 @@ class Cold:
         return jnp.zeros_like(heat)
 
     def split(self) -> tuple[Array, Array, Array]:
-        return jnp.zeros(self.shape), *(jnp.zeros((self.shape[1], self.shape[1])),) * 2
+        return jnp.zeros(self.shape), jnp.zeros(self.shape[1]), jnp.zeros(self.shape[1])
 
 
 def between_cold_walls(Na: float) -> float:
@@ -124,15 +124,21 @@ def test_the_balance_of_heat_and_of_the_temperatures_of_both_surfaces() -> None:
         assert_allclose(found.T[end], body + rise(flux), rtol=1e-5, atol=1e-4)
 
 
-def test_a_sweep_is_the_inverse_where_all_oil_flows_downstream() -> None:
-    """Without a gradient along Y, and with bodies that move with the oil, one sweep downstream is the solution."""
+@pytest.mark.parametrize("flipped", [False, True])
+def test_a_sweep_is_the_inverse_where_all_oil_flows_to_one_corner(flipped: bool) -> None:
+    """Where no oil flows upstream, nor against a sweep along Y, one sweep is the solution."""
     energy = film_with_heat(NewtonianOil())
-    energy = replace(energy, columns=replace(energy.columns, gradient=0.0 * energy.columns.gradient))
+    outwards = (2.0 * flipped - 1.0) * jnp.ones(SHAPE) * float(jnp.max(jnp.abs(energy.columns.gradient.x)))
+    gradient = Vector(jnp.zeros(SHAPE), outwards)
+    energy = replace(energy, columns=replace(energy.columns, gradient=gradient))
     T = jnp.zeros((7, *SHAPE))
     m, warmer = jax.jvp(energy.columns.motion, (T,), (jnp.ones_like(T),))
     softer = jnp.minimum(warmer.heat, 0.0)
+    assert float(jnp.max(jnp.abs(m.v))) > 0.01 * float(jnp.min(m.u)) > 0.0
     d = jnp.asarray(np.random.default_rng(4).normal(size=T.shape))
-    assert_allclose(sweep_of(energy, m, softer)(energy.change(d, m, softer)), d, atol=1e-8)
+    _, sweeps = sweeps_of(energy, m, softer)
+    assert_allclose(sweeps[flipped](energy.change(d, m, softer), back=False), d, atol=1e-8)
+    assert float(jnp.max(jnp.abs(sweeps[not flipped](energy.change(d, m, softer), back=False) - d))) > 1e-3
 
 
 def test_oil_that_slides_along_a_wall_gets_warm_as_by_the_square_root_of_its_way() -> None:

@@ -13,8 +13,8 @@ The heights are those of `numerics.lobatto`, and the equation is weighted with t
 balance of conduction, heat and fluxes to round-off.  Slopes along X and Y are of second order, from where the oil
 at that height comes from; outside the grid it has the temperature of the inlet.
 
-A change of the temperatures is found by sweeps along X, downstream and back.  What has flowed from the columns before
-is known, so that each column is a small system of its own; flow along Y is left to the iteration around the sweeps.
+A change of the temperatures is found by sweeps over the grid, from each of its corners to the one across.  What has
+flowed from the columns before, along X and along Y, is known, so that each column is a small system of its own.
 The heat of a column follows its mean temperature.  Its full derivative would also have the shear that moves to
 the warmest height, and a change may then be far too large.
 
@@ -22,6 +22,7 @@ All in SI; temperatures T above that of the inlet, with the heights as their fir
 """
 
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, NamedTuple
 
 import jax
@@ -116,50 +117,59 @@ def _upwind(speed: Array, *T: Array) -> Array:
 
 
 class ColumnSweep(NamedTuple):
-    """The columns of the linear system, one after the other along X (first axis).
+    """The columns of the linear system, one diagonal of the grid after the other: i + j = s, from 0 to n - 1.
 
-    inverse: of the system of each column, (n_x, points, points, n_y).  size: its diagonal, (points, n_y, n_x).  ends:
-    the balance of heat at both surfaces, (n_x, 2, points, n_y).  carried: from the column before, downstream and back,
-    two of (n_x, points, n_y).  own: K of a node by itself, (n_x, 2, n_y).  before: K of the columns before, downstream
-    and back, two of (n_x, 2, n_x).  film: (n_x, n_y).
+    What has flowed into a column, along X and along Y, comes from the two diagonals before.  Fields are `_skewed`.
+
+    inverse: of the system of each column, (n, points, points, n_y).  ends: the balance of heat at both surfaces, (n, 2,
+    points, n_y).  carried: from the columns before along X and along Y, onwards and back, two of (n, 2, points, n_y).
+    own: K of a node by itself, (n, 2, n_y).  before: K of the nodes before in the same row, onwards and back, two of
+    (n, 2, n).  film: (n, n_y).  flipped: whether a sweep onwards goes against Y.
     """
 
     inverse: Array
-    size: Array
     ends: Array
     carried: tuple[Array, Array]
     own: Array
     before: tuple[Array, Array]
     film: Array
+    flipped: bool
 
-    def __call__(self, wrong: Array, back: bool = False) -> Array:
+    def __call__(self, wrong: Array, back: bool) -> Array:
         """The change of the temperatures that puts right what is wrong, as far as a sweep knows."""
+        n, points, _, rows = self.inverse.shape
 
-        def column(past: Any, at: Any) -> Any:
-            (last_but_one, last), q = past
-            j, wrong, inverse, ends, carried, own, before, film = at
-            brought = carried * (last_but_one - 4.0 * last)
-            known, reached = wrong - brought, before @ q
+        def brought(carried: Array, beyond: Array, last: Array) -> Array:
+            def from_row(T: Array, k: int) -> Array:
+                return jnp.pad(T, ((0, 0), (0, k) if back else (k, 0)))[:, k if back else 0 :][:, :rows]
+
+            along_y = from_row(beyond, 2) - 4.0 * from_row(last, 1)
+            return carried[0] * (beyond - 4.0 * last) + carried[1] * along_y
+
+        def diagonal(past: Any, at: Any) -> Any:
+            (beyond, last), q = past
+            s, wrong, inverse, ends, carried, own, before, film = at
+            came, reached = brought(carried, beyond, last), jnp.einsum("es,esy->ey", before, q)
+            known = wrong - came
             for e, end in enumerate(ENDS):
-                known = known.at[end].set(wrong[end] + reached[e, e] - own[e] * film * brought[end])
+                known = known.at[end].set(wrong[end] + reached[e] - own[e] * film * came[end])
             T = jnp.einsum("kly,ly->ky", inverse, known)
-            flux = jnp.stack([-film * (jnp.sum(ends[e] * T, axis=0) + brought[end]) for e, end in enumerate(ENDS)])
-            return ((last, T), q.at[:, j].set(flux)), T
+            flux = jnp.stack([-film * (jnp.sum(ends[e] * T, axis=0) + came[end]) for e, end in enumerate(ENDS)])
+            return ((last, T), q.at[:, s].set(flux)), T
 
-        points, rows = wrong.shape[:2]
-        n, zero = wrong.shape[2], jnp.zeros((points, rows))
-        columns = jnp.arange(n), jnp.moveaxis(wrong, -1, 0), self.inverse, self.ends, self.carried[back]
-        along = *columns, self.own, self.before[back], self.film
-        _, T = jax.lax.scan(column, ((zero, zero), jnp.zeros((2, n, rows))), along, reverse=back)
-        return jnp.moveaxis(T, 0, -1)
+        zero = jnp.zeros((points, rows))
+        fields = self.inverse, self.ends, self.carried[back], self.own, self.before[back], self.film
+        along = jnp.arange(n), _skewed(wrong, self.flipped), *fields
+        _, T = jax.lax.scan(diagonal, ((zero, zero), jnp.zeros((2, n, rows))), along, reverse=back)
+        return _straight(T, self.flipped)
 
 
-def sweep_of(energy: Energy, m: OilMotion, softer: Array) -> ColumnSweep:
-    """The sweeps for `Energy.change`."""
-    across, film = energy.columns.across, energy.columns.film
-    points, once = softer.shape[0], energy.capacity / (2.0 * energy.spacing)
-    each = jnp.eye(points)[:, :, None, None]
-    flows = jnp.abs(m.u) + (0.0 if film.shape[0] == 1 else jnp.abs(m.v))
+def sweeps_of(energy: Energy, m: OilMotion, softer: Array) -> tuple[Array, list[ColumnSweep]]:
+    """The diagonal of `Energy.change`, (points, n_y, n_x), and sweeps for it: two, of a line contact one."""
+    across, film, once = energy.columns.across, energy.columns.film, energy.capacity / (2.0 * energy.spacing)
+    points, (rows, nodes) = softer.shape[0], film.shape
+    each, is_line, n = jnp.eye(points)[:, :, None, None], rows == 1, rows + nodes - 1
+    flows = jnp.abs(m.u) + (0.0 if is_line else jnp.abs(m.v))
     stays = across.weights * (3.0 * once * flows - energy.expansion * energy.compression(m))
     matrix = each * stays + energy.conductivity / film**2 * across.stiffness[:, :, None, None]
     matrix = matrix - (across.weights * softer)[:, None] * across.weights
@@ -167,20 +177,41 @@ def sweep_of(energy: Energy, m: OilMotion, softer: Array) -> ColumnSweep:
     own = jnp.stack([jnp.broadcast_to(one, film.shape) for one in alone])
     for e, end in enumerate(ENDS):
         matrix = matrix.at[end].set(each[end] + own[e] * film * ends[e])
-    carried = [across.weights * once * jnp.maximum(u, 0.0) for u in (m.u, -m.u)]
-    return ColumnSweep(
-        _columns_first(_inverted(matrix)),
-        matrix[jnp.arange(points), jnp.arange(points)],
-        _columns_first(ends),
-        (_columns_first(carried[0]), _columns_first(carried[1])),
-        _columns_first(own),
-        tuple(jnp.stack(K, axis=1) for K in before),  # type: ignore[arg-type]
-        film.T,
+    inverse, carried = _inverted(matrix), across.weights * once * jnp.stack([m.u, m.v])
+
+    def reached(K: Array, ahead: Array) -> Array:
+        """K by the diagonals from one to those behind it."""
+        return jnp.where(ahead > 0, jnp.pad(K, (0, n - nodes))[ahead], 0.0)
+
+    ahead = jnp.arange(n)[:, None] - jnp.arange(n)
+    onwards, back = (
+        jnp.stack([reached(K, way) for K in both], axis=1) for both, way in zip(before, (ahead, -ahead), strict=True)
     )
 
+    def sweep(flipped: bool) -> ColumnSweep:
+        skewed = partial(_skewed, flipped=flipped)
+        flow = carried * jnp.array([1.0, -1.0 if flipped else 1.0])[:, None, None, None]
+        flows = skewed(jnp.maximum(flow, 0.0)), skewed(jnp.maximum(-flow, 0.0))
+        return ColumnSweep(skewed(inverse), skewed(ends), flows, skewed(own), (onwards, back), skewed(film), flipped)
 
-def _columns_first(field: Array) -> Array:
-    return jnp.moveaxis(field, -1, 0)
+    return matrix[jnp.arange(points), jnp.arange(points)], [sweep(flipped) for flipped in (False, True)[: 2 - is_line]]
+
+
+def _skewed(field: Array, flipped: bool) -> Array:
+    """A field (..., n_y, n_x) by diagonals, (n_x + n_y - 1, ..., n_y), with zeros beyond the grid."""
+    field = field[..., ::-1, :] if flipped else field
+    *first, rows, columns = field.shape
+    n = columns + rows - 1
+    wide = jnp.pad(field, (*[(0, 0)] * (len(first) + 1), (0, rows))).reshape(*first, -1)
+    return jnp.moveaxis(wide[..., : rows * n].reshape(*first, rows, n), -1, 0)
+
+
+def _straight(field: Array, flipped: bool) -> Array:
+    """The field of which `_skewed` are the diagonals."""
+    n, *first, rows = field.shape
+    wide = jnp.moveaxis(field, 0, -1).reshape(*first, rows * n)
+    wide = jnp.pad(wide, (*[(0, 0)] * len(first), (0, rows))).reshape(*first, rows, n + 1)[..., : n + 1 - rows]
+    return wide[..., ::-1, :] if flipped else wide
 
 
 def _inverted(matrix: Array) -> Array:

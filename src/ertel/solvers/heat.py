@@ -37,7 +37,7 @@ from ertel.equations.account import shear_force
 from ertel.equations.across import Vector
 from ertel.equations.columns import WarmColumns
 from ertel.equations.contact import opened, traceable
-from ertel.equations.energy import Energy, sweep_of
+from ertel.equations.energy import Energy, sweeps_of
 from ertel.equations.flow import flow_aligned, steady_rate
 from ertel.numerics import halfspace
 from ertel.numerics.grid import Grid, Symmetry
@@ -59,7 +59,8 @@ LARGEST_CHANGE = 100.0  # K, of a temperature in a round
 REDUCTION = 1e-2  # of the residual of the linear equations
 KRYLOV_LIMIT = 40
 ROUNDS, DEPTH = 40, 4  # at most; of them together
-AGREED = 3e-5  # a change of H_c and of H_min in the last round, over H_c
+AGREED, AS_A_GUESS = 3e-5, 3e-4  # a change of H_c and of H_min in the last round, over H_c; on coarser grids
+LOOSE = 1e3  # tolerances, of the residual of a film within the rounds
 LEAST_RISE = 1e-3  # K
 FIRST_STEP = 0.6  # of the change of c and ln theta
 
@@ -231,8 +232,8 @@ class Moving:
         return heat @ self.response.T
 
     def split(self) -> tuple[Array, Array, Array]:
-        """K of a node by itself, and by the nodes before it, downstream and back, for `energy.ColumnSweep`."""
-        return self.response[0, 0], jnp.tril(self.response, -1), jnp.triu(self.response, 1)
+        """K of a node by itself, and by the number of nodes from one upstream and downstream, for a `ColumnSweep`."""
+        return self.response[0, 0], self.response[:, 0], self.response[0]
 
 
 @register_dataclass
@@ -250,7 +251,7 @@ class Resting:
 
     def split(self) -> tuple[Array, Array, Array]:
         """As of `Moving`; a sweep counts all heat as the node's own, the most that it can be."""
-        nothing = jnp.zeros((self.shape[1], self.shape[1]))
+        nothing = jnp.zeros(self.shape[1])
         return self(jnp.ones(self.shape)), nothing, nothing
 
 
@@ -300,14 +301,16 @@ def _temperatures(energy: Energy, T: Array, held: Array, largest: Any, limit: An
         now = eased(c.mobility(T) / cold)
         m, warmer = jax.jvp(now.columns.motion, (T,), (jnp.ones_like(T),))
         softer = jnp.minimum(warmer.heat, 0.0)
-        sweep, change = sweep_of(now, m, softer), partial(now.change, m=m, softer=softer)
+        (size, sweeps), change = sweeps_of(now, m, softer), partial(now.change, m=m, softer=softer)
 
         def direction(_: Array, r: Array) -> Array:
-            there = sweep(r * sweep.size)
-            return there + sweep(r * sweep.size - change(there), back=True)
+            d = jnp.zeros_like(r)
+            for sweep in sweeps:
+                for back in (False, True):
+                    d = d + sweep(r * size - change(d), back)
+            return d
 
-        wrong = now.residual(T, m) / sweep.size
-        d, _ = gcr(lambda d: change(d) / sweep.size, direction, -wrong, REDUCTION, KRYLOV_LIMIT)
+        d, _ = gcr(lambda d: change(d) / size, direction, -now.residual(T, m) / size, REDUCTION, KRYLOV_LIMIT)
         rise = jnp.maximum(jnp.max(jnp.abs(T + d)), LEAST_RISE)
         return T + d, jnp.max(jnp.abs(d)) / rise, n + 1
 

@@ -28,10 +28,10 @@ from ertel.equations.state import SteadySolver
 from ertel.numerics import multigrid, newton
 from ertel.numerics.grid import Grid, check_coarsening, expected_next
 from ertel.numerics.programs import Program, double_precision
-from ertel.solvers import nonlinear
+from ertel.solvers import heat, nonlinear
 from ertel.solvers.grid_solution import GridSolution, warm_contact
 from ertel.solvers.guesses import motion_of, refined, rough_guess, unbalanced
-from ertel.solvers.heat import AGREED, IN_A_ROUND, LARGEST_CHANGE, ROUNDS, Rounds, WarmFactors, heated
+from ertel.solvers.heat import Rounds, WarmFactors, heated
 
 Floats = NDArray[np.float64]
 
@@ -134,7 +134,7 @@ def nested(case: Case, done: Sequence[GridSolution] = ()) -> Iterator[GridSoluti
             guess = first.P, first.approach, first.P_f  # with the oil outside of the lubricated contact
         solution = _agreeing(c, solve_on_grid(case, grid, c, *guess), OUTSIDE)
         if factors is not None:
-            solution = _with_heat(solution, factors)
+            solution = _with_heat(solution, factors, heat.AGREED if grid is grids[0] else heat.AS_A_GUESS)
         solutions.append(_judged(solution) if grid is grids[0] else solution)
         yield solutions[-1]
 
@@ -147,25 +147,31 @@ def first_factors(case: Case, grid: Grid, coarser: Sequence[GridSolution]) -> Wa
     return WarmFactors.of_cold(grid) if known is None else known.finer()
 
 
-def _with_heat(s: GridSolution, factors: WarmFactors) -> GridSolution:
-    """The film with its heat, in rounds (`solvers.heat`); without a result where the two do not agree."""
+def _with_heat(s: GridSolution, factors: WarmFactors, allowed: float) -> GridSolution:
+    """The film with its heat, in rounds (`solvers.heat`); without a result where the two do not agree.
+
+    allowed: change of H_c and of H_min in the last round, over H_c.
+    """
     rounds, films = Rounds(factors), s.measure()
-    for _ in range(ROUNDS):
-        found = heated(s.case, s.P_f, s.H, s.grid, s.P_asperity, factors, IN_A_ROUND)
+    for _ in range(heat.ROUNDS):
+        found = heated(s.case, s.P_f, s.H, s.grid, s.P_asperity, factors, heat.IN_A_ROUND)
         moved = np.max(np.abs(found.T - factors.T))
         factors, last = rounds.next(found), films
-        s = _added(s, solve_on_grid(s.case, s.grid, warm_contact(s.case, s.grid, factors), s.P, s.approach, s.P_f))
-        s, films = replace(s, share=factors.share, theta=factors.theta, T=factors.T), s.measure()
+        s = _continued(s, warm_contact(s.case, s.grid, factors), heat.LOOSE)
+        s = replace(s, share=factors.share, theta=factors.theta, T=factors.T)
         if not s.status.ok:
             return s
-        stays = max(abs(films[name] - last[name]) for name in ("H_c", "H_min")) <= AGREED * films["H_c"]
-        if stays and moved < 0.99 * LARGEST_CHANGE:
-            return s if s.heat is not None and s.heat.converged else replace(s, status=Status.NO_AGREEMENT)
+        films = s.measure()
+        stays = max(abs(films[name] - last[name]) for name in ("H_c", "H_min")) <= allowed * films["H_c"]
+        if stays and moved < 0.99 * heat.LARGEST_CHANGE:
+            s = _continued(s, warm_contact(s.case, s.grid, factors))
+            return replace(s, share=factors.share, theta=factors.theta, T=factors.T)
     return replace(s, status=Status.NO_AGREEMENT)
 
 
-def _added(s: GridSolution, again: GridSolution) -> GridSolution:
-    """A solution that goes on from another one, with the work of both."""
+def _continued(s: GridSolution, c: Contact, looser: float = 1.0) -> GridSolution:
+    """The solution that goes on from another one, with the work of both.  looser: see `solve_on_grid`."""
+    again = solve_on_grid(s.case, s.grid, c, s.P, s.approach, s.P_f, looser)
     work = s.newton + again.newton, s.krylov + again.krylov, s.convolutions + again.convolutions
     history = s.history + again.history[1:]
     return replace(again, newton=work[0], krylov=work[1], convolutions=work[2], history=history)
@@ -186,6 +192,8 @@ def grids_of(case: Case) -> list[Grid]:
 def _judged(finest: GridSolution) -> GridSolution:
     """The solution on the finest grid, which is none where the film vanishes; a coarser one is a first guess."""
     status = finest.status.of_film(finest.measure()["H_min"])
+    if status.ok and finest.T is not None and finest.heat is not None and not finest.heat.converged:
+        status = Status.NO_AGREEMENT
     return finest if status is finest.status else replace(finest, status=status)  # which would forget its temperatures
 
 
@@ -208,8 +216,7 @@ def _agreeing(c: Contact, s: GridSolution, allowed: float) -> GridSolution:
     for _ in range(SETTLING):
         if not s.status.ok or abs(outside.at(motion_of(s.case, s.approach)).load - s.outside) <= allowed * load:
             break
-        again = solve_on_grid(s.case, s.grid, c, s.P, s.approach, s.P_f)
-        s = _added(s, again)
+        s = _continued(s, c)
     return s
 
 
@@ -224,16 +231,25 @@ def first_guess(c: Contact, coarse: GridSolution, approach: float) -> tuple[Arra
 
 
 def solve_on_grid(
-    case: Case, grid: Grid, c: Contact, P: Array | Floats, approach: float, P_f: Array | Floats | None = None
+    case: Case,
+    grid: Grid,
+    c: Contact,
+    P: Array | Floats,
+    approach: float,
+    P_f: Array | Floats | None = None,
+    looser: float = 1.0,
 ) -> GridSolution:
     """The steady solution on one grid from a first guess of P and the approach; the latter fixes the oil outside.
 
-    P_f: the first guess of the pressure of the oil, where asperities touch.
+    P_f: the first guess of the pressure of the oil, where asperities touch.  looser: factor of the tolerance.
     """
     outside = discretise.outside_of(case, grid)
     around = outside.at(motion_of(case, approach))
     gap = jax.device_put(np.asarray(c.gap) + around.uplift)  # NumPy has nothing to compile
-    problem, P = problem_of(case, grid, replace(c, gap=gap), around.load), np.where(outside.is_edge, around.edge, P)
+    problem, P = (
+        problem_of(case, grid, replace(c, gap=gap), around.load, looser),
+        np.where(outside.is_edge, around.edge, P),
+    )
     P_f = None if c.asperities is None else np.where(outside.is_edge, around.edge, P if P_f is None else P_f)
     s, Delta = _program(problem, P, float(approach), P_f)
     s = s._replace(residual=np.asarray(s.residual))  # NumPy has nothing to compile
@@ -248,9 +264,9 @@ def solve_on_grid(
     return GridSolution(case, grid, s.P, s.H, *numbers, s.shared, None if s.Q is None else s.P - s.Q)
 
 
-def problem_of(case: Case, grid: Grid, c: Contact, outside: float) -> nonlinear.Problem:
+def problem_of(case: Case, grid: Grid, c: Contact, outside: float, looser: float = 1.0) -> nonlinear.Problem:
     """The equations of the steady film on one grid.  outside: the load that the oil outside the grid carries."""
-    geometry, tolerance = case.geometry, case.solver.tolerance if case.is_steady else TOLERANCE
+    geometry, tolerance = case.geometry, looser * (case.solver.tolerance if case.is_steady else TOLERANCE)
     return nonlinear.Problem(
         c,
         multigrid.deformation_operators(grid, geometry.compliance, nonlinear.PRECISION, geometry.reach),
