@@ -82,6 +82,10 @@ def test_maps_and_summary(run: ertel.Result) -> None:
         assert to_si(data)[name].attrs["units"] == "K"
     assert 313.15 < said["T_film_mean"] < said["T_film_max"]
     assert said["thermal"]["converged"]
+    assert said["T_max"] == pytest.approx(313.15 + float(found.T.max())) and said["T_max"] >= said["T_1_max"]
+    across = data["T_across"].sel(X=said["X_T_max"], method="nearest")  # the hottest place is on the axis
+    assert float(across.max()) == pytest.approx(said["T_max"]) and said["Y_T_max"] == 0.0
+    assert float(across[across.dims[0]][int(np.argmax(across.values))]) == pytest.approx(said["zeta_T_max"])
 
 
 def test_maps_before_the_first_solution(run: ertel.Result) -> None:

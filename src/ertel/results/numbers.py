@@ -336,12 +336,12 @@ def _thermal_lines(summary: Outcome) -> Iterator[str]:
     if "phi_T" in table:
         cold = ", ".join(f"{n.about.symbol} {n.full_text}" for n in table.values() if f"{n.name}_warm" in summary)
         yield f"without heat: {cold} (phi_T = {summary['phi_T']:.4g}, L_t = {summary['L_t']:.3g})"
-    if "T_film_mean" not in table:
+    if "T_max" not in table:
         return
-    surface_1, surface_2, film, mean = (
-        f"{table[name].value - ZERO_CELSIUS:.1f} degC" for name in ("T_1_max", "T_2_max", "T_film_max", "T_film_mean")
-    )
-    yield f"highest temperatures: surface 1 {surface_1}, surface 2 {surface_2}, film {film}; mean of the film {mean}"
+    warm = {name: f"{n.value - ZERO_CELSIUS:.1f} degC" for name, n in table.items() if n.about.unit == KELVIN}
+    place = f"at x = {table['X_T_max'].text_in_si}, zeta = {table['zeta_T_max'].text}"
+    yield f"highest temperatures: surface 1 {warm['T_1_max']}, surface 2 {warm['T_2_max']}, oil {warm['T_max']} {place}"
+    yield f"mean across the film: highest {warm['T_film_max']}, over the contact {warm['T_film_mean']}"
 
 
 def _stress_line(summary: Outcome) -> Iterator[str]:

@@ -16,6 +16,8 @@ import xarray as xr
 
 from ertel.case.case import Case
 from ertel.case.status import Status
+from ertel.numerics.grid import Grid
+from ertel.numerics.lobatto import Lobatto
 from ertel.physics.motion import first_touch
 from ertel.results import balances, diagnostics
 from ertel.results.dataset import SteadyGrid, names_over
@@ -151,12 +153,19 @@ def steady_summary(
     return _summary(case, {**counts, **values, **parts}, status, warnings)
 
 
+def _place_of_largest(T: Any, grid: Grid) -> list[float]:
+    """zeta, Y and X of the largest value of a field across the film, shape (points, n_y, n_x)."""
+    axes = np.ravel(Lobatto.of(len(T)).z), grid.kept_y, grid.x
+    return [float(axis[i]) for axis, i in zip(axes, np.unravel_index(np.argmax(T), T.shape), strict=True)]
+
+
 def heat_numbers(case: Case, solution: SteadyGrid) -> dict[str, float | None]:
     """The numbers of a steady contact with heat; coefficients are plain numbers, temperatures in K.
 
-    L_t: thermal loading.  T_1_max,
-    T_2_max, T_film_max: highest temperatures of the surfaces and of the film (mean across it).  T_film_mean: that of
-    the film on average over the contact, weighted with the pressure.  They are None where they have not converged.
+    L_t: thermal loading.  T_1_max, T_2_max, T_film_max: highest temperatures of the surfaces and of the film (mean
+    across it).  T_film_mean: that of the film on average over the contact, weighted with the pressure.  T_max, X_T_max,
+    Y_T_max (in a), zeta_T_max: the highest temperature of the oil, and its place.  They are None where they have not
+    converged.
     With a formula of the inlet besides: phi_T, its factor.  H_c_warm, H_min_warm: the films on the grid with that
     factor; as shown they are extrapolated.  mu_sliding_warm, power_loss_warm: traction and power loss of that film.
     """
@@ -168,6 +177,8 @@ def heat_numbers(case: Case, solution: SteadyGrid) -> dict[str, float | None]:
         **quick,
         **{f"{name}_max": float(np.max(maps[name])) for name in ("T_1", "T_2", "T_film")},
         "T_film_mean": float(np.average(maps["T_film"], weights=maps["P"])),
+        "T_max": case.thermal.temperature + float(np.max(heat.T)),
+        **dict(zip(("zeta_T_max", "Y_T_max", "X_T_max"), _place_of_largest(heat.T, solution.grid), strict=True)),
     }
     found = warm if heat.converged else dict.fromkeys(warm)
     if quick:

@@ -189,8 +189,7 @@ RUNS = {  # of a run as a whole, or of a traction curve
     "mu_1": Variable("friction coefficient of surface 1, mu + mu_r", "mu_1", *NUMBER, is_heated=True),
     "mu_2": Variable("friction coefficient of surface 2, mu_r - mu", "mu_2", *NUMBER, is_heated=True),
     "tau_max": Variable(
-        "maximum mid-plane shear stress", "tau_max", *SHEAR,
-        shown=True, curve_panel="Maximum shear stress", is_heated=True,
+        "maximum mid-plane shear stress", "tau_max", *SHEAR, shown=True, curve_panel="Maximum shear stress", is_heated=True
     ),
     "von_mises_max": Variable("largest von Mises stress in body 1", "sigma_vM", *PRESSURE),
     "X_von_mises": Variable("place of the largest von Mises stress along x", "X_vM", *LENGTH),
@@ -199,12 +198,14 @@ RUNS = {  # of a run as a whole, or of a traction curve
     "shear_max": Variable("largest shear stress in body 1, of all planes", "tau_1", *PRESSURE),
     "Z_shear": Variable("depth of the largest shear stress in body 1", "Z_tau", *LENGTH),
     "yield_ratio": Variable("largest von Mises stress over the yield stress of body 1", "sigma_vM/Y"),
-    "T_film_max": Variable(
-        "highest temperature of the film", "T_film_max", KELVIN, shown=True, curve_panel="Temperature"
-    ),
+    "T_film_max": Variable("highest film temperature", "T_film_max", KELVIN, shown=True, curve_panel="Temperature"),
     "T_1_max": Variable("highest temperature of surface 1", "T_1_max", KELVIN, curve_panel="Temperature"),
     "T_2_max": Variable("highest temperature of surface 2", "T_2_max", KELVIN, curve_panel="Temperature"),
     "T_film_mean": Variable("mean temperature of the film, weighted with the pressure", "T_film_mean", KELVIN),
+    "T_max": Variable("highest temperature of the oil", "T_max", KELVIN, curve_panel="Temperature"),
+    "X_T_max": Variable("place of the highest temperature along x", "X_T", *LENGTH),
+    "Y_T_max": Variable("place of the highest temperature along y", "Y_T", *LENGTH, is_across=True),
+    "zeta_T_max": Variable("height of the highest temperature, -1/2 at surface 2, 1/2 at surface 1", "zeta_T"),
     "Lambda": Variable("minimum film over rms roughness", "Lambda", shown=True, curve_panel="Film over roughness"),
     "Hersey": Variable("Hersey number eta0 u_m/p_h", "eta0 u_m/p_h", *LENGTH),
     "phi_T": Variable("inlet factor of the film", "phi_T", curve_panel="Inlet factor"),
