@@ -36,7 +36,6 @@ class Variable:
 
     unit: what 1 is, in words.  scale: the attribute of `Scales` that 1 is in SI.  si_name: the name in lower case where
     it is not given.  comment: what a user must know besides.
-
     over: what a Dataset has it over: "axis" (it is one), "step" (each time step, or each grid of a steady contact),
     "grid", "map", "heated map"; "" of a run as a whole.
     at_moment: it is in the summary, with its value at maximum approach, at the last time or steadily.
@@ -189,7 +188,8 @@ RUNS = {  # of a run as a whole, or of a traction curve
     "mu_1": Variable("friction coefficient of surface 1, mu + mu_r", "mu_1", *NUMBER, is_heated=True),
     "mu_2": Variable("friction coefficient of surface 2, mu_r - mu", "mu_2", *NUMBER, is_heated=True),
     "tau_max": Variable(
-        "maximum mid-plane shear stress", "tau_max", *SHEAR, shown=True, curve_panel="Maximum shear stress", is_heated=True
+        "maximum mid-plane shear stress", "tau_max", *SHEAR,
+        shown=True, curve_panel="Maximum shear stress", is_heated=True,
     ),
     "von_mises_max": Variable("largest von Mises stress in body 1", "sigma_vM", *PRESSURE),
     "X_von_mises": Variable("place of the largest von Mises stress along x", "X_vM", *LENGTH),
