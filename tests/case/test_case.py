@@ -1,7 +1,7 @@
 """A case writes itself, knows its digest, and refuses what makes no sense, whichever way it was made."""
 
 from dataclasses import dataclass, fields, replace
-from math import inf, nan
+from math import nan
 from typing import Annotated, Any
 
 import pytest
@@ -12,7 +12,7 @@ from ertel.case.conditions import Conditions
 from ertel.case.methods import METHODS
 from ertel.case.sections import SECTIONS, Drive, Output, Solver, Time
 from ertel.physics.lubricant import Barus, Oil
-from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, Oscillation, Polyline, constant
+from ertel.physics.motion import FREE_BALL, STEADY_ROLLING, constant
 from ertel.physics.scales import Parameters
 from ertel.physics.surfaces import Feature, RingWaviness, Spot, Waviness
 from ertel.physics.units import WIDTH, Amount, Quantity
@@ -29,9 +29,6 @@ def impact(**sections: Any) -> Case:
 
 def rolling(method: str = "steady", **sections: Any) -> Case:
     return Case(Conditions("rolling", **MOES), solver=METHODS[method].defaults, **sections)
-
-
-# -- equality and digest ----------------------------------------------------------------------------------------------
 
 
 def test_the_name_and_where_the_oils_data_come_from_change_no_result() -> None:
@@ -124,9 +121,6 @@ def test_a_law_by_name_and_its_record_are_two_ways_of_saying() -> None:
     assert case.lubricant == other.lubricant
 
 
-# -- own laws and shapes ----------------------------------------------------------------------------------------------
-
-
 @dataclass(frozen=True)
 class Nameless:
     width: Annotated[Amount, WIDTH] = 1.0
@@ -150,9 +144,6 @@ def test_what_has_no_name_cannot_be_written() -> None:
     for law in ("viscosity", "density"):
         with pytest.raises(ValueError, match=f"Nameless: is no registered {law} law"):
             Oil(**{law: Nameless()})
-
-
-# -- what is filled in ------------------------------------------------------------------------------------------------
 
 
 def test_the_record_says_all_that_is_solved() -> None:
@@ -186,120 +177,32 @@ def test_derived_numbers() -> None:
     assert rolling().film_scale == pytest.approx(0.0823, rel=0.1)
 
 
-# -- what makes no sense, by whichever door ---------------------------------------------------------------------------
-
-RADIAL = METHODS["radial"].defaults
-TRANSIENT = METHODS["transient"].defaults
 ROUGH = (Feature(Spot(0.3, 0.1)),)
-STEADY, IN_TIME = rolling(), rolling("transient")
-PHYSICAL = Case(Conditions(**BALL), OIL)
-FAST = Case(Conditions(**BALL, mean_speed=1.0), OIL)
-ENTRAINED = 'motion.entrainment = 1.0: is given together with contact.mean_speed = "1.0 m/s"; allowed: one of them'
-ON_TRACK = Case(Conditions(**TRACK), OIL, METHODS["steady"].defaults)
-NO_L = Case(Conditions(M=200.0), Oil(viscosity="isoviscous", density="incompressible"))
-FINE = impact(solver=Solver(nodes=4097))
-RESTING = replace(STEADY, drive=Drive(slide_to_roll=-2.0), roughness=ROUGH)
-LOADED = Drive(load=constant(1.0))
-HUGE = Quantity(1e30, "m")
-NANOMETRES = Feature(Spot(0.3, Quantity(1e-8, "m")))
-NO_NAMES = {
-    **{name: f'"{name}"' for name in ("../../evil", "/tmp/evil", "run::1", ".", "..", ".hidden", "µ" * 51)},
-    **{"a\\b": '"a\\\\b"', "two\nlines": '"two\\nlines"'},
-    **{"\x1b[31mred": '"\\u001b[31mred"', "\u202etxt": '"\\u202etxt"'},
-}
+STEADY, ON_TRACK = rolling(), Case(Conditions(**TRACK), OIL, METHODS["steady"].defaults)
 
 
-def drive_to(value: float, at: Amount = 1.0) -> Drive:
-    return Drive(load=Polyline(((0.0, 1.0), (at, value))))
-
-
-Refusal = tuple[Case, dict[str, Any], str]
-REFUSED: list[Refusal] = [
-    # method
-    (impact(), {"solver": TRANSIENT}, 'solver.method = "transient": must be "2d" or "radial"'),
-    (STEADY, {"solver": METHODS["2d"].defaults}, 'solver.method = "2d": must be "steady" or "transient"'),
-    (impact(roughness=ROUGH), {"solver": RADIAL}, 'roughness: solver.method = "radial" is for smooth surfaces'),
-    (
-        impact(solver=RADIAL),
-        {"drive": Drive(constant(1.0), constant(1.0))},
-        'motion: solver.method = "radial" is for a',
-    ),
-    (impact(), {"solver": replace(RADIAL, inlet=2.0)}, 'solver.inlet = 2.0: solver.method = "radial" has none'),
-    (impact(), {"solver": replace(RADIAL, half_width=1.1)}, "solver.half_width = 1.1: must be at least 1.2"),
-    # grid
-    (impact(), {"solver": Solver(nodes=9)}, "solver.nodes = 9: must be greater than or equal to 17"),
-    (impact(), {"solver": Solver(nodes=39)}, "solver.nodes = 39: "),
-    (impact(), {"solver": Solver(nodes=8193)}, "solver.nodes = 8193: must be less than or equal to 4097"),
-    (impact(), {"solver": Solver(half_width=1.0)}, "solver.half_width = 1.0: must be greater than 1"),
-    (impact(), {"solver": Solver(half_width=1e9)}, "solver.half_width = 1000000000.0: must be less than or equal to"),
-    (impact(), {"solver": Solver(half_width=nan)}, "solver.half_width = NaN: must be a finite number"),
-    # is lengthened for multigrid, and could not be read again
-    (STEADY, {"solver": replace(STEADY.solver, half_width=560.4, half_width_y=999.0)}, "solver.half_width_y = 1120.8"),
-    (impact(), {"solver": Solver(tolerance=0.0)}, "solver.tolerance = 0.0: must be greater than 0"),
-    (STEADY, {"solver": replace(STEADY.solver, inlet=5.5)}, "solver.inlet = 5.5: must be above 1 and below 5"),
-    # oil
-    (PHYSICAL, {"oil": Oil(alpha=2e-8)}, "lubricant.eta0: missing"),
-    (PHYSICAL, {"oil": Oil(eta0=0.04)}, "lubricant.alpha: missing"),
-    (PHYSICAL, {"oil": replace(OIL, viscosity=Barus(-1.0))}, 'lubricant.viscosity.alpha = "-1.0 1/Pa": must be finite'),
-    (PHYSICAL, {"oil": replace(OIL, layer=-1.0)}, "lubricant.layer = -1.0: must be a finite number above zero"),
-    (PHYSICAL, {"oil": replace(OIL, eta0=6e-5)}, "lubricant.eta0 = 6e-05 Pa s: Roelands' law needs"),
-    (impact(), {"contact": Conditions(M=200.0, L=0.0)}, "contact.L = 0: must be above zero with lubricant.viscosity"),
-    (impact(), {"oil": Oil(viscosity="isoviscous")}, "contact.L = 10.0: must be 0 or left out with lubricant.visc"),
-    (NO_L, {"oil": replace(NO_L.oil, density="dowson-higginson")}, 'lubricant.density = "dowson-higginson": needs'),
-    # time
-    (STEADY, {"time": Time()}, "time: a steady contact has no time"),
-    (STEADY, {"time": Time(until=5.0)}, "time.until = 5.0: a steady contact has no time"),
-    (STEADY, {"output": Output(1.0)}, "output.interval = 1.0: a steady contact has no time"),
-    (IN_TIME, {"time": Time(-1.0)}, "time.start_approach = -1.0: not for a rolling contact"),
-    (IN_TIME, {"time": Time(start="undeformed")}, 'time.start = "undeformed": not for a rolling contact'),
-    (IN_TIME, {"time": Time(until="rebound")}, 'time.until = "rebound": is an event of an impact'),
-    (impact(), {"time": Time(until="later")}, 'time.until = "later": must be a finite number above zero, in'),
-    (impact(), {"time": Time(start_approach=1.0)}, "time.start_approach = 1.0: must be less than 0"),
-    (impact(), {"time": Time(-2e5, until=1.0)}, "time.start_approach = -200000.0: the ball would fall for 200000 t0"),
-    (impact(), {"time": Time(until=Quantity(1.0, "s"))}, 'time.until = "1.0 s": must be a plain number'),
-    (impact(time=Time(until="rebound")), {"drive": LOADED}, 'time.until = "rebound": a ball under a load may never'),
-    (impact(), {"time": Time(until=1e9)}, "time.until = 1000000000.0: is 1e+09 t0; must be at most 100000 t0"),
-    (IN_TIME, {"time": Time(until=10.0, step=1e-9)}, "time.step = 1e-09: needs 1e+10 steps; must be at least 1e-06 t0"),
-    (impact(), {"output": Output(1e-9)}, "output.interval = 1e-09: gives 2.47e+09 maps with 7.84e+06 GB; at most"),
-    (FINE, {"output": Output(0.005)}, "output.interval = 0.005: gives 494 maps with 398 GB"),
-    (PHYSICAL, {"output": Output(Quantity(1e-10, "s"))}, 'output.interval = "1e-10 s": gives 9.39e+05 maps'),
-    # name and source
-    *[(impact(), {"name": name}, f"name = {shown}: must be a plain file name: ") for name, shown in NO_NAMES.items()],
-    (impact(), {"name": 5}, "name = 5: must be a string"),
-    (impact(), {"oil": replace(OIL, reference="\x1b]0;title")}, 'lubricant.reference = "\\u001b]0;title": must be one'),
-    # sizes
-    (impact(), {"contact": Conditions(lambda_bar=1e-29, alpha_bar=10.0)}, "contact: its values together give M = "),
-    (impact(), {"roughness": (Feature(Spot(1e-300, 0.1)),)}, "roughness[1].radius = 1e-300: must be between 1e-06 and"),
-    (PHYSICAL, {"roughness": (Feature(Spot(HUGE, 0.1)),)}, 'roughness[1].radius = "1e+30 m": is 5.13076e+33 a in this'),
-    # units
-    (PHYSICAL, {"roughness": (Feature(Spot(Quantity(1e-3, "s"), 0.1)),)}, 'roughness[1].radius = "0.001 s": must be a'),
-    (PHYSICAL, {"time": Time(tolerance=Quantity(1e-3, "m"))}, 'time.tolerance = "0.001 m": must be a number'),
-    # motion
-    (STEADY, {"drive": Drive(load=constant(0.0))}, "motion.load = 0.0: is 0 at T = 0; must be above zero there"),
-    (STEADY, {"drive": Drive(entrainment=constant(0.0))}, "motion.entrainment = 0.0: is 0 at T = 0"),
-    (STEADY, {"drive": drive_to(2.0)}, "motion.load = [[0.0, 1.0], [1.0, 2.0]]: varies in time from 1 to 2; use"),
-    (IN_TIME, {"drive": drive_to(0.0)}, "motion.load = [[0.0, 1.0], [1.0, 0.0]]: goes down to 0; must stay above zero"),
-    (STEADY, {"drive": Drive(inertia=-1.0)}, "motion.inertia = -1.0: must be greater than or equal to 0"),
-    (IN_TIME, {"drive": Drive(Oscillation(1.0, inf, 1.0))}, "motion.load.amplitude = Infinity: must be a finite numb"),
-    (IN_TIME, {"drive": Drive(constant(nan))}, "motion.load = NaN: must be a finite number"),
-    (IN_TIME, {"drive": drive_to(2.0, at=inf)}, "motion.load = [[0.0, 1.0], [Infinity, 2.0]]: must be a finite"),
-    (PHYSICAL, {"drive": drive_to(2.0, at=Quantity(1.0, "m"))}, 'motion.load = [[0.0, 1.0], ["1.0 m", 2.0]]: must '),
-    (impact(), {"drive": Drive(inertia=1.0)}, "motion.inertia = 1.0: belongs to dimensionless rolling cases; for an"),
-    (ON_TRACK, {"drive": Drive(inertia=1.0)}, "motion.inertia = 1.0: belongs to dimensionless rolling cases; give"),
-    (ON_TRACK, {"drive": Drive(slide_to_roll=1.0)}, "motion.slide_to_roll = 1.0: belongs to dimensionless cases; with"),
-    (FAST, {"drive": Drive(entrainment=constant(1.0))}, ENTRAINED),
-    # roughness
-    (RESTING, {"drive": None}, "roughness[1].surface = 1: moves, so its film is not steady"),
-    (impact(), {"roughness": (*ROUGH, NANOMETRES)}, 'roughness[2].height = "1e-08 m": must be a plain number'),
-]
-
-
-@pytest.mark.parametrize(("case", "changes", "message"), REFUSED, ids=[message[:60] for *_, message in REFUSED])
+@pytest.mark.parametrize(
+    ("case", "changes", "message"),
+    [  # of each kind one; the rules themselves are in data/refusals.toml
+        (impact(), {"solver": METHODS["transient"].defaults}, 'solver.method = "transient": must be "2d" or "radial"'),
+        (impact(), {"solver": Solver(half_width=nan)}, "solver.half_width = NaN: must be a finite number"),
+        (ON_TRACK, {"oil": replace(OIL, viscosity=Barus(-1.0))}, 'lubricant.viscosity.alpha = "-1.0 1/Pa": must be'),
+        (STEADY, {"time": Time()}, "time: a steady contact has no time"),
+        (impact(), {"name": "\x1b[31mred"}, 'name = "\\u001b[31mred": must be a plain file name: '),
+        (ON_TRACK, {"time": Time(tolerance=Quantity(1e-3, "m"))}, 'time.tolerance = "0.001 m": must be a number'),
+        (ON_TRACK, {"roughness": (Feature(Spot(Quantity(1e-3, "s"), 0.1)),)}, 'roughness[1].radius = "0.001 s": must'),
+        (STEADY, {"drive": Drive(load=constant(0.0))}, "motion.load = 0.0: is 0 at T = 0; must be above zero there"),
+        (
+            replace(STEADY, drive=Drive(slide_to_roll=-2.0), roughness=ROUGH),
+            {"drive": None},
+            "roughness[1].surface = 1",
+        ),
+    ],
+)
 def test_every_rule_is_kept_by_replace_too(case, changes, message) -> None:
     with pytest.raises(ValueError) as caught:
         replace(case, **changes)
     assert str(caught.value).startswith(message)
-    assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize("values", [{"M": 1e300, "L": 10.0}, {"M": 10**400, "L": 10.0}, {"M": 200.0, "L": 1e31}])
@@ -311,9 +214,6 @@ def test_numbers_of_an_absurd_size_are_refused(values) -> None:
 @pytest.mark.parametrize("name", ["", "ball", "Kugel 2 (schnell)", "a_b-c.d", "x" * 100, "µ" * 50])
 def test_a_plain_file_name_is_a_name(name) -> None:
     assert impact(name=name).name == name
-
-
-# -- the default domain -----------------------------------------------------------------------------------------------
 
 
 def half_width(contact: dict[str, Any], **solver: Any) -> float:

@@ -37,7 +37,6 @@ LONGEST_MESSAGE = 600  # a key and its value at 100 each, and the list of the ke
 HEIGHTS = "heights.npy"  # a measured surface beside each case file
 Data = dict[str, Any]
 
-# -- values -----------------------------------------------------------------------------------------------------------
 
 USUAL = {  # sizes of quantities, in SI; of other units 0.1 to 10
     **{"m": (1e-4, 0.1), "kg": (1e-3, 10.0), "kg/m^3": (1e3, 2e4), "m/s": (0.01, 10.0), "N": (1.0, 1e3)},
@@ -111,8 +110,6 @@ def tables(record: Any, **special: st.SearchStrategy[Any]) -> st.SearchStrategy[
     optional = {name: value for name, value in values.items() if name not in needed}
     return st.fixed_dictionaries({name: values[name] for name in values if name in needed}, optional=optional)
 
-
-# -- sections ---------------------------------------------------------------------------------------------------------
 
 CONTACT = values_of(Conditions)
 points = st.dictionaries(st.floats(0, 5), st.floats(0.1, 3), min_size=1, max_size=3)
@@ -259,9 +256,6 @@ def without_units(value: Any) -> Any:
     return float(match[1]) if match else value
 
 
-# -- what can be wrong ------------------------------------------------------------------------------------------------
-
-
 def _places(data: Any) -> list[tuple[Any, Any]]:
     items = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list) else ()
     found = [(data, key) for key, _ in items]
@@ -321,9 +315,6 @@ def case_files(draw: st.DrawFn) -> bytes:
         return text
     noise = draw(st.one_of(st.binary(max_size=5), st.sampled_from(BYTES)))
     return NOISE[draw(st.sampled_from(sorted(NOISE)))](text, draw(st.integers(0, len(text))), noise)
-
-
-# -- what must hold ---------------------------------------------------------------------------------------------------
 
 
 def outcome(path: Path) -> str:

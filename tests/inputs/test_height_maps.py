@@ -70,9 +70,6 @@ def holed(rows: Any, columns: Any) -> np.ndarray:
     return found
 
 
-# -- formats and units ------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("name", "unit"),
     [("a.nc", "um"), ("a.nc", "nm"), ("a.txt", "um"), ("a.asc", "nm"), ("a.x3p", "um"), ("a.gwy", "um")],
@@ -93,9 +90,6 @@ def test_files_without_units_are_told_them(tmp_path) -> None:
     assert is_the_wave(read(tmp_path, file="plain.txt", unit="nm", length_x="600 um"))
     np.save(tmp_path / "disc.npy", WAVE)
     assert is_the_wave(read(tmp_path, file="disc.npy", unit="m", length_y="400 um"))
-
-
-def test_what_is_given_wins_over_the_file(tmp_path) -> None:
     written(tmp_path / "disc.nc", WAVE)
     found = read(tmp_path, file="disc.nc", rms="50 nm", length_x="300 um")
     assert found.rms == Quantity(5e-8, "m")
@@ -110,9 +104,6 @@ def test_a_case_without_dimensions_takes_a_map_in_its_own_units(tmp_path) -> Non
     assert (feature.shape.rms, feature.shape.length_x, feature.shape.length_y) == (0.01, 3.0, pytest.approx(2.0))
     with pytest.raises(ConfigError, match=r"^roughness\[1\].length_x = .*: a dimensionless case has no m"):
         parse_case({**case, "roughness": [{"shape": "measured", "file": "disc.nc"}]}, tmp_path)
-
-
-# -- trend and gaps ---------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -131,9 +122,6 @@ def test_gaps_are_filled_from_their_rims(tmp_path) -> None:
     written(tmp_path / "disc.nc", np.where(gaps, np.nan, smooth))
     found = heights(read(tmp_path, file="disc.nc", detrend="none"))
     np.testing.assert_allclose(found, smooth, atol=1e-14)
-
-
-# -- what is wrong ----------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -184,8 +172,6 @@ def test_without_the_package_it_is_said_what_to_install(tmp_path, monkeypatch) -
     np.testing.assert_allclose(heights(plain), WAVE, atol=1e-20)
 
 
-# -- heights that are no heights --------------------------------------------------------------------------------------
-
 PLACED: dict[str, Any] = {"unit": "m", "length_x": "600 um"}
 
 
@@ -233,8 +219,6 @@ def test_how_many_points_were_filled_is_said_and_stays_with_the_case(tmp_path) -
     with pytest.raises(ConfigError, match=r"^roughness\[1\].filled = 3: is counted as the file is read; leave it out"):
         read(tmp_path, file="disc.nc", filled=3)
 
-
-# -- files that declare too much --------------------------------------------------------------------------------------
 
 ALLOWED = "a map of 4 to 4096 points a side, or a profile of 4 to 1048576"
 
@@ -319,12 +303,12 @@ def test_a_zip_archive_is_refused_by_what_it_unpacks_to(tmp_path) -> None:
     refused(tmp_path, "wide.zip", f"{IN_A_LINE}; a map has at most 4096 points a side", 40e6)
     zipped(tmp_path / "table.xlsx", {"[Content_Types].xml": b"<a/>"})
     refused(tmp_path, "table.xlsx", "is an office document, which has no map of heights; export the map as text")
-
-
-def test_a_member_that_is_larger_than_it_declares_is_not_unpacked(tmp_path) -> None:
     zipped(tmp_path / "liar.x3p", {"main.xml": b"<a>" + b"<b/>" * 10_000_000}, declared=1000)
     with memory_below(20e6), pytest.raises(ConfigError, match="SurfaceTopography cannot read it"):
         read(tmp_path, file="liar.x3p")
+    with (tmp_path / "large.al3d").open("wb") as file:
+        file.truncate(700_000_000)  # takes no place
+    refused(tmp_path, "large.al3d", "is too large; must have at most 600 MB")
 
 
 def test_a_map_is_refused_by_the_shape_that_its_file_declares(tmp_path) -> None:
@@ -335,14 +319,6 @@ def test_a_map_is_refused_by_the_shape_that_its_file_declares(tmp_path) -> None:
     said = f"heights: is 100000000 x 5; must be {ALLOWED}"
     refused(tmp_path, "wide.h5", said, **PLACED)
 
-
-def test_a_file_is_refused_by_its_size(tmp_path) -> None:
-    with (tmp_path / "large.al3d").open("wb") as file:
-        file.truncate(700_000_000)  # takes no place
-    refused(tmp_path, "large.al3d", "is too large; must have at most 600 MB")
-
-
-# -- in a case --------------------------------------------------------------------------------------------------------
 
 DISC = {"shape": "measured", "file": "disc.nc"}
 

@@ -25,6 +25,10 @@ def test_what_is_there():
     assert {"squalane", "pao-100", "iso-vg-68", "iso-vg-100", "polyglycol"} <= set(oils.names())
     assert oils.get("ISO VG 68") is oils.get("iso-vg-68")
     assert {"steel", "glass", "sapphire", "silicon-nitride", "tungsten-carbide"} == set(materials.names())
+    assert (SQUALANE.shear.data.G, SQUALANE.shear.data.n) == (6e6, 0.42)
+    assert SQUALANE.limiting_stress is None
+    assert oils.get("pao-100").limiting_stress.data.Lambda == 0.035
+    assert oils.get("pao-100").thermal is None
 
 
 @pytest.mark.parametrize("entry", [*OILS, *MATERIALS], **named)
@@ -37,7 +41,7 @@ def test_every_part_has_a_source_and_a_range(entry):
 
 
 @pytest.mark.parametrize("oil", OILS, **named)
-def test_every_oil_is_an_oil(oil: NamedOil):
+def test_every_oil_is_an_oil_within_its_data_and_can_be_stored(oil: NamedOil):
     """Thinner when hot, alpha of an oil, viscosity that rises with pressure at every temperature of its range."""
     temperatures = np.linspace(*oil.temperatures, 9)
     found = [oil.at(float(T)) for T in temperatures]
@@ -53,20 +57,12 @@ def test_every_oil_is_an_oil(oil: NamedOil):
         assert np.all(np.diff(one.density_law.density(p)) > 0)
         slope = np.log(one.viscosity_law.viscosity(1e4)) / 1e4
         assert slope == pytest.approx(one.alpha, rel=1e-3)
-
-
-@pytest.mark.parametrize("oil", OILS, **named)
-def test_every_oil_can_be_stored(oil: NamedOil):
-    """A contact with this oil reads back from its case file as the same case with the same digest and source."""
+    # A contact with this oil reads back from its case file as the same case with the same digest and source.
     T = sum(oil.temperatures) / 2
     case = ertel.rolling(radius=0.01, load=10, mean_speed=1, E_prime=231e9, oil=oil.at(T), nodes=65)
     again = ertel.parse_case(tomllib.loads(ertel.to_toml(case)))
     assert again == case and again.digest == case.digest
     assert oil.name in again.oil.reference == case.oil.reference
-
-
-@pytest.mark.parametrize("oil", OILS, **named)
-def test_outside_the_data(oil: NamedOil):
     coldest, hottest = oil.temperatures
     for T in (coldest - 0.01, hottest + 0.01):
         with pytest.raises(ValueError, match=rf"^temperature = .* K: must be between .* degC.*\({oil.name}\)$"):
@@ -81,8 +77,6 @@ def test_the_temperature_coefficient_is_the_derivative(T):
         difference = np.log(oil.viscosity_at(T - h) / oil.viscosity_at(T + h)) / (2 * h)
         assert oil.thinning_at(T) == pytest.approx(difference, rel=1e-5)
 
-
-# -- squalane against measured values ---------------------------------------------------------------------------------
 
 SQUALANE = oils.get("squalane")
 VISCOSITY = {  # T (K): {p (MPa): mPa s}; open repository erichuang384/4YR; 338 K and above: Schmidt et al. 2015
@@ -108,10 +102,7 @@ def test_viscosity_of_squalane(T):
     for p, measured in VISCOSITY[T].items():
         found = 1e3 * oil.eta0 * float(oil.viscosity_law.viscosity(p * 1e6))
         assert found == pytest.approx(measured, rel=0.025 if p < 2 else 0.12)
-
-
-def test_viscosity_of_squalane_beyond_its_two_points():
-    """2.432 mPa s at 388.13 K and 0.89 MPa, 1.68 at 413.24 K and 0.61 MPa; 27.6 at 298 K (Liu et al. 2023)."""
+    # 2.432 mPa s at 388.13 K and 0.89 MPa, 1.68 at 413.24 K and 0.61 MPa; 27.6 at 298 K (Liu et al. 2023).
     for T, measured in {298.15: 27.6, 388.13: 2.432, 413.0: 1.68}.items():
         assert 1e3 * SQUALANE.viscosity_at(T) == pytest.approx(measured, rel=0.03)
 
@@ -123,13 +114,6 @@ def test_density_of_squalane(T):
     law = SQUALANE.pressure_laws_at(T).density
     assert not isinstance(law, str)
     assert law.density(45e6) == pytest.approx(compressed / ambient, rel=0.0015)
-
-
-def test_what_a_source_gives_and_what_it_does_not():
-    assert (SQUALANE.shear.data.G, SQUALANE.shear.data.n) == (6e6, 0.42)
-    assert SQUALANE.limiting_stress is None
-    assert oils.get("pao-100").limiting_stress.data.Lambda == 0.035
-    assert oils.get("pao-100").thermal is None
 
 
 @pytest.mark.parametrize(
@@ -144,9 +128,6 @@ def test_the_viscosity_in_the_law_of_arana_et_al(name, C, D, K, off):
     """K exp(C/(D + T)) against the viscosities that they measured: as the notes of these oils say."""
     for T, expected in zip((313.15, 373.15), off, strict=True):
         assert K * np.exp(C / (D + T)) / oils.get(name).viscosity_at(T) - 1 == pytest.approx(expected, abs=0.006)
-
-
-# -- materials --------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -169,9 +150,6 @@ def test_every_material_is_a_solid(material):
     assert 200 < thermal.heat_capacity < 1000
 
 
-# -- reading ----------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("text", "kelvin"), [("40 degC", 313.15), ("40degC", 313.15), ("-9.5 °C", 263.65), ("313.15 K", 313.15), (9, 9)]
 )
@@ -185,17 +163,12 @@ def test_no_temperatures(text):
         oils.parse_temperature(text)
 
 
-# -- data sheets ------------------------------------------------------------------------------------------------------
-
 SHEET = {"nu40": "68 mm^2/s", "nu100": "8.53 mm^2/s", "density": 882.0, "temperature": "40 degC"}
 
 
 def test_a_data_sheet_gives_the_oil_of_the_library_with_these_data():
     assert oils.data_sheet(**SHEET) == oils.at("iso-vg-68", "40 degC")
     assert oils.data_sheet(**SHEET | {"nu40": 68e-6, "nu100": "8.53 cSt"}) == oils.data_sheet(**SHEET)
-
-
-def test_a_data_sheet_with_a_known_alpha():
     oil = oils.data_sheet(**SHEET, alpha="20 / GPa", expansion="6.5e-4 / K", reference="Own oil 68")
     assert oil.alpha == 2e-8
     assert oil.reference.startswith("Own oil 68 at 40 degC") and oil.reference.endswith("alpha as given.")
@@ -216,8 +189,6 @@ def test_what_a_data_sheet_cannot_have(change, message):
     with pytest.raises(ConfigError, match=f"^{message}"):
         oils.data_sheet(**SHEET | change)
 
-
-# -- own oils ----------------------------------------------------------------------------------------------------------
 
 GEAR = '[gear]\nreference = "sheet of 2024"\nnu40 = "68 mm^2/s"\nnu100 = "8.7 mm^2/s"\ndensity = "880 kg/m^3"\n'
 MEASURED = """

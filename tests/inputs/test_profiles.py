@@ -107,11 +107,16 @@ def test_gaps_are_filled_by_straight_lines_and_counted(tmp_path) -> None:
     ]
 
 
-def test_a_profile_that_is_shorter_than_the_contact_is_noticed(tmp_path) -> None:
+def test_a_profile_that_is_shorter_than_the_contact_is_noticed(tmp_path, caplog) -> None:
     write(tmp_path / "stylus.asc", 1e6 * LENGTH * PLACES, 1e6 * WAVE)
     short = case_warnings(case(tmp_path, file="stylus.asc", unit="um", length_x="300 um"))
     assert any("the profile is smaller than the contact (without its taper 1.6 a, the contact 2 a)" in s for s in short)
     assert not any("the profile is" in s for s in case_warnings(case(tmp_path, file="stylus.asc", unit="um")))
+    # Some readers log all bytes of a file.
+    (tmp_path / "stylus.txt").write_bytes(bytes(range(256)) * 20)
+    with pytest.raises(ConfigError, match="SurfaceTopography cannot read it"):
+        profile(tmp_path, file="stylus.txt")
+    assert caplog.text == ""
 
 
 def test_a_profile_and_a_map_have_their_contacts(tmp_path) -> None:
@@ -141,14 +146,6 @@ def test_what_is_wrong_is_said(tmp_path, table, message) -> None:
     write(tmp_path / "stylus.asc", 1e6 * LENGTH * PLACES, 1e6 * WAVE)
     with pytest.raises(ConfigError, match=f"^{message}"):
         profile(tmp_path, file="stylus.asc", **table)
-
-
-def test_a_file_that_no_reader_knows_is_not_shown(tmp_path, caplog) -> None:
-    """Some readers log all bytes of a file."""
-    (tmp_path / "stylus.txt").write_bytes(bytes(range(256)) * 20)
-    with pytest.raises(ConfigError, match="SurfaceTopography cannot read it"):
-        profile(tmp_path, file="stylus.txt")
-    assert caplog.text == ""
 
 
 def test_a_case_with_a_profile_comes_back_and_its_digest_is_that_of_the_heights(tmp_path) -> None:

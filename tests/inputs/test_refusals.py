@@ -13,6 +13,7 @@ from app_runs import refused
 from cases import SHEET
 
 import ertel
+from ertel.case.records import show
 from ertel.inputs.case_files import ConfigError, load_case, parse_case
 
 TABLE = tomllib.loads((Path(__file__).parents[1] / "data" / "refusals.toml").read_text(encoding="utf-8"))
@@ -75,6 +76,9 @@ def test_messages_stay_short_and_printable() -> None:
         for value in (*HOSTILE, date(2020, 1, 1)):
             table = {**TABLE["cases"]["moes"].get(section, {}), key: value} if key else value
             assert message({**TABLE["cases"]["moes"], section: table}).startswith(section)
+    for key in ("<number>", "<points>", "<table>", "<name>", "", "a.b", "two\nlines", "k" * 10**6):
+        for place, data in (("", {key: 1}), ("solver.", {"solver": {key: 1}})):
+            assert message({**TABLE["cases"]["moes"], **data}).startswith(f"{place}{show(key)} = 1: unknown key")
     for sheet in ({"k" * 3000: 1.0}, {"nu40": 10**400}):
         data = changed("bodies", {"lubricant": {"oil": SHEET | sheet, "temperature": "60 degC"}})
         assert message(data).startswith("lubricant.oil.")

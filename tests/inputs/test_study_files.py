@@ -29,6 +29,13 @@ def test_a_product_combines_all_values():
     study = parse_study(moes(M=[100, 300], L=[5, 10, 20]))
     assert shape(study) == (2, 3) and [axis.field for axis in study.axes] == ["contact.M", "contact.L"]
     assert pairs(study) == [(100, 5), (100, 10), (100, 20), (300, 5), (300, 10), (300, 20)]
+    study = parse_study({**moes(), "solver": {"method": "radial", "nodes": "101:301:3"}})
+    assert [case.solver.nodes for case in study.cases] == [101, 201, 301]
+    study = parse_study({**moes(M="100:300:2"), "lubricant": {"reference": "40:60 blend of two oils"}})
+    assert [axis.field for axis in study.axes] == ["contact.M"]
+    data = {**moes(), "lubricant": {"viscosity": ["roelands", "barus"]}, "time": {"until": [0.5, "max-approach"]}}
+    found = coordinates(parse_study(data))
+    assert found["viscosity"][0] == ["roelands", "barus"] and found["until"][0] == ["0.5", "max-approach"]
 
 
 @pytest.mark.parametrize(("M", "L"), [([100, 300], [5, 20]), ([100, 100, 300], [5, 20, 5])])
@@ -48,16 +55,6 @@ def test_a_zip_takes_the_values_side_by_side(M, L):
 )
 def test_ranges(ends, values):
     assert [case.contact.M for case in parse_study(moes(M=ends)).cases] == values
-
-
-def test_a_text_is_no_range():
-    study = parse_study({**moes(M="100:300:2"), "lubricant": {"reference": "40:60 blend of two oils"}})
-    assert [axis.field for axis in study.axes] == ["contact.M"]
-
-
-def test_whole_numbers_stay_whole():
-    study = parse_study({**moes(), "solver": {"method": "radial", "nodes": "101:301:3"}})
-    assert [case.solver.nodes for case in study.cases] == [101, 201, 301]
 
 
 @pytest.mark.parametrize("speeds", ["100 mm/s:200 mm/s:2", "100:200 mm/s:2", "100 mm/s:200:2"])
@@ -91,21 +88,12 @@ def test_the_points_of_a_signal_are_one_value():
     study = parse_study({**rolling, "motion": {"load": [rises, falls, 1.5]}})
     assert shape(study) == (2, 3) and study.cases[1].motion.load(1.0) == 0.5
     assert coordinates(study)["load"][0] == ["[[0, 1], [1, 2]]", "[[0, 1], [1, 0.5]]", "1.5"]
-
-
-def test_the_points_of_a_track_are_one_value():
-    """Thicknesses in a list vary, and so do tracks."""
+    # Thicknesses in a list vary, and so do tracks.
     rolling = {"contact": {"kind": "rolling", "M": [100, 200], "L": 10}}
     thin, thick = [[-1, 0.05], [1, 0.1]], [[-1, 0.1], [1, 0.2]]
     assert shape(parse_study({**rolling, "lubricant": {"layer": thin}})) == (2,)
     for layers in ([0.05, 0.1], [thin, thick], [0.05, thick]):
         assert shape(parse_study({**rolling, "lubricant": {"layer": layers}})) == (2, 2)
-
-
-def test_names_and_events_are_texts():
-    data = {**moes(), "lubricant": {"viscosity": ["roelands", "barus"]}, "time": {"until": [0.5, "max-approach"]}}
-    found = coordinates(parse_study(data))
-    assert found["viscosity"][0] == ["roelands", "barus"] and found["until"][0] == ["0.5", "max-approach"]
 
 
 def test_a_file_with_overrides(tmp_path):
@@ -149,9 +137,6 @@ def test_other_units_at_the_ends_are_refused():
 def test_a_wrong_section_is_named(sweep, message):
     with pytest.raises(ConfigError, match=message):
         parse_study({**moes(M=[100, 200], L=[5, 10, 20]), "sweep": sweep})
-
-
-# -- many values ------------------------------------------------------------------------------------------------------
 
 
 def test_each_value_is_not_compared_with_all_others():

@@ -20,8 +20,6 @@ from ertel.physics.lubricant import DENSITY_PRESSURE, P0_ROELANDS
 from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, SHAPES, VISCOSITY_LAWS
 from ertel.physics.units import STRESS, Unit, marks, meanings
 
-# -- the table of all keys ---------------------------------------------------------------------------------------------
-
 PAGE = Path(__file__).parents[2] / "examples" / "README.md"
 REGISTRIES = VISCOSITY_LAWS, DENSITY_LAWS, FLUIDITY_LAWS, SHAPES
 # of tests that were imported before: their authors explain nothing
@@ -45,16 +43,13 @@ def test_the_table_of_the_documents_is_the_printed_one():
 def test_the_table_has_all_sections():
     sections = {title.strip("[]") for title in PLACES if title.startswith("[")}
     assert sections == set(case.KEYS) - {"name", "schema"}
+    assert {item.name for item in fields(DataSheet)} == signature(oils.data_sheet).parameters.keys() - {"temperature"}
 
 
 @pytest.mark.parametrize("title", EXPLAINED)
 def test_every_key_is_explained(title):
     """A new field of a record needs a `Meaning`."""
     assert [found.name for found in PLACES[title].keys if not found.meaning.text] == []
-
-
-def test_keys_of_a_data_sheet():
-    assert {item.name for item in fields(DataSheet)} == signature(oils.data_sheet).parameters.keys() - {"temperature"}
 
 
 @pytest.mark.parametrize(
@@ -95,8 +90,6 @@ def test_examples_can_be_read(name):
 def test_defaults_that_are_quantities(place, name, value):
     assert parse_quantity(key(place, name).default.strip('"'), STRESS) == value
 
-
-# -- the JSON schema ---------------------------------------------------------------------------------------------------
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
 SCHEMA = json_schema()
