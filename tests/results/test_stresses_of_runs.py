@@ -121,37 +121,25 @@ def test_a_line_has_one_section_and_no_load_no_stress(line: ertel.Result) -> Non
         stress(parse_case(MOES_FALLS), data.assign(P=0.0 * data["P"]))
 
 
-# -- in the summary ----------------------------------------------------------------------------------------------------
-
-
-def test_the_summary_compares_it_with_the_yield_stress() -> None:
+def test_the_summary_compares_it_with_the_yield_stress(line: ertel.Result) -> None:
     """Hardened steel of 6.84 GPa yields at a third of it."""
     solved = solutions(STEEL)
     summary = with_case_warnings(STEEL, steady_summary(STEEL, solved, {}, Status.CONVERGED))
     p_h = STEEL.scales.p_h
     assert summary["si"]["von_mises_max_Pa"] == pytest.approx(0.62 * p_h, rel=0.01)
     assert summary["yield_ratio"] == pytest.approx(0.62 * p_h / (6.84e9 / 3), rel=0.01)
-    (line,) = (each for each in numbers.lines(summary) if "von Mises" in each)
-    assert "of the yield stress" in line and "µm deep at x = 0 m, y = 0 m; largest shear stress" in line
+    (told,) = (each for each in numbers.lines(summary) if "von Mises" in each)
+    assert "of the yield stress" in told and "µm deep at x = 0 m, y = 0 m; largest shear stress" in told
     table = numbers.scalars(summary)
     assert table["z_von_mises"].value == pytest.approx(0.48 * STEEL.scales.a, rel=0.02)
     assert table["shear_max"].unit == "Pa"
     other = replace(STEEL, contact=replace(STEEL.contact, E1=70e9))
     assert "yield_ratio" not in with_case_warnings(other, steady_summary(other, solved, {}, Status.CONVERGED))
-
-
-def test_a_run_that_has_not_finished_has_none() -> None:
     summary = steady_summary(STEEL, solutions(STEEL), {}, Status.INTERRUPTED)
     assert "von_mises_max" not in summary and not any("von Mises" in each for each in numbers.lines(summary))
-
-
-def test_a_line_says_it_without_y(line: ertel.Result) -> None:
     assert line.summary["von_mises_max"] == pytest.approx(0.558, rel=0.05)
     assert line.summary["Z_shear"] == pytest.approx(0.786, rel=0.1)
     assert "von Mises stress in body 1" in repr(line) and "y = " not in repr(line)
-
-
-# -- pictures and files ------------------------------------------------------------------------------------------------
 
 
 def test_the_picture_marks_the_largest_stress(ball: xr.Dataset, line: ertel.Result) -> None:
