@@ -104,7 +104,7 @@ def test_every_figure_of_every_kind_of_run(runs, kind):
     if "line" in kind:
         assert not {*FIGURES_OF_MAPS, "interferogram"} & {*figures_of(data)}
         for draw in (plots.interferogram, plots.animation, plots.movie):
-            with pytest.raises(plots.NoFigure, match="a line contact has no maps|a steady contact does not move"):
+            with pytest.raises(plots.NoFigure, match=r"a line contact has no maps|a steady contact does not move"):
                 draw(data, **({} if draw is plots.movie else {"film_scale": 1e-6}))
 
 
@@ -161,7 +161,7 @@ def test_error_bars_are_those_of_the_summary(layer):
 
 
 def test_the_numbers_of_a_steady_contact(runs):
-    """Film and pressure along the flow, over the dry one; temperatures from surface 2 at zero to surface 1 on the film."""
+    """Film and pressure along the flow, over the dry one; temperatures from surface 2 to surface 1."""
     data = runs["steady"]
     along, _ = panels(plots.midlines(data))
     film, x = data["H"].values[64] * C1.film * 1e9, data["X"].values

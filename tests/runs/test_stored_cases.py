@@ -49,9 +49,6 @@ def resumed(case: ertel.Case, directory: Path, steps: int) -> ertel.Result:
     return ertel.open(directory)
 
 
-# -- laws and shapes of one's own -------------------------------------------------------------------------------------
-
-
 OWN = """
 [contact]
 M = 200
