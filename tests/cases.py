@@ -33,6 +33,7 @@ from ertel.runs.drive import drive
 from ertel.runs.stepping import Step, TransientRun
 from ertel.solvers.steady import Rolling
 
+REFUSALS = tomllib.loads((Path(__file__).parent / "data" / "refusals.toml").read_text(encoding="utf-8"))
 OIL = Oil()  # where the laws do not matter: others on the same grid are programs of their own, five seconds each
 ISOVISCOUS = Oil(viscosity="isoviscous", density="incompressible")
 BARUS = Oil(viscosity="barus", density="incompressible")

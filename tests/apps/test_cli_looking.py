@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from app_runs import given, refused
-from cases import SMALL_IMPACT, ertel_
+from cases import REFUSALS, SMALL_IMPACT, ertel_
 from made_up import BALL_FALLS, dry_impact
 from matplotlib.figure import Figure
 from PIL import Image
@@ -234,26 +234,7 @@ def test_a_profile_is_exported_and_compared_with_its_run(runs, tmp_path):
     assert seen.stdout == f"{tmp_path / 'profiles.png'}\n"
 
 
-@pytest.mark.parametrize(
-    ("command", "said"),
-    [
-        ("compare plane film.csv", "it has 'place', 'film'"),
-        ("compare plane plane/case.toml", "case.toml is not a file of columns; for a run give its directory"),
-        ("compare plane film.csv --coatings gold", "coatings = 'gold': allowed: chromium, silica"),
-        ("compare plane plane --at 1", "--at: only for a measurement"),
-        ("export plane --along y", "--along y: only for --what profile"),
-        ("export below/radial --to vtk", "ParaView: a radial run has profiles only; use netcdf or csv"),
-        ("export below/moes --to csv --si", "the case is dimensionless"),
-        ("report film.csv", "film.csv is not the directory of a run, a study or a fit"),
-        ("report plane -o page.docx", "--out page.docx: must end with .pdf, .png or .svg"),
-        ("fringes film.csv --pixel 1um", 'frame = "film.csv": is not a PNG or TIFF picture'),
-        ("fringes none.png --pixel 1um", 'frame = "none.png": cannot be read'),
-        ("fringes nan.tif --pixel 1um", 'frame = "nan.tif": has pixels that are no finite numbers'),
-        ("fringes bomb.png --pixel 1um", 'frame = "bomb.png": has too many pixels; must have at most 50 million'),
-        ("fringes film.csv --pixel 1kg", "is not a PNG or TIFF picture"),
-        ("show plane --sigma 1nm,2nm,3nm", "--sigma 1nm,2nm,3nm: must be one"),
-    ],
-)
+@pytest.mark.parametrize(("command", "said"), REFUSALS["commands"], ids=str)
 def test_refused(runs, monkeypatch, command, said):
     monkeypatch.chdir(runs)
     (runs / "film.csv").write_text("place,film\n1,2\n")

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 import tomli_w
+from cases import REFUSALS
 
 from ertel.case.case import Case
 from ertel.case.height_map import HeightMap, Measured
@@ -124,29 +125,7 @@ def test_gaps_are_filled_from_their_rims(tmp_path) -> None:
     np.testing.assert_allclose(found, smooth, atol=1e-14)
 
 
-@pytest.mark.parametrize(
-    ("table", "message"),
-    [
-        ({"file": "nothing.al3d"}, 'roughness[1].file = "nothing.al3d": cannot be read'),
-        ({"file": "broken.al3d"}, 'roughness[1].file = "broken.al3d": SurfaceTopography cannot'),
-        ({"file": "broken.npy"}, 'roughness[1].file = "broken.npy": is not an array of numbers'),
-        (
-            {"file": "line.npy", "unit": "m", "length_x": "1 mm", "y": 0.1},
-            "roughness[1].y = 0.1: a profile is the same",
-        ),
-        (
-            {"file": "disc.nc", "spacing": "1 um"},
-            'roughness[1].spacing = "1e-06 m": the file has lengths; leave it out',
-        ),
-        ({"file": "disc.nc", "channel": "Phase"}, 'roughness[1].channel = "Phase": the file has "Default"'),
-        ({"file": "disc.nc", "unit": "nm"}, 'roughness[1].unit = "nm": the file says µm'),
-        ({"file": "disc.nc", "detrend": "sphere"}, 'roughness[1].detrend = "sphere": allowed: '),
-        ({"file": "disc.nc", "taper": "300 um"}, "roughness[1].taper = "),
-        ({"file": "disc.npy"}, "roughness[1].length_x: missing; the file does not say"),
-        ({"file": "disc.npy", "length_x": "1 mm"}, "roughness[1].unit: missing; the file does not say"),
-        ({"file": "holes.nc"}, 'roughness[1].file = "holes.nc": 60% of its points are gaps; at most 50%'),
-    ],
-)
+@pytest.mark.parametrize(("table", "message"), REFUSALS["maps"], ids=str)
 def test_what_is_wrong_is_said(tmp_path, table, message) -> None:
     written(tmp_path / "disc.nc", WAVE)
     written(tmp_path / "holes.nc", holed(slice(12), slice(None)))

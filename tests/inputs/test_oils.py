@@ -4,6 +4,7 @@ import tomllib
 
 import numpy as np
 import pytest
+from cases import REFUSALS
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -175,16 +176,7 @@ def test_a_data_sheet_gives_the_oil_of_the_library_with_these_data():
     assert oil.eta0 == pytest.approx(68e-6 * 882 * np.exp(-0.01625 * 1.013), rel=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"temperature": "160 degC"}, 'temperature = "160 degC": must be between 0 degC and 150 degC'),
-        ({"temperature": "40"}, 'temperature = "40": must be a temperature with its unit, "40 degC"'),
-        ({"nu40": 68}, r"nu40 = 6.8e\+07 mm\^2/s and nu100 = 8.53 mm\^2/s: must be nu40 > nu100 >= 2 mm\^2/s; write"),
-        ({"nu40": "200 mm^2/s"}, "nu40 = 200 mm.* their slope by ASTM D341 is 4.96; So and .* give alpha$"),
-        ({"alpha": -1e-8}, "alpha = -1e-08: must be a quantity above zero"),
-    ],
-)
+@pytest.mark.parametrize(("change", "message"), REFUSALS["data_sheets"], ids=str)
 def test_what_a_data_sheet_cannot_have(change, message):
     with pytest.raises(ConfigError, match=f"^{message}"):
         oils.data_sheet(**SHEET | change)

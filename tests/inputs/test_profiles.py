@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cases import REFUSALS
 
 from ertel.case.case import Case
 from ertel.case.height_map import HeightMap, Measured
@@ -134,14 +135,7 @@ def test_a_profile_and_a_map_have_their_contacts(tmp_path) -> None:
         case(tmp_path, file="map.npy", unit="m", spacing="2 um")
 
 
-@pytest.mark.parametrize(
-    ("table", "message"),
-    [
-        ({"unit": "um", "y": "1 um"}, r"roughness\[1\].y = 1e-06 m: a profile is the same at all y; leave it out"),
-        ({"unit": "um", "spacing": "1 um"}, r"roughness\[1\].spacing = .*: the file has lengths; leave it out"),
-        ({"unit": "um", "taper": "400 um"}, r"roughness\[1\].taper = .*: must be at most half of the shorter side"),
-    ],
-)
+@pytest.mark.parametrize(("table", "message"), REFUSALS["profiles"], ids=str)
 def test_what_is_wrong_is_said(tmp_path, table, message) -> None:
     write(tmp_path / "stylus.asc", 1e6 * LENGTH * PLACES, 1e6 * WAVE)
     with pytest.raises(ConfigError, match=f"^{message}"):

@@ -1,7 +1,6 @@
 """A wrong case is refused in one short line that begins with the place; data/refusals.toml has the cases."""
 
 import re
-import tomllib
 from datetime import date
 from pathlib import Path
 from typing import Any
@@ -10,20 +9,19 @@ import numpy as np
 import pytest
 import tomli_w
 from app_runs import refused
-from cases import SHEET
+from cases import REFUSALS, SHEET
 
 import ertel
 from ertel.case.records import show
 from ertel.inputs.case_files import ConfigError, load_case, parse_case
 
-TABLE = tomllib.loads((Path(__file__).parents[1] / "data" / "refusals.toml").read_text(encoding="utf-8"))
-REFUSED = [row for rows in TABLE["refused"].values() for row in rows]
+REFUSED = [row for rows in REFUSALS["refused"].values() for row in rows]
 Data = dict[str, Any]
 
 
 def changed(base: str, changes: Data) -> Data:
     """A case of the table with these changes; "-" takes a key away."""
-    made = dict(TABLE["cases"][base])
+    made = dict(REFUSALS["cases"][base])
     for name, change in changes.items():
         old = made.get(name, {})
         made[name] = {**old, **change} if isinstance(change, dict) and isinstance(old, dict) else change
@@ -51,7 +49,7 @@ def test_place_and_remedy_are_named(place: str, word: str, base: str, changes: D
 def test_the_same_sentence_at_every_entrance(tmp_path: Path) -> None:
     """Of a mapping, a file, a run in Python and the commands, which write nothing."""
     file = tmp_path / "case.toml"
-    for base, changes, expected in TABLE["golden"]["messages"]:
+    for base, changes, expected in REFUSALS["golden"]["messages"]:
         data = changed(base, changes)
         file.write_text(tomli_w.dumps(data))
         for entrance in (parse_case, ertel.simulate, lambda given: ertel.run(given, tmp_path / "run")):
@@ -74,11 +72,11 @@ def test_messages_stay_short_and_printable() -> None:
     for place in PLACES.split():
         section, _, key = place.partition(".")
         for value in (*HOSTILE, date(2020, 1, 1)):
-            table = {**TABLE["cases"]["moes"].get(section, {}), key: value} if key else value
-            assert message({**TABLE["cases"]["moes"], section: table}).startswith(section)
+            table = {**REFUSALS["cases"]["moes"].get(section, {}), key: value} if key else value
+            assert message({**REFUSALS["cases"]["moes"], section: table}).startswith(section)
     for key in ("<number>", "<points>", "<table>", "<name>", "", "a.b", "two\nlines", "k" * 10**6):
         for place, data in (("", {key: 1}), ("solver.", {"solver": {key: 1}})):
-            assert message({**TABLE["cases"]["moes"], **data}).startswith(f"{place}{show(key)} = 1: unknown key")
+            assert message({**REFUSALS["cases"]["moes"], **data}).startswith(f"{place}{show(key)} = 1: unknown key")
     for sheet in ({"k" * 3000: 1.0}, {"nu40": 10**400}):
         data = changed("bodies", {"lubricant": {"oil": SHEET | sheet, "temperature": "60 degC"}})
         assert message(data).startswith("lubricant.oil.")

@@ -1,7 +1,7 @@
 """Studies: which values vary, in which order, and what is refused."""
 
 import pytest
-from cases import BALL
+from cases import BALL, REFUSALS
 
 from ertel.case.records import ConfigError
 from ertel.inputs.studies import coordinates, load_study, parse_study
@@ -103,19 +103,7 @@ def test_a_file_with_overrides(tmp_path):
     assert shape(load_study(file, ["contact.L=[5, 10, 20]"])) == (2, 3)
 
 
-@pytest.mark.parametrize(
-    ("contact", "message"),
-    [
-        ({}, "the study has one case only: give a list"),
-        ({"M": {"start": 1, "stop": 2, "number": 3}}, "^contact.M = .*: must be a number"),
-        ({"M": [100, 100.0]}, r"^contact.M = \[100, 100.0\]: the values must differ from each other"),
-        ({"M": [100, -1]}, r"^contact.M = -1: must be .* \(in the case with contact.M = -1\)"),
-        ({"M": "1:2:1"}, '^contact.M = "1:2:1": .*a whole number from 2 to 1000$'),
-        ({"M": "1:inf:3"}, '"inf" must be a finite number, with or without a unit'),
-        ({"M": "1:2:1000", "L": "1:2:11"}, "has 11000 cases"),
-        ({"M": {"from": 1, "to": "2", "number": 3, "spacing": "log"}}, '^contact.M = .*: write a range as "1:2:3:log"'),
-    ],
-)
+@pytest.mark.parametrize(("contact", "message"), REFUSALS["study_values"], ids=str)
 def test_wrong_values_are_named(contact, message):
     with pytest.raises(ConfigError, match=message):
         parse_study(moes(**contact))
@@ -126,14 +114,7 @@ def test_other_units_at_the_ends_are_refused():
         parse_study(ball("1 mm/s:1 m/s:2"))
 
 
-@pytest.mark.parametrize(
-    ("sweep", "message"),
-    [
-        ({"mode": "grid"}, '^sweep.mode = "grid": allowed: .product. or .zip.'),
-        ("zip", r'^sweep = "zip": must be a section, \[sweep\]'),
-        ({"mode": "zip"}, '^sweep.mode = "zip": all must have equally many .* contact.M 2, contact.L 3'),
-    ],
-)
+@pytest.mark.parametrize(("sweep", "message"), REFUSALS["study_sections"], ids=str)
 def test_a_wrong_section_is_named(sweep, message):
     with pytest.raises(ConfigError, match=message):
         parse_study({**moes(M=[100, 200], L=[5, 10, 20]), "sweep": sweep})

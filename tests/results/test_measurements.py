@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
+from cases import REFUSALS
 from made_up import BALL_FALLS, BALL_ROLLS, C1, MOES_FALLS, dry_impact, in_time
 
 import ertel
@@ -197,39 +198,7 @@ def test_a_history_with_its_standard_errors(written, tmp_path):
     assert str(error.value) == f"nothing.csv: not a file in {tmp_path}"
 
 
-@pytest.mark.parametrize(
-    ("text", "given", "message"),
-    [
-        ("x_um,Film\n1,2\n", {}, "film.csv: has no quantity such as h; it has 'x_um', 'Film'"),
-        ("x,h_nm\n1,2\n3,4\n", {}, "column 'x' has no unit; write x_m in the header"),
-        ("1,2\n3,4\n", {}, "has 2 columns without a header"),
-        ("x_um,h_kg\n1,2\n3,4\n", {}, "column 'h' in 'kg': has the wrong dimension"),
-        ("x_um,h_nm,h_mm\n1,2,3\n", {}, "say which one is h"),
-        ("x_um,h_nm\n1,2\n3,4,5\n", {}, "line 3 has 3 columns and the first has 2"),
-        ("1,2\n3,4\n", {}, "has 2 columns without a header"),
-        ("x_um;h_nm\n1.000,5;2\n3;4\n", {}, "film.csv: line 2: '1.000,5' is no unit, and the line is no row of"),
-        ("x_um,h_nm\n1,2\nend of data\n", {}, "line 3 has 1 columns and the first has 2; remove a line that is no"),
-        ("x_px,h_nm\n1,2\n2,3\n", {}, "column 'x' in 'px': is in pixels; give the size of one as its unit"),
-        ("PK\x03\x04 of a spreadsheet\n", {}, "film.csv: is not a text; export it as one, such as CSV"),
-        ("\0\0\0\0\0\n", {}, "film.csv: is not a text"),
-        ("x_um,h_nm\n1,2\n", {"h": "film=nm"}, "has no column 'film'; it has 'x_um', 'h_nm'"),
-        ("x_um,h_nm\n1,2\n", {"film": "nm"}, "film: must be the name of a place, a time or a result"),
-        ("x_um,h_nm\n1,2\n", {"allign": "um"}, "allign: did you mean align?"),
-        ("# rig 2\nx_um,h_nm\n\n1,2\n2,-3\n", {}, "film.csv, line 5: h = -3 nm: must not be below zero; its zero may"),
-        ("x_um,h_nm\n1,2\n2,3\n", {"align": "index"}, "index = None: must be the index with which film.csv"),
-        (
-            "x_um,intensity\n1,2\n2,3\n",
-            {"align": "ofset"},
-            "align = 'ofset': allowed: start, centre, tilt, index, gain,",
-        ),
-        ("x_um,h_nm\n1,2\n2,3\n", {"align": "ofset"}, "align = 'ofset': did you mean offset?"),
-        ("x_um,h_nm\n1,2\n2,3\n", {"align": ["zoom"]}, "align = 'zoom': allowed: start, centre, offset, tilt, index"),
-        ("x_um,T\n1,2\n", {}, "has no quantity such as h; it has 'x_um', 'T'; give h=\"NAME\""),
-        ("x_um,h_nm\n1,nan\n", {}, "film.csv: has 0 values; must be at least one row without a gap"),
-        ("x_um,h_nm,sigma\n1,2,0\n", {}, "film.csv: sigma has 0 (in SI); must be finite and above zero"),
-        ("t_us,h_c_nm\n1,2\n", {"at": "1 us"}, "at = '1 us': film.csv is a history, without a moment"),
-    ],
-)
+@pytest.mark.parametrize(("text", "given", "message"), REFUSALS["measured_files"], ids=str)
 def test_files_that_say_too_little(written, text, given, message):
     with pytest.raises(ValueError) as error:
         Measurement.read(written(text), **given)

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from cases import REFUSALS
 from made_up import BALL_FALLS, BALL_ROLLS, C1, MOES_FALLS, dry_impact, solutions, steady
 from typer.testing import CliRunner
 
@@ -97,17 +98,7 @@ def test_a_run_in_time_has_them_at_its_moment(radial: bool) -> None:
     assert stress_numbers(case, data.isel(frame=-1).assign(P=0.0 * data["P"][-1])) == {}
 
 
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        ({"body": 3}, "body = 3: must be 1 or 2"),
-        ({"along": "z"}, "along = 'z': must be"),
-        ({"depths": [-1e-6]}, "depths = .*must be from 0 to 0.00"),
-        ({"depths": ["5 mm"]}, "the shorter side of the grid"),
-        ({"depths": "3 kg"}, "depths = '3 kg'"),
-        ({"at": 1.0}, "a steady contact has no moments"),
-    ],
-)
+@pytest.mark.parametrize(("given", "message"), REFUSALS["stresses"], ids=str)
 def test_what_is_not_there_is_refused(ball: xr.Dataset, given: dict, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         stress(STEEL, ball, **given)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import tomli_w
 import xarray as xr
-from cases import SMALL
+from cases import REFUSALS, SMALL
 from made_up import BALL_FALLS, dry_impact
 
 import ertel
@@ -177,21 +177,7 @@ def test_runs_that_fail_are_stepped_back_from_or_said() -> None:
         fitted(*exact, runner=fails_later)
 
 
-@pytest.mark.parametrize(
-    ("unknowns", "sentence"),
-    [
-        ({"lubricant.eta": ("5 mPa*s", "1 Pa*s")}, r"lubricant.eta = .*unknown key; did you mean eta0"),
-        ({"lubricant.eta0": {"prior": ["1 Pa*s", "1 Pa*s"]}}, r"unknowns.lubricant.eta0 = .*bounds must be two"),
-        ({"lubricant.eta0": ("1 Pa*s", "5 mPa*s")}, r"eta0 = .*the smaller one first"),
-        ({"lubricant.eta0": ("5 mPa", "1 Pa*s")}, r"lubricant.eta0 = .*5 mPa.*wrong dimension"),
-        ({"lubricant.viscosity": ("barus", "roelands")}, r'unknowns.lubricant.viscosity = "barus": must be a number'),
-        ({"lubricant.eta0": {"bounds": ["5 mPa*s", "1 Pa*s"], "prior": "1"}}, r"unknowns.lubricant.eta0.prior = "),
-        ({"lubricant.eta0": {"bounds": ["5 mPa*s", "1 Pa*s"], "sigma": 1}}, r"eta0.sigma = 1: unknown key"),
-        ({"solver.tolerance": (1e-8, 1e-3)}, r"unknowns.solver.tolerance: belongs to the computation"),
-        (UNKNOWNS, r"unknowns: 2 unknowns, but only 1 data"),
-        ([], r"unknowns = \[\]: must be paths with their bounds"),
-    ],
-)
+@pytest.mark.parametrize(("unknowns", "sentence"), REFUSALS["unknowns"], ids=str)
 def test_unknowns_that_are_refused(unknowns: Any, sentence: str) -> None:
     with pytest.raises(ConfigError, match=sentence):
         fit_problem(CASE, measured(FILM), unknowns)
