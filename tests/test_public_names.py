@@ -83,8 +83,6 @@ def test_what_takes_long_to_import_comes_when_it_is_needed(code, heavy, tmp_path
     assert "memory" in printed or "check" not in code
 
 
-# -- warnings reach whoever runs a case -------------------------------------------------------------------------------
-
 SMALL = {"M": 200, "L": 10, "nodes": 33, "time_tolerance": 0.01, "until": 1.4}
 FRONT = "the film is not resolved at the front"
 

@@ -154,11 +154,6 @@ WRONG = [
 ]
 
 
-@pytest.mark.parametrize(("place", "value"), RIGHT, ids=str)
-def test_what_is_right(place, value):
-    assert complaints(place, value) == []
-
-
-@pytest.mark.parametrize(("place", "value"), WRONG, ids=str)
-def test_what_is_wrong(place, value):
-    assert complaints(place, value)
+@pytest.mark.parametrize(("place", "value"), [*RIGHT, *WRONG], ids=str)
+def test_what_is_right_and_what_is_wrong(place, value):
+    assert (complaints(place, value) == []) == ((place, value) in RIGHT)
