@@ -135,9 +135,6 @@ def test_a_part_gathers_nothing(here):
     assert ertel_(*SWEEP, "--out", "study").stderr == "2 runs, 1 of them to do\n"
     (here / "study/notes.txt").write_text("mine")
     ertel_(*SWEEP, "-q", "--out", "study")
-
-
-def test_runs_that_fail_are_named_and_the_others_go_on(here):
     ertel_(*SWEEP, "-q")
     broken = sorted((here / "sweeps/loads/runs").iterdir())[0]
     (broken / "case.toml").write_text("[contact]\nM = 1\nL = 1\n")

@@ -36,6 +36,10 @@ def test_the_name_and_where_the_oils_data_come_from_change_no_result() -> None:
     other = impact(oil=replace(OIL, reference="another"), name="two")
     assert case == other
     assert case.digest == other.digest
+    # Not equal, but with the same law.
+    case = Case(Conditions(**BALL), oil=replace(OIL, viscosity="barus"))
+    other = replace(case, oil=replace(case.oil, viscosity=Barus(2.2e-8)))
+    assert case.lubricant == other.lubricant
 
 
 STEEL = {"E1": "2e11 Pa", "nu1": 0.3, "E2": "2e11 Pa", "nu2": 0.3}
@@ -114,13 +118,6 @@ def test_no_field_was_forgotten() -> None:
     assert impact().digest != rolling().digest
 
 
-def test_a_law_by_name_and_its_record_are_two_ways_of_saying() -> None:
-    """Not equal, but with the same law."""
-    case = Case(Conditions(**BALL), oil=replace(OIL, viscosity="barus"))
-    other = replace(case, oil=replace(case.oil, viscosity=Barus(2.2e-8)))
-    assert case.lubricant == other.lubricant
-
-
 @dataclass(frozen=True)
 class Nameless:
     width: Annotated[Amount, WIDTH] = 1.0
@@ -146,7 +143,7 @@ def test_what_has_no_name_cannot_be_written() -> None:
             Oil(**{law: Nameless()})
 
 
-def test_the_record_says_all_that_is_solved() -> None:
+def test_what_is_filled_in_and_what_follows() -> None:
     case = impact()
     assert case.time == Time(start_approach=-1.0, until="max-approach")
     assert case.output == Output()
@@ -154,27 +151,20 @@ def test_the_record_says_all_that_is_solved() -> None:
     assert case.motion == FREE_BALL
     assert case.schedule[:-1] == (-1.0, "max-approach", 5e-5, None, 0.1, None)
     assert case.schedule.contact_time == pytest.approx(2.943275)
-
-
-def test_a_steady_case_has_no_time() -> None:
     case = rolling()
     assert (case.time, case.output, case.is_steady, case.starts_apart) == (None, None, True, False)
     assert case.motion == STEADY_ROLLING
     with pytest.raises(ValueError, match="a steady contact has no time"):
         case.schedule  # noqa: B018
-
-
-def test_an_inlet_as_wide_as_the_half_is_a_centred_grid() -> None:
     centred = replace(METHODS["transient"].defaults, inlet=3.0)
     case = rolling("transient")
     assert replace(case, solver=centred) == replace(case, solver=replace(centred, inlet=None))
     assert Case.from_data(replace(case, solver=centred).to_data()).solver.inlet is None
-
-
-def test_derived_numbers() -> None:
     assert impact().on_half_grid().solver.nodes == 129  # twice the spacing
     assert impact().film_scale == pytest.approx((10 / 200) ** 0.5)
     assert rolling().film_scale == pytest.approx(0.0823, rel=0.1)
+    p = Parameters.from_moes(30.0, 5.0)
+    assert half_width({"lambda_bar": p.lambda_bar, "alpha_bar": p.alpha_bar}) == half_width({"M": 30, "L": 5}) > 2
 
 
 ROUGH = (Feature(Spot(0.3, 0.1)),)
@@ -234,8 +224,3 @@ def test_the_side_along_y_of_an_ellipse_reads_back(across: float | None) -> None
     solver = {"method": "transient"} | ({"half_width_y": across} if across else {})
     case = Case.from_data({"contact": contact, "solver": solver})
     assert Case.from_data(case.to_data()) == case
-
-
-def test_a_default_domain_depends_on_the_load_however_it_is_given() -> None:
-    p = Parameters.from_moes(30.0, 5.0)
-    assert half_width({"lambda_bar": p.lambda_bar, "alpha_bar": p.alpha_bar}) == half_width({"M": 30, "L": 5}) > 2

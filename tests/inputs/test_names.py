@@ -47,6 +47,11 @@ def test_python_and_case_files_mean_the_same():
     assert ertel.rolling(**named, temperature=313.15) == case
     assert ertel.rolling(**named, temperature=pint.UnitRegistry().Quantity(40.0, "degC")) == case
     assert ertel.rolling(**{**named, "oil": oils.at("squalane", "40 degC")}) == case
+    case = case_of(oil=SHEET, temperature="60 degC", alpha="20 / GPa")
+    same = oils.data_sheet("68 mm^2/s", "8.7 mm^2/s", 880.0, "60 degC")
+    assert case.oil.eta0 == same.eta0
+    assert case.oil.alpha == pytest.approx(20e-9, rel=1e-15)
+    assert parse_case(tomllib.loads(ertel.to_toml(case))) == case
 
 
 def test_given_values_win():
@@ -69,14 +74,6 @@ def test_a_given_alpha_wins_over_the_oils_own_pressure_law(given, law):
     assert (oil.viscosity, oil.alpha) == (law, 18e-9)
     assert oil.eta0 == oils.at("squalane", 313.15).eta0
     assert oil.reference.endswith("Given: alpha, viscosity." if given else "Given: alpha.")
-
-
-def test_an_oil_is_described_by_its_data_sheet():
-    case = case_of(oil=SHEET, temperature="60 degC", alpha="20 / GPa")
-    same = oils.data_sheet("68 mm^2/s", "8.7 mm^2/s", 880.0, "60 degC")
-    assert case.oil.eta0 == same.eta0
-    assert case.oil.alpha == pytest.approx(20e-9, rel=1e-15)
-    assert parse_case(tomllib.loads(ertel.to_toml(case))) == case
 
 
 ELASTIC = {"E_prime": "226 GPa"}

@@ -78,6 +78,9 @@ def test_a_key_of_a_section_is_refused_with_its_place():
         ertel.impact(conductivity=0.14)
     with pytest.raises(TypeError, match="'load': its load follows from mass and speed"):
         ertel.impact(load=20.0)
+    for text in (5, "5 kg", "x" * 10**6, "\x1b"):
+        with pytest.raises(ConfigError, match=r"^text = .*: must be a length or a time"):
+            ertel.quantity(text)
 
 
 def test_si_and_texts_with_units_are_the_same_case():
@@ -176,12 +179,6 @@ def test_a_wrong_or_absurd_oil_is_refused(given, said):
     assert message.startswith(said)
     assert len(message) < 450 and message.isprintable()
     assert any(word in message for word in ("allowed", "must be", "write for example"))
-
-
-def test_a_text_that_is_no_quantity_is_refused():
-    for text in (5, "5 kg", "x" * 10**6, "\x1b"):
-        with pytest.raises(ConfigError, match=r"^text = .*: must be a length or a time"):
-            ertel.quantity(text)
 
 
 def test_roughness_as_numbers_in_every_way():

@@ -141,8 +141,5 @@ def test_the_stated_error_is_the_true_one() -> None:
     assert f"uncertain by about {share:.1%} of the ball's" in warning
     assert f"use solver.half_width >= {advised:g}" in warning
     assert all(0.5 < share / each < 2 for each in off)
-
-
-def test_where_nothing_is_said_little_is_off() -> None:
     said, off = compared(100, 10, 2.0, 4.0)
     assert said == [] and max(off) < balances.UNCERTAIN_MOMENTUM

@@ -242,6 +242,15 @@ def test_the_exported_profile_of_a_run_is_the_run(ball, tmp_path):
     found = ball.compare(Measurement.read(path, at="60 us"))
     assert found.rms < 1e-20 and len(found.x) == 81
     assert ball.compare(Measurement.read(path, p="Pa", at="60 us")).rms < 1e-3  # Pa, of 1 GPa
+    # At the nodes of the grid, by Fresnel's coefficients, with the index of the oil under pressure.
+    line, light = ball.profile(), light_along(ball.profile(), ball.case, RIG)
+    inner = np.abs(line["x"].values) < 1.5e-4
+    h, p = line["h"].values[inner], line["p"].values[inner]
+    n = RIG.rig.index(np.asarray(ball.case.lubricant.density(p / ball.case.scales.p_h)))
+    layer, wavelength = RIG.rig.coatings[0], 633e-9
+    media = [RIG.rig.glass.index(wavelength), layer.medium.index(wavelength), n, RIG.rig.surface.index(wavelength)]
+    seen = np.abs(reflection(media, [layer.thickness, h], wavelength)) ** 2
+    assert np.interp(line["x"].values[inner], light["x"], light) == pytest.approx(seen, abs=2e-3)
 
 
 def test_what_is_not_known_of_a_profile_is_found(ball):
@@ -284,18 +293,6 @@ def intensity(ball, x, noise=0.0, **given) -> Measurement:
     share = np.interp(x, line["x"], line)
     counts = 50.0 + 200.0 * (share + noise * np.random.default_rng(1).standard_normal(len(x)))
     return Measurement("profile", "intensity", counts, x, 200.0 * (noise or 1.0), optics=RIG, **given)
-
-
-def test_the_light_of_a_film_is_that_of_the_optics(ball):
-    """At the nodes of the grid, by Fresnel's coefficients, with the index of the oil under pressure."""
-    line, light = ball.profile(), light_along(ball.profile(), ball.case, RIG)
-    inner = np.abs(line["x"].values) < 1.5e-4
-    h, p = line["h"].values[inner], line["p"].values[inner]
-    n = RIG.rig.index(np.asarray(ball.case.lubricant.density(p / ball.case.scales.p_h)))
-    layer, wavelength = RIG.rig.coatings[0], 633e-9
-    media = [RIG.rig.glass.index(wavelength), layer.medium.index(wavelength), n, RIG.rig.surface.index(wavelength)]
-    seen = np.abs(reflection(media, [layer.thickness, h], wavelength)) ** 2
-    assert np.interp(line["x"].values[inner], light["x"], light) == pytest.approx(seen, abs=2e-3)
 
 
 def test_gain_and_background_of_an_intensity_are_found(ball):

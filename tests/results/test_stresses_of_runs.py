@@ -45,7 +45,7 @@ def test_the_film_brakes_and_drives(line: ertel.Result) -> None:
         np.testing.assert_allclose(surface["sigma_zz"][0], -line.si["p"], atol=1e-6 * float(line.si["p"].max()))
 
 
-def test_shear_on_a_body_of_a_known_film() -> None:
+def test_shear_on_a_body_of_a_known_film(ball: xr.Dataset) -> None:
     """A film with tau_m = 2 under a pressure that rises by 1: H/2 = 0.25 of it pulls both bodies back."""
     X = np.linspace(-1.0, 1.0, 9)
     P = np.where(np.abs(X[:, None]) < 0.6, X + 2.0, 0.0)
@@ -54,9 +54,6 @@ def test_shear_on_a_body_of_a_known_film() -> None:
         q_x, q_y = shear_on_body(film, X[1] - X[0], body)
         np.testing.assert_allclose(q_x, np.where(P > 0.0, 2.0 * sign - 0.25, 0.0))
         np.testing.assert_allclose(q_y[4], 0.5 * sign)
-
-
-def test_each_body_has_its_own_ratio_and_a_case_without_dimensions_no_shear(ball: xr.Dataset) -> None:
     data = ball.assign(tau_x=3.0 * ball["P"])
     one, two = loads_on(STEEL, data, 1), loads_on(STEEL, data, 2)
     assert (one.nu, two.nu) == (0.3, 0.206) and loads_on(BALL_ROLLS, data).nu == 0.3

@@ -131,6 +131,9 @@ def test_responses_add_up() -> None:
     both, *alone = data["dH_amplitude"].values * np.exp(1j * data["dH_phase"].values)
     assert np.abs(alone[1]).max() > 0.01
     assert np.abs(both - sum(alone)).max() < 1e-5 * 0.03
+    with pytest.warns(UserWarning, match="there is no error estimate of the response"):
+        data = respond_in_rolling(rolling(), [[Feature(Waviness(0.01, TURN, TURN))]])
+    assert np.isnan(data["dH_error"].values).all()
 
 
 @pytest.mark.slow
@@ -141,12 +144,6 @@ def test_an_unresolved_response_in_rolling_says_so() -> None:
         data = respond_in_rolling(case, [[Feature(Waviness(1.0, 1.0))]])
     assert data.attrs["status"] == "converged"
     assert float(data["dH_error"][0]) > abs(float(data["dH_amplitude"].sel(X=0, Y=0, method="nearest")[0]) - 0.53)
-
-
-def test_a_response_without_a_coarser_grid_has_no_error() -> None:
-    with pytest.warns(UserWarning, match="there is no error estimate of the response"):
-        data = respond_in_rolling(rolling(), [[Feature(Waviness(0.01, TURN, TURN))]])
-    assert np.isnan(data["dH_error"].values).all()
 
 
 @pytest.mark.parametrize(
