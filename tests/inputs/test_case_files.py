@@ -186,7 +186,7 @@ def test_a_case_without_a_name_is_called_as_its_file_is(tmp_path, name, expected
     assert read(tmp_path, SMALL, name).name == expected
 
 
-MANY = pytest.mark.parametrize("examples", [40, pytest.param(1000, marks=pytest.mark.slow)])
+MANY = pytest.mark.parametrize("examples", [60, pytest.param(1000, marks=pytest.mark.slow)])
 
 
 @MANY
