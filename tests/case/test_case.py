@@ -81,12 +81,12 @@ class Nameless:
 
 def test_what_has_no_name_cannot_be_written() -> None:
     case = impact(roughness=(Feature(Nameless()),))
-    with pytest.raises(ValueError, match=r"^roughness\[1\]\.Nameless: is no registered shape.*ertel\.shapes"):
+    with pytest.raises(ValueError, match=r"^roughness\[1\]\.Nameless: is not a registered shape.*ertel\.shapes"):
         case.to_data()
-    with pytest.raises(ValueError, match="is no registered shape"):
+    with pytest.raises(ValueError, match="is not a registered shape"):
         case.digest  # noqa: B018
     for law in ("viscosity", "density"):
-        with pytest.raises(ValueError, match=f"Nameless: is no registered {law} law"):
+        with pytest.raises(ValueError, match=f"Nameless: is not a registered {law} law"):
             Oil(**{law: Nameless()})
 
 

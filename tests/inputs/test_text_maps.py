@@ -102,9 +102,9 @@ def test_a_profile_is_a_list_of_places_and_heights_or_of_heights(lines, unit):
 @pytest.mark.parametrize(
     ("lines", "complaint"),
     [
-        (rows(STYLUS[:, ::-1]), "no regular profile"),
-        (rows(STYLUS**2), "no regular profile; resample them first"),
-        (rows(np.delete(STYLUS, 7, axis=0)), "no regular profile"),
+        (rows(STYLUS[:, ::-1]), "not a regular profile"),
+        (rows(STYLUS**2), "not a regular profile; resample them first"),
+        (rows(np.delete(STYLUS, 7, axis=0)), "not a regular profile"),
         (rows(np.vstack([STYLUS, STYLUS[::-1]])), "line 1: this point is given 2 times"),  # forth and back
         (rows(STYLUS[:, 1:], comma=True), "line 1: '.*' may be one number or two; write points"),
         ([f"{place},{height}" for place, height in enumerate(range(900, 930))], "'0,900' may be one number or two"),

@@ -184,7 +184,7 @@ def grids_of(case: Case) -> list[Grid]:
 
 
 def _judged(finest: GridSolution) -> GridSolution:
-    """The solution on the finest grid, which is none where the film vanishes; a coarser one is a first guess."""
+    """The solution on the finest grid; its status is FILM_VANISHED where H_min <= 0."""
     status = finest.status.of_film(finest.measure()["H_min"])
     return finest if status is finest.status else replace(finest, status=status)  # which would forget its temperatures
 
