@@ -4,7 +4,7 @@ import tomllib
 
 import numpy as np
 import pytest
-from cases import REFUSALS
+from cases import DATA, REFUSALS
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -182,38 +182,14 @@ def test_what_a_data_sheet_cannot_have(change, message):
         oils.data_sheet(**SHEET | change)
 
 
-GEAR = '[gear]\nreference = "sheet of 2024"\nnu40 = "68 mm^2/s"\nnu100 = "8.7 mm^2/s"\ndensity = "880 kg/m^3"\n'
-MEASURED = """
-[bench]
-text = "the oil of our rig"
-[bench.viscosity]
-law = "astm-d341"
-nu40 = "19 mm^2/s"
-nu100 = "4.1 mm^2/s"
-coldest = "20 degC"
-hottest = "100 degC"
-source = "our viscometer"
-[bench.density]
-density = "820 kg/m^3"
-coldest = "20 degC"
-hottest = "100 degC"
-source = "our balance"
-[bench.pressure]
-law = "power-of-viscosity"
-alpha_1 = "15 / GPa"
-eta_1 = "15 mPa*s"
-exponent = 0.13
-coldest = "20 degC"
-hottest = "80 degC"
-source = "our rig, batch 7"
-"""
+OWN = (DATA / "own_oils.toml").read_text(encoding="utf-8")
 
 
 def test_own_oils_of_the_configuration_are_in_the_library(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     assert "bench" not in oils.names()
     (tmp_path / "ertel").mkdir()
-    (tmp_path / "ertel" / "oils.toml").write_text(GEAR + MEASURED)
+    (tmp_path / "ertel" / "oils.toml").write_text(OWN)
     assert {"bench", "gear", "squalane"} <= set(oils.names())
     sheet = oils.data_sheet("68 mm^2/s", "8.7 mm^2/s", "880 kg/m^3", "60 degC")
     assert oils.at("gear", "60 degC").eta0 == sheet.eta0
@@ -228,7 +204,7 @@ def test_own_oils_of_the_configuration_are_in_the_library(tmp_path, monkeypatch)
 def test_an_error_in_the_own_file_stops_only_those_who_ask_for_its_oils(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     (tmp_path / "ertel").mkdir()
-    (tmp_path / "ertel" / "oils.toml").write_text("[bench\n" + MEASURED)
+    (tmp_path / "ertel" / "oils.toml").write_text("[bench\n" + OWN)
     assert oils.at("squalane", "40 degC").eta0 == pytest.approx(0.0149, abs=1e-4)
     with pytest.raises(ConfigError, match=r"the file of oils .*oils.toml: "):
         oils.get("bench")
@@ -240,13 +216,13 @@ def test_an_error_in_the_own_file_stops_only_those_who_ask_for_its_oils(tmp_path
 
 def test_a_case_with_own_oils_holds_their_numbers(tmp_path):
     """The file beside the case file may go: digest and resolved case have the numbers."""
-    (tmp_path / "mine.toml").write_text(MEASURED)
+    (tmp_path / "mine.toml").write_text(OWN)
     contact = '[contact]\nkind = "rolling"\nradius = "1 mm"\nload = "1 N"\nmean_speed = "1 m/s"\nE_prime = "231 GPa"\n'
     lubricant = '[lubricant]\noil = "bench"\noils = "mine.toml"\ntemperature = "30 degC"\n[solver]\nnodes = 65\n'
     (tmp_path / "case.toml").write_text(contact + lubricant)
     case = ertel.load_case(tmp_path / "case.toml")
     assert case.oil.eta0 == oils.read_file(tmp_path / "mine.toml")["bench"].viscosity_at(303.15)
-    (tmp_path / "mine.toml").write_text(MEASURED.replace("19 mm", "21 mm"))
+    (tmp_path / "mine.toml").write_text(OWN.replace("19 mm", "21 mm"))
     assert ertel.load_case(tmp_path / "case.toml").digest != case.digest
     (tmp_path / "mine.toml").unlink()
     again = ertel.parse_case(tomllib.loads(ertel.to_toml(case)))
@@ -258,12 +234,12 @@ def test_a_case_with_own_oils_holds_their_numbers(tmp_path):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        (MEASURED.replace('source = "our rig, batch 7"', ""), r"bench\.pressure\.source: missing"),
-        (MEASURED.replace('"astm-d341"', '"so-klaus"'), r'bench\.viscosity\.law = "so-klaus": .* astm-d341, v'),
-        (MEASURED.replace("exponent", "exponnent"), r"bench\.pressure\.exponnent = 0\.13: unknown key; .*exponent"),
-        (MEASURED.replace("[bench.density]", "[bench.colour]"), r"bench\.colour = .*: unknown key; .*density"),
-        (GEAR.replace('reference = "sheet of 2024"', ""), r"gear\.reference: missing"),
-        (GEAR.replace("gear", "squalane"), r"squalane: the library has an oil of this name"),
+        (OWN.replace('source = "our rig, batch 7"', ""), r"bench\.pressure\.source: missing"),
+        (OWN.replace('"astm-d341"', '"so-klaus"'), r'bench\.viscosity\.law = "so-klaus": .* astm-d341, v'),
+        (OWN.replace("exponent", "exponnent"), r"bench\.pressure\.exponnent = 0\.13: unknown key; .*exponent"),
+        (OWN.replace("[bench.density]", "[bench.colour]"), r"bench\.colour = .*: unknown key; .*density"),
+        (OWN.replace('reference = "sheet of 2024"', ""), r"gear\.reference: missing"),
+        (OWN.replace("[gear]", "[squalane]"), r"squalane: the library has an oil of this name"),
         ("gear = 5", r"gear = 5: must be a table"),
     ],
 )  # fmt: skip

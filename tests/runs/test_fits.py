@@ -389,21 +389,7 @@ sigma = 2
     found = [(each.values.tolist(), each.sigma, index) for each, index in problem.data]
     assert found == [([1e-7], 2e-9, (0,)), ([2e-7], 2e-9, (1,))]
     assert problem.conditions == ({"contact.speed": "0.1 m/s"}, {"contact.speed": "0.2 m/s"})
-    for wrong, sentence in (
-        (("633 nm", "633 s"), r'measurements\[2\]: wavelength = "633 s": has the wrong dimension'),
-        (("silica", "gold"), r"measurements\[2\]: coatings = 'gold': allowed: chromium, silica"),
-        (("chromium 10", "cromium 10"), r"coatings = 'cromium': did you mean chromium"),
-        (("1.45", "145"), r"measurements\[2\]: oil_index = 145: must be above 1 and below 3"),
-        (("coatings =", "coating ="), r"measurements\[2\].coating = .*did you mean coatings"),
-        (("fringes.csv", "fringe.csv"), rf"measurements\[2\]: fringe.csv: not a file in {tmp_path}"),
-        (('"200 nm"', '"200 s"'), "wrong dimension"),
-        (('"0.1 m/s", "0.2 m/s"', '"0.1 m/s"'), r"measurements\[1\].contact.speed = .*must have 2 values"),
-        (("case = ", "cas = "), "cas = .*unknown key; did you mean case"),
-        (('case = "ball.toml"', ""), "case = .*must be given"),
-        (("sigma =", "sigme ="), r"measurements\[1\].sigme = .*unknown key; did you mean sigma"),
-        (("value =", "#"), r"measurements\[1\] = .*must have a file, or quantity, value and sigma"),
-        (('quantity = "h_c"', 'file = "film.csv"'), r"measurements\[1\].value = .*unknown key"),
-    ):
+    for *wrong, sentence in REFUSALS["fit_files"]:
         (tmp_path / "fit.toml").write_text((text + fringes).replace(*wrong))
         with pytest.raises(ConfigError, match=sentence):
             load_fit_problem(tmp_path / "fit.toml")
