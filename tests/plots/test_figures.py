@@ -32,7 +32,6 @@ from ertel.physics.surfaces import Feature, RingWaviness, Spot, Waviness, height
 from ertel.plots.view import View
 from ertel.results.diagnostics import film_errors
 from ertel.results.figures import FIGURES_IN_TIME, FIGURES_OF_MAPS, FIGURES_STEADY, figures_of
-from ertel.results.profiles import between
 from ertel.runs.result import Result
 
 SCALES = parse_case(BALL_FALLS).scales
@@ -244,23 +243,3 @@ def test_a_measured_film_over_that_of_the_run(runs):
     assert below.containers[0].lines[0].get_ydata() == pytest.approx(there["p"].values[10:-10] * 1e-9)
     assert "59.85 µs" in ball.plot.profiles(measured=film).get_suptitle()
     assert "89.78 µs" in ball.plot.profiles(at="90 us", measured=replace(film, at=None)).get_suptitle()
-
-
-@pytest.mark.parametrize(("what", "name"), [("film", "H"), ("pressure", "P")])
-def test_frames_of_a_movie_are_at_equal_times_and_alike(what, name):
-    ball = dry_impact(BALL_FALLS).isel(frame=[0, 5, 20, 30, 48, 55, 70])  # not at equal times
-    movie = plots.movie(ball, what, rate=1)
-    times = list(movie.new_frame_seq())
-    np.testing.assert_allclose(times, np.linspace(float(ball["frame"][0]), float(ball["frame"][-1]), 8))
-    movie._draw_was_started = True  # or it complains that nobody saved it
-    axes, seen = movie._fig.axes[0], []
-    for T in times[2:5]:
-        movie._draw_frame(T)
-        (image,) = axes.images
-        seen.append((image.get_clim(), axes.get_xlim(), axes.get_ylim(), axes.get_position().bounds))
-        assert axes.get_title().endswith(f", $t$ = {(T - 1.0) * ball['frame'].attrs['si_factor'] * 1e6:.4g} µs")
-        factor = ball[name].attrs["si_factor"] * (1e9 if what == "film" else 1e-9)
-        middle = float(between(ball, T)[name].isel(frame=0).sel(X=0.0, Y=0.0, method="nearest")) * factor
-        shown = np.squeeze(np.asarray(image.get_array()))
-        assert shown[tuple(n // 2 for n in shown.shape)] == pytest.approx(middle)
-    assert seen[0] == seen[1] == seen[2] and len(movie._fig.axes) == 2

@@ -1,0 +1,43 @@
+"""Movies of film and pressure: frames at equal times, the same colours and the same surface in all of them."""
+
+import numpy as np
+import pytest
+from made_up import BALL_FALLS, dry_impact
+
+from ertel import plots
+from ertel.results.profiles import between
+
+
+@pytest.fixture(scope="module")
+def ball():
+    """Seven maps, not at equal times."""
+    return dry_impact(BALL_FALLS).isel(frame=[0, 5, 20, 30, 48, 55, 70])
+
+
+@pytest.mark.parametrize(("what", "name"), [("film", "H"), ("pressure", "P")])
+def test_frames_are_at_equal_times_and_alike(ball, what, name):
+    movie = plots.movie(ball, what, rate=1)
+    times = list(movie.new_frame_seq())
+    np.testing.assert_allclose(times, np.linspace(float(ball["frame"][0]), float(ball["frame"][-1]), 8))
+    movie._draw_was_started = True  # or it complains that nobody saved it
+    axes, seen = movie._fig.axes[0], []
+    for T in times[2:5]:
+        movie._draw_frame(T)
+        (image,) = axes.images
+        seen.append((image.get_clim(), axes.get_xlim(), axes.get_ylim(), axes.get_position().bounds))
+        t = (T - 1.0) * ball["frame"].attrs["si_factor"] * 1e6
+        assert axes.get_title().endswith(f", $t$ = {t:.4g} µs")
+        shown, factor = np.asarray(image.get_array()), ball[name].attrs["si_factor"]
+        middle = float(between(ball, T)[name].isel(frame=0).sel(X=0.0, Y=0.0, method="nearest")) * factor
+        one = 1e-9 if what == "film" else 1e9
+        assert shown.reshape(shown.shape[-2:])[tuple(n // 2 for n in shown.shape[-2:])] == pytest.approx(middle / one)
+    assert seen[0] == seen[1] == seen[2] and len(movie._fig.axes) == 2
+
+
+def test_between_two_maps_fields_are_interpolated_linearly(ball):
+    first, second = (float(ball["frame"][number]) for number in (2, 3))
+    found = between(ball, 0.75 * first + 0.25 * second)
+    expected = 0.75 * ball["P"].values[2] + 0.25 * ball["P"].values[3]
+    np.testing.assert_allclose(found["P"].values[0], expected)
+    np.testing.assert_allclose(between(ball, second)["H"].values[0], ball["H"].values[3])
+    assert found.sizes["frame"] == 1 and found.sizes["time"] == ball.sizes["time"]
