@@ -176,7 +176,7 @@ def keep_thumbnails(app: Sphinx, failure: Exception | None) -> None:
 
 
 def keep_bars(app: Sphinx, what: str, name: str, found: object, options: object, lines: list[str]) -> None:
-    """The size |T| in a docstring is no substitution."""
+    """The size |T| in a docstring is not a substitution."""
     lines[:] = [line.replace("|", "\\|") for line in lines]
 
 

@@ -33,6 +33,9 @@ from ertel.runs.drive import drive
 from ertel.runs.stepping import Step, TransientRun
 from ertel.solvers.steady import Rolling
 
+DATA = Path(__file__).parent / "data"
+REFUSALS = tomllib.loads((DATA / "refusals.toml").read_text(encoding="utf-8"))
+CASES = tomllib.loads((DATA / "cases.toml").read_text(encoding="utf-8"))["cases"]  # digest, plain data
 OIL = Oil()  # where the laws do not matter: others on the same grid are programs of their own, five seconds each
 ISOVISCOUS = Oil(viscosity="isoviscous", density="incompressible")
 BARUS = Oil(viscosity="barus", density="incompressible")

@@ -65,20 +65,12 @@ def test_python_of_the_documents_runs(page, made, tmp_path, monkeypatch):
 def test_links_of_the_documents_lead_somewhere():
     links = [(page, link) for page, text in TEXTS.items() for link in LINK.findall(text)]
     assert [(page, link) for page, link in links if not ((ROOT / page).parent / link).exists()] == []
-
-
-def test_every_public_name_is_on_the_pages_of_the_api():
     text = "\n".join(page.read_text(encoding="utf-8") for page in (ROOT / "docs/api").glob("*.rst"))
     listed = {line.strip() for line in text.splitlines()} | set(re.findall(r"``ertel\.(\w+)``", text))
     assert set(ertel.__all__) - {"__version__"} - listed == set()
-
-
-def test_blocks_are_found():
     text = "a\n```python\nx = 1\n```\n<!-- not run -->\n```python\nx = 2\n```\n```sh\ny\n```\n"
     assert blocks(text) == ["\n\nx = 1"]
 
-
-# -- gallery and tutorials --------------------------------------------------------------------------------------------
 
 LONGEST = {"gallery": 60, "tutorials": 240}  # lines of a script
 FILES = [script for folder in LONGEST for script in sorted((ROOT / "examples" / folder).glob("plot_*.py"))]
@@ -93,7 +85,7 @@ SCRIPTS_RUN = [
 ]
 
 
-def test_scripts_are_thirteen_or_more_and_short_and_check_a_number():
+def test_scripts_are_short_check_a_number_and_have_a_small_thumbnail():
     assert len(SCRIPTS) >= 13
     for script in FILES:
         name, text = script.stem, SCRIPTS[script.stem]
@@ -102,9 +94,6 @@ def test_scripts_are_thirteen_or_more_and_short_and_check_a_number():
         assert len(title) == len(line) and set(line) == {"="}, name
         assert len(text.splitlines()) <= LONGEST[script.parent.name], name
         assert any(isinstance(node, ast.Assert) for node in tree.body), name
-
-
-def test_every_script_has_a_small_thumbnail_for_pages_that_are_built_without_it():
     kept = {path.relative_to(ROOT / "docs/thumbnails"): path for path in (ROOT / "docs/thumbnails").glob("*/*.png")}
     assert set(kept) == {Path(script.parent.name, f"sphx_glr_{script.stem}_thumb.png") for script in FILES}
     assert max(path.stat().st_size for path in kept.values()) <= LARGEST_THUMBNAIL

@@ -21,21 +21,15 @@ FOR_EXPERTS = """
 """
 
 
-def test_dir_and_completion():
+def test_names_are_shown_completed_and_explained():
     assert set(SHOWN.split()) <= set(dir(ertel)) == {"__version__", *ertel.__all__} and len(dir(ertel)) <= 43
     completer = rlcompleter.Completer({"ertel": ertel})
     found = {completer.complete("ertel.", state) for state in range(2 * len(dir(ertel)))}
     assert all(any(str(name).startswith(f"ertel.{shown}") for name in found) for shown in SHOWN.split())
-
-
-def test_every_name_is_there_and_explained_and_those_for_experts_are_not_shown():
     assert all(inspect.getdoc(getattr(ertel, name)) for name in set(ertel.__all__) - {"__version__"})
     experts = FOR_EXPERTS.split()
     assert all(getattr(ertel, name) is not None for name in experts)
     assert set(experts).isdisjoint(dir(ertel))
-
-
-def test_an_unknown_name():
     with pytest.raises(AttributeError, match="module 'ertel' has no attribute 'impakt'"):
         _ = ertel.impakt
 
@@ -83,8 +77,6 @@ def test_what_takes_long_to_import_comes_when_it_is_needed(code, heavy, tmp_path
     assert "memory" in printed or "check" not in code
 
 
-# -- warnings reach whoever runs a case -------------------------------------------------------------------------------
-
 SMALL = {"M": 200, "L": 10, "nodes": 33, "time_tolerance": 0.01, "until": 1.4}
 FRONT = "the film is not resolved at the front"
 
@@ -99,9 +91,6 @@ def test_warnings_are_given_once_and_stand_in_the_repr(tmp_path):
         assert all(w.filename == __file__ for w in caught)
         assert f"warning: {FRONT}" in repr(result)
         assert FRONT in result._repr_html_()
-
-
-def test_a_run_that_resolves_all_is_silent():
     case = ertel.impact(M=200, L=10, method="radial", nodes=129, half_width=4.0, time_tolerance=0.002, until=1.4)
     with warnings.catch_warnings(action="error"):
         assert ertel.simulate(case).warnings == []

@@ -25,6 +25,8 @@ def test_a_printed_table_takes_the_place_of_the_one_with_its_head():
     made = validation.spliced(PAGE, printed)
     assert made.splitlines()[4:6] == ["| 20 | 0.5000 | 90 |", "| 30 | 0.4000 | 91 |"]
     assert made.endswith("\n\nText with 2 nodes.\n")
+    assert [p for p in validation.PAGES if not (validation.ROOT / p.program).exists()] == []
+    assert [p.path for p in validation.PAGES if not (validation.ROOT / p.path).exists()] == []
 
 
 @pytest.mark.parametrize(
@@ -41,11 +43,6 @@ def test_a_printed_table_takes_the_place_of_the_one_with_its_head():
 )
 def test_numbers_and_words_that_differ_are_found(old, new, count):
     assert len(validation.differences(PAGE, PAGE.replace(old, new))) == count
-
-
-def test_every_page_and_program_exists():
-    assert [p for p in validation.PAGES if not (validation.ROOT / p.program).exists()] == []
-    assert [p.path for p in validation.PAGES if not (validation.ROOT / p.path).exists()] == []
 
 
 @pytest.mark.slow

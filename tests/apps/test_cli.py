@@ -19,22 +19,17 @@ from ertel.runs import compile, store
 from ertel.runs.directory import ask_to_stop, is_asked_to_stop, read_progress
 from ertel.runs.store import RunStore
 
-# -- answers at once --------------------------------------------------------------------------------------------------
 
-
-def test_version():
+def test_version_about_and_earlier_commands(monkeypatch):
     assert ertel_("--version").stdout == f"ertel {ertel.__version__}\n"
-
-
-def test_about(monkeypatch):
     text = ertel_("about").stdout
     for said in (f"ertel          {ertel.__version__}", "NumPy", "cpu", str(compile.cache_directory()), "Tribology"):
         assert said in text
     monkeypatch.setattr(about, "version", lambda package: "0.11.0")  # it computes wrongly
     assert 'pip install "jax!=0.10.2,!=0.11.0"' in ertel_("about").stdout
-
-
-# -- run --------------------------------------------------------------------------------------------------------------
+    for command, now in MOVED.items():
+        assert f"{command}: ertel {now} does this now" in refused(command, "case.toml")
+    assert "ertel show runs/a --about does this now" in refused("about", "runs/a")
 
 
 def test_run_tells_what_it_stores(small, runs):
@@ -77,22 +72,16 @@ def test_error_estimate(here):
     assert "H_c" in line and "on the grid" in shown
 
 
-def test_run_that_gives_up(here, monkeypatch):
-    """What it stores is tested with the store."""
+def test_a_full_disk_and_a_run_that_gives_up(here, monkeypatch):
+    """What they store is tested with the store."""
+    monkeypatch.setattr(RunStore, "_write_checkpoint", raising(OSError(28, "No space left on device")))
+    said = ertel_("run", "ball.toml", code=1).stderr
+    assert "cannot write to runs/ball: no space left on device; to continue: ertel resume runs/ball" in said
     summary = {"kind": "impact", "M": 200.0, "L": 10.0, "status": "the time step became too small"}
     monkeypatch.setattr(store, "compute", lambda *_: summary)
     result = ertel_("run", "small.toml", "--out", "b", "-q", code=1)
     assert "failed: the time step became too small; refine the grid" in result.stderr
     assert "Results so far are in b" in result.stderr
-
-
-def test_full_disk(here, monkeypatch):
-    monkeypatch.setattr(RunStore, "_write_checkpoint", raising(OSError(28, "No space left on device")))
-    said = ertel_("run", "ball.toml", code=1).stderr
-    assert "cannot write to runs/ball: no space left on device; to continue: ertel resume runs/ball" in said
-
-
-# -- interrupted; the signals themselves are tested with the faults ----------------------------------------------------
 
 
 def raise_signal(number):
@@ -125,9 +114,6 @@ def test_interrupt_and_resume(here, ball, monkeypatch, ask, code):
     assert whole.drop_attrs(deep=False).identical(resumed.drop_attrs(deep=False))
 
 
-# -- check ------------------------------------------------------------------------------------------------------------
-
-
 OIL = ["lubricant.eta0=40 mPa*s", "lubricant.alpha=22 / GPa"]
 ROLLED = [  # the dimensional case of reference/rolling.json
     *("contact.radius=10 mm", "contact.load=38.885237 N", "contact.E_prime=219.7802 GPa"),
@@ -143,18 +129,7 @@ def checked(*settings):
     return numbers("check", *given(*settings))
 
 
-def test_formulas_of_a_contact_that_is_too_light_to_run():
-    """A ball of 3 mm under 2 mN: the formulas are printed before the refusal."""
-    ball = ("kind=rolling", "radius=3 mm", "load=2 mN", "mean_speed=2 m/s", "E_prime=226 GPa")
-    light = [f"contact.{entry}" for entry in ball] + ["lubricant.eta0=50 mPa*s", "lubricant.alpha=22 / GPa"]
-    told = ertel_("check", *given(*light), code=2)
-    assert "9.458 mm" in told.stdout and "a rigid ball's" in told.stderr
-    assert "ertel check" not in told.stderr
-    told = ertel_("check", "--json", *given(*light), code=2)
-    assert json.loads(told.stdout)["films"][0]["central"] > 0 and "M = " in told.stderr
-
-
-def test_films_side_by_side():
+def test_formulas_side_by_side_and_of_a_contact_that_is_too_light_to_run():
     """Hamrock and Dowson's, and Nijenbanning's, of reference/rolling.json."""
     rolls = ["contact.kind=rolling", *ROLLED]
     films = {film["name"]: film["si"] for film in checked(*rolls)["films"]}
@@ -165,26 +140,23 @@ def test_films_side_by_side():
     assert all(part in text for part in ("p_h_Pa", "167.8 nm", "95.71 nm", "172.9 nm"))
     first, *_ = numbers("check", "--set", "contact.kind=rolling", *given("contact.M=20", "contact.L=10"))["films"]
     assert first["central"] > 0 and "si" not in first and first["source"]
-
-
-def test_earlier_commands_say_which_one_to_use():
-    for command, now in MOVED.items():
-        assert f"{command}: ertel {now} does this now" in refused(command, "case.toml")
-    assert "ertel show runs/a --about does this now" in refused("about", "runs/a")
-
-
-# -- wrong input: code 2, one line on stderr, nothing on stdout, nothing written ---------------------------------------
+    # A ball of 3 mm under 2 mN: the formulas are printed before the refusal.
+    ball = ("kind=rolling", "radius=3 mm", "load=2 mN", "mean_speed=2 m/s", "E_prime=226 GPa")
+    light = [f"contact.{entry}" for entry in ball] + ["lubricant.eta0=50 mPa*s", "lubricant.alpha=22 / GPa"]
+    told = ertel_("check", *given(*light), code=2)
+    assert "9.458 mm" in told.stdout and "a rigid ball's" in told.stderr
+    assert "ertel check" not in told.stderr
+    told = ertel_("check", "--json", *given(*light), code=2)
+    assert json.loads(told.stdout)["films"][0]["central"] > 0 and "M = " in told.stderr
 
 
 @pytest.mark.parametrize(
     ("command", "settings", "said"),
     [
-        ("run small.toml", ["solver.node=9"], "solver.node = 9: unknown key; did you mean nodes?"),
         ("run small.toml --error", ["solver.nodes=17"], "solver.nodes = 9"),
         ("run small.toml --flush -1", [], "Invalid value for '--flush'"),
         ("run small.toml --out taken", [], "taken: exists already; choose another --out"),
         ("run small.toml --out small.toml/sub", [], "small.toml/sub: cannot write there"),
-        ("check", [], "contact.M: missing"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
 )
@@ -194,9 +166,6 @@ def test_wrong_input(here, command, settings, said):
     assert said in refused(*command.split(), *given(*settings))
     assert names(here) == {*CASE_FILES, "taken"}
     assert names(here / "taken") == {"file"}
-
-
-# -- rolling contacts, from their start to their report ---------------------------------------------------------------
 
 
 @pytest.fixture

@@ -26,9 +26,6 @@ HEAD = re.compile(r"(?:# )?(\[+\w+\]+) ")
 COMMENTED = re.compile(r"# ([a-zA-Z]\w* = .*)")
 
 
-# -- new --------------------------------------------------------------------------------------------------------------
-
-
 SHORT = {
     "impact": ("time.until=0.02",),
     "rolling": ("contact.load=2 N",),  # a thick film
@@ -71,9 +68,6 @@ def test_every_key_in_a_comment_is_valid_by_itself(kind):
     assert tried > 35
 
 
-# -- check ------------------------------------------------------------------------------------------------------------
-
-
 def checked(name, *changes):
     return json.loads(ertel_("check", str(EXAMPLES / f"{name}.toml"), "--json", *given(*changes)).stdout)
 
@@ -86,9 +80,6 @@ def test_check_of_examples(name):
     assert bool(found["films"]) == (case.kind == "rolling")
     assert found["memory"]["needed"] > 5e8
     assert bool(found["time"]["steps"]) != case.is_steady
-
-
-# -- oils -------------------------------------------------------------------------------------------------------------
 
 
 def test_the_library_of_oils():
@@ -105,9 +96,6 @@ def test_the_library_of_oils():
         assert entry.startswith(f"{name}: ")
         assert entry.count("source: ") >= 2
     assert 'NAME = "wood": allowed: iso-vg-100' in refused("oils", "wood")
-
-
-# -- how long a run takes ---------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -127,9 +115,6 @@ def test_steps_are_those_that_were_counted(name, changes, measured):
     assert measured / 1.5 < outlook.expected_steps(case) < 1.5 * measured
 
 
-# -- about ------------------------------------------------------------------------------------------------------------
-
-
 def test_about_a_run(ball):
     text = ertel_("show", "my run", "--about").stdout
     for said in ("my run", load_case(ball / "case.toml").digest, ertel.__version__, "converged, after"):
@@ -137,10 +122,7 @@ def test_about_a_run(ball):
     for name in ("machine", "jaxlib"):
         assert re.search(rf"^{name} +\S", text, re.MULTILINE)
     assert json.loads(ertel_("show", "my run", "--about", "--json").stdout)["ertel"] == ertel.__version__
-
-
-def test_cite():
-    """The entries say what CITATION.cff says."""
+    # The entries say what CITATION.cff says.
     text, plain = ertel_("about", "--cite").stdout, (Path(__file__).parents[2] / "CITATION.cff").read_text("utf-8")
     assert f"version = {{{ertel.__version__}}}" in text
     assert text.count("@") == 2 and text.count("{") == text.count("}")
@@ -148,9 +130,6 @@ def test_cite():
         assert title in text.replace("{EHL}", "EHL")
     for name in re.findall(r"(?:family-names|  - name|journal): (.*)", plain):
         assert name in text
-
-
-# -- completion -------------------------------------------------------------------------------------------------------
 
 
 def completed(*words):
@@ -170,9 +149,6 @@ def test_completion_of_run_directories(here):
     for command in ("show", "plot", "resume"):
         said = completed(command, "runs/sm")
         assert "runs/small" in said and "runs/smooth" in said and "other" not in said
-
-
-# -- progress; that of a steady run is tested with the rolling contacts ------------------------------------------------
 
 
 def test_progress_of_an_interrupted_run_and_where_it_cannot_be_written(here):

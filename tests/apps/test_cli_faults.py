@@ -15,8 +15,6 @@ from ertel.inputs import case_files
 from ertel.runs import store
 from ertel.runs.store import RunStore
 
-# -- paths ------------------------------------------------------------------------------------------------------------
-
 
 def test_home_directory_in_every_path(here, monkeypatch):
     home = here / "home"
@@ -28,9 +26,6 @@ def test_home_directory_in_every_path(here, monkeypatch):
     assert "~" not in names(here)
     for command in ("show", "resume"):
         assert "converged" in ertel_(command, "~/res").stdout
-
-
-# -- messages ---------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -57,9 +52,6 @@ def test_usage_errors_are_sentences(here):
     assert "Usage" in ertel_().stdout  # a command alone helps
 
 
-# -- signals ----------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("number", SIGNALS)
 def test_a_signal_before_the_run_and_during_warm_up(here, monkeypatch, number):
     monkeypatch.setattr(running, "warm_up", lambda case: signal.raise_signal(number))
@@ -83,9 +75,6 @@ def test_a_signal_in_a_destructor_is_not_lost(here, monkeypatch):
     assert "interrupted" in ertel_("warm-up", "ball.toml", code=143).stderr
 
 
-# -- run directories --------------------------------------------------------------------------------------------------
-
-
 def spoil(path: Path) -> None:
     content = bytearray(path.read_bytes())
     content[len(content) // 2] ^= 1
@@ -105,9 +94,6 @@ def test_damage(ball, file, command, advice):
         (ball / "summary.json").unlink()
     (ball / file).write_bytes(b"\x00 = [") if file == "case.toml" else spoil(ball / file)
     assert refused(command, "my run").endswith(advice)
-
-
-# -- the machine ------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("error", [MemoryError(), jax.errors.JaxRuntimeError("RESOURCE_EXHAUSTED: out of memory")])

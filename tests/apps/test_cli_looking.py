@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from app_runs import given, refused
-from cases import SMALL_IMPACT, ertel_
+from cases import REFUSALS, SMALL_IMPACT, ertel_
 from made_up import BALL_FALLS, dry_impact
 from matplotlib.figure import Figure
 from PIL import Image
@@ -45,9 +45,6 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-# -- ls ---------------------------------------------------------------------------------------------------------------
-
-
 def test_runs_are_listed_with_their_numbers(runs):
     head, *rows = ertel_("ls", str(runs)).stdout.splitlines()
     assert head.split()[:6] == ["run", "case", "status", "written", "M", "L"]
@@ -60,9 +57,6 @@ def test_runs_are_listed_with_their_numbers(runs):
     assert plane["numbers"]["h_min_extreme"]["units"] == "m"
 
 
-# -- compare ----------------------------------------------------------------------------------------------------------
-
-
 def test_two_runs_side_by_side_and_in_one_figure(runs, tmp_path):
     picture = tmp_path / "both.png"
     told = ertel_("compare", str(runs / "plane"), str(runs / "below" / "radial"), "--plot", str(picture)).stdout
@@ -72,10 +66,7 @@ def test_two_runs_side_by_side_and_in_one_figure(runs, tmp_path):
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
-# -- export -----------------------------------------------------------------------------------------------------------
-
-
-def test_netcdf_holds_the_whole_run(runs, tmp_path):
+def test_exports_hold_the_whole_run(runs, tmp_path):
     ertel_("export", str(runs / "plane"), "--to", "netcdf", "--out", str(tmp_path))
     with xr.open_dataset(tmp_path / "run.nc", engine="scipy") as found:
         stored = ertel.open(runs / "plane").dataset
@@ -83,19 +74,13 @@ def test_netcdf_holds_the_whole_run(runs, tmp_path):
         assert all(np.array_equal(found[name], stored[name], equal_nan=True) for name in stored.variables)
         assert found.attrs["digest"] == stored.attrs["digest"]
         assert found["H"].attrs["long_name"] == "film thickness"
-
-
-def test_histories_as_csv(runs, tmp_path):
     ertel_("export", str(runs / "plane"), "--to", "csv", "--si", "--out", str(tmp_path))
     with (tmp_path / "history.csv").open() as file:
         rows = list(csv.DictReader(file))
     stored = ertel.open(runs / "plane").si
     assert [float(row["h_min_m"]) for row in rows] == stored["h_min"].values.tolist()
     assert [float(row["t_s"]) for row in rows] == stored["t"].values.tolist()
-
-
-def test_maps_for_paraview(runs, tmp_path):
-    """The bytes as the format has them: x runs fastest."""
+    # The bytes as the format has them: x runs fastest.
     ertel_("export", str(runs / "plane"), "--to", "vtk", "--out", str(tmp_path))
     stored = ertel.open(runs / "plane").dataset
     times = re.findall(r'timestep="([^"]+)"', (tmp_path / "maps.pvd").read_text())
@@ -158,9 +143,6 @@ def test_a_run_of_somebody_else_does_not_say_where_pictures_go(runs, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-# -- a page ------------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("name", ["plane", "below/radial", "below/moes"])
 def test_a_run_on_one_page(runs, tmp_path, name):
     told = ertel_("report", str(runs / name), "-o", str(tmp_path / "page.pdf")).stdout
@@ -191,8 +173,6 @@ def test_a_study_on_one_page(tmp_path):
     assert boxes[0].y0 > 0 and boxes[1].y0 > boxes[0].y1  # the source, and the notes above it
     assert boxes[1].y1 < picture.y0 and picture.y1 < boxes[2].y0
 
-
-# -- frames ------------------------------------------------------------------------------------------------------------
 
 RIG = Interferometer(Rig(), Monochromatic(532e-9))
 
@@ -228,9 +208,6 @@ def test_a_frame_gives_its_light_and_its_film(tmp_path, name, line, turn, shift)
     assert len(measured.x) > 60 and np.median(off) < 5e-9 and off.max() < 20e-9  # a pixel is 20 nm outside
 
 
-# -- measurements -----------------------------------------------------------------------------------------------------
-
-
 def test_a_profile_is_exported_and_compared_with_its_run(runs, tmp_path):
     """What the run itself gave differs from it by nothing; moved and lifted it is aligned again."""
     plane, out = str(runs / "plane"), str(tmp_path)
@@ -257,26 +234,7 @@ def test_a_profile_is_exported_and_compared_with_its_run(runs, tmp_path):
     assert seen.stdout == f"{tmp_path / 'profiles.png'}\n"
 
 
-@pytest.mark.parametrize(
-    ("command", "said"),
-    [
-        ("compare plane film.csv", "it has 'place', 'film'"),
-        ("compare plane plane/case.toml", "case.toml is not a file of columns; for a run give its directory"),
-        ("compare plane film.csv --coatings gold", "coatings = 'gold': allowed: chromium, silica"),
-        ("compare plane plane --at 1", "--at: only for a measurement"),
-        ("export plane --along y", "--along y: only for --what profile"),
-        ("export below/radial --to vtk", "ParaView: a radial run has profiles only; use netcdf or csv"),
-        ("export below/moes --to csv --si", "the case is dimensionless"),
-        ("report film.csv", "film.csv is not the directory of a run, a study or a fit"),
-        ("report plane -o page.docx", "--out page.docx: must end with .pdf, .png or .svg"),
-        ("fringes film.csv --pixel 1um", 'frame = "film.csv": is not a PNG or TIFF picture'),
-        ("fringes none.png --pixel 1um", 'frame = "none.png": cannot be read'),
-        ("fringes nan.tif --pixel 1um", 'frame = "nan.tif": has pixels that are no finite numbers'),
-        ("fringes bomb.png --pixel 1um", 'frame = "bomb.png": has too many pixels; must have at most 50 million'),
-        ("fringes film.csv --pixel 1kg", "is not a PNG or TIFF picture"),
-        ("show plane --sigma 1nm,2nm,3nm", "--sigma 1nm,2nm,3nm: must be one"),
-    ],
-)
+@pytest.mark.parametrize(("command", "said"), REFUSALS["commands"], ids=str)
 def test_refused(runs, monkeypatch, command, said):
     monkeypatch.chdir(runs)
     (runs / "film.csv").write_text("place,film\n1,2\n")
@@ -287,9 +245,6 @@ def test_refused(runs, monkeypatch, command, said):
     )
     assert said in refused(*command.split())
     assert not list(runs.rglob("export"))
-
-
-# -- interferograms ---------------------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -306,13 +261,10 @@ def seen(tmp_path, monkeypatch, data):
     return tmp_path
 
 
-def test_movies(seen):
+def test_movies_of_fringes_and_of_the_film(seen, monkeypatch):
     ertel_("plot", "ball", "--interferogram", "mono", "--wavelength", "653 nm", "--format", "webp", "--out", "movies")
     with Image.open(seen / "movies" / "interferogram-mono.webp") as movie:
         assert movie.n_frames == 4
-
-
-def test_movies_of_the_film(seen, monkeypatch):
     monkeypatch.setattr("ertel.plots.movies.SECONDS", 0.1)
     ertel_("plot", "ball", "--what", "film", "--format", "gif", "--rate", "20")
     with Image.open(file := seen / "ball" / "plots" / "film.gif") as movie:

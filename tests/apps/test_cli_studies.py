@@ -83,9 +83,6 @@ def rows(path):
         return list(csv.DictReader(file))
 
 
-# -- sweep ------------------------------------------------------------------------------------------------------------
-
-
 def test_a_study_from_its_file_to_its_table(here):
     done = ertel_(*SWEEP)
     assert done.stderr == "2 runs, 2 of them to do\n"
@@ -138,9 +135,6 @@ def test_a_part_gathers_nothing(here):
     assert ertel_(*SWEEP, "--out", "study").stderr == "2 runs, 1 of them to do\n"
     (here / "study/notes.txt").write_text("mine")
     ertel_(*SWEEP, "-q", "--out", "study")
-
-
-def test_runs_that_fail_are_named_and_the_others_go_on(here):
     ertel_(*SWEEP, "-q")
     broken = sorted((here / "sweeps/loads/runs").iterdir())[0]
     (broken / "case.toml").write_text("[contact]\nM = 1\nL = 1\n")
@@ -148,9 +142,6 @@ def test_runs_that_fail_are_named_and_the_others_go_on(here):
     assert "3 runs: 2 converged, 1 failed" in done.stdout
     last = done.stderr.splitlines()[-1]
     assert last.startswith(f"ertel: 1 of 3 runs failed: runs/{broken.name}; ertel show sweeps/loads/runs/")
-
-
-# -- traction ---------------------------------------------------------------------------------------------------------
 
 
 def test_a_curve_is_printed_and_stored_and_shown_by_the_same_command(here, monkeypatch):
@@ -189,9 +180,6 @@ def test_a_curve_is_printed_and_stored_and_shown_by_the_same_command(here, monke
     assert "checkpoint.npz: is damaged (its checksum does not agree)" in ertel_(*TRACTION, code=2).stderr
 
 
-# -- fit --------------------------------------------------------------------------------------------------------------
-
-
 def test_a_fit_is_printed_and_stored_and_goes_on(here, monkeypatch, interrupted, empty_pictures):
     place = here / "fits" / "film"
     interrupted(*FITTED)
@@ -212,9 +200,6 @@ def test_a_fit_is_printed_and_stored_and_goes_on(here, monkeypatch, interrupted,
     monkeypatch.setattr("ertel.runs.store.drive", None)  # nothing is computed again
     [unknown] = json.loads(ertel_(*FITTED, "--json").stdout)["unknowns"]
     assert unknown["value"] == pytest.approx(0.02, rel=1e-3) and unknown["unit"] == "Pa*s"
-
-
-# -- refused ----------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

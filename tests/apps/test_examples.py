@@ -57,6 +57,8 @@ def test_case_files_mean_what_they_always_did(name: str) -> None:
 def test_studies_load() -> None:
     found = {path.stem: len(load_study(path).cases) for path in (EXAMPLES / "sweeps").glob("*.toml")}
     assert found == {"film_and_speed": 10, "wet_restitution": 25}
+    for name in ("rough_impact", "rough_rolling"):
+        assert not [text for text in case_warnings(load_case(EXAMPLES / f"{name}.toml")) if "roughness" in text]
 
 
 @pytest.mark.slow
@@ -136,8 +138,3 @@ def test_rough_examples(name: str, nodes: int, until: float) -> None:
     grid = grid_of(case)
     heights = np.asarray(discretise.heights(case.features, case, grid, until))
     assert np.corrcoef((films[1] - films[0]).ravel(), heights.ravel())[0, 1] > 0.9
-
-
-def test_rough_examples_are_resolved_by_their_grids() -> None:
-    for name in ("rough_impact", "rough_rolling"):
-        assert not [text for text in case_warnings(load_case(EXAMPLES / f"{name}.toml")) if "roughness" in text]

@@ -32,18 +32,12 @@ def deaf():
     return os.fdopen(writing, "wb")
 
 
-# -- streams ----------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.skipif(not Path(FULL).exists(), reason=f"no {FULL}")
-def test_full_output_is_one_sentence():
+def test_full_output_is_one_sentence_and_one_that_nobody_reads_is_no_error():
     with open(FULL, "w") as full:
         ended = done(CHECK, stdout=full)
     assert ended.stderr == "ertel: cannot write to standard output: no space left on device\n"
     assert ended.returncode == 1
-
-
-def test_output_that_nobody_reads_is_no_error():
     with deaf() as stdout:
         ended = done(CHECK, stdout=stdout)
     assert (ended.returncode, ended.stderr) == (0, "")
@@ -65,9 +59,6 @@ with process.warnings_as_sentences():
     environment = {**CHILD, **smallest, "JAX_COMPILATION_CACHE_DIR": "/proc/self"}
     ended = done([sys.executable, "-c", code], env=environment)
     assert (ended.stdout, ended.stderr) == ("2\n", "")
-
-
-# -- signals ----------------------------------------------------------------------------------------------------------
 
 
 def started(command, **more):

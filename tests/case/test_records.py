@@ -28,19 +28,15 @@ class Tube:
     note: str = ""
 
 
-# -- writing and reading ----------------------------------------------------------------------------------------------
-
-
 def test_a_quantity_is_written_with_its_unit_and_an_amount_as_it_was_given() -> None:
     assert data_of(Tube(0.01, 2.0)) == {"radius": "0.01 m", "until": 2.0}
     written = data_of(Tube(0.01, Quantity(0.005, "s"), "thin"))
     assert written == {"radius": "0.01 m", "until": "0.005 s", "note": "thin"}
-
-
-def test_what_is_none_or_infinite_is_left_out() -> None:
     assert data_of(Waviness(0.1, 0.5)) == {"amplitude": 0.1, "wavelength_x": 0.5, "phase_x": 0.0, "phase_y": 0.0}
     assert data_of(Time()) == {"tolerance": 5e-5}
     assert data_of(Drive()) == {}
+    with pytest.raises(ValueError, match="cannot be written down"):
+        data_of(Drive(load=lambda T: 1.0))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
@@ -57,11 +53,6 @@ def test_what_cannot_be_read_is_said(data, message) -> None:
     with pytest.raises(ValueError) as caught:
         READER.record(Tube, data, "tube")
     assert str(caught.value) == message
-
-
-def test_what_cannot_be_written_is_refused() -> None:
-    with pytest.raises(ValueError, match="cannot be written down"):
-        data_of(Drive(load=lambda T: 1.0))  # type: ignore[arg-type]
 
 
 SECONDS = Quantity(0.002, "s")
@@ -82,11 +73,6 @@ def test_a_signal_has_three_forms(signal, data) -> None:
     assert READER.signal(data, "motion.load") == signal
 
 
-def test_times_of_a_signal_rise() -> None:
-    with pytest.raises(ValueError, match=r"^motion\.load = \[\[1.0, 1.0\], \[0.0, 2.0\]\]: .*rising T"):
-        READER.record(Drive, {"load": [[1.0, 1.0], [0.0, 2.0]]}, "motion")
-
-
 def test_a_law_with_data_of_its_own_is_a_table() -> None:
     assert oil_data(Oil(viscosity=Barus(2e-8)))["viscosity"] == {"law": "barus", "alpha": "2e-08 1/Pa"}
     with pytest.raises(ValueError, match=r'^oil\.viscosity\.law = "tar"; allowed: .*isoviscous, barus, roelands'):
@@ -94,9 +80,6 @@ def test_a_law_with_data_of_its_own_is_a_table() -> None:
     law = READER.law({"law": "barus", "alpha": "-2e-8 1/Pa"}, Viscosity, "oil.viscosity")  # which the case checks
     with pytest.raises(ValueError, match=r'^lubricant\.viscosity\.alpha = "-2e-08 1/Pa": must be finite and above'):
         Case(Conditions(M=200, L=10), Oil(viscosity=law))
-
-
-# -- checking ---------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -136,6 +119,10 @@ def test_values_are_shown_as_in_a_case_file() -> None:
     assert show(Polyline(((0.0, 1.0), (1.0, 2.0)))) == "[[0.0, 1.0], [1.0, 2.0]]"
     assert show("é\n") == '"é\\n"'
     assert show({"a b": 1, "c-d": 2}) == '{ "a b" = 1, c-d = 2 }'
+    # Escape sequences and reversed text (bidirectional controls) do not reach a terminal.
+    assert show("\x1b[31mred\x07") == '"\\u001b[31mred\\u0007"'
+    assert show("\u202eabc\x9b\u200b\x7f") == '"\\u202eabc\\x9b\\u200b\\x7f"'
+    assert show({"\x1b]0;title": 1}) == '{ "\\u001b]0;title" = 1 }'
 
 
 CYCLE: dict[str, Any] = {}
@@ -158,16 +145,6 @@ def test_long_values_are_cut_in_messages(value: object) -> None:
     assert len(show(value)) <= 100
 
 
-def test_control_characters_are_escaped_in_messages() -> None:
-    """Escape sequences and reversed text (bidirectional controls) do not reach a terminal."""
-    assert show("\x1b[31mred\x07") == '"\\u001b[31mred\\u0007"'
-    assert show("\u202eabc\x9b\u200b\x7f") == '"\\u202eabc\\x9b\\u200b\\x7f"'
-    assert show({"\x1b]0;title": 1}) == '{ "\\u001b]0;title" = 1 }'
-
-
-# -- units of the case ------------------------------------------------------------------------------------------------
-
-
 def test_quantities_come_to_the_units_of_the_case() -> None:
     spot = scaled(Feature(Spot(Quantity(1e-4, "m"), Quantity(2e-8, "m"), x=-3.0)), SCALES, "roughness[1]")
     assert spot == Feature(Spot(1e-4 / SCALES.a, 2e-8 / SCALES.film, x=-3.0))
@@ -176,9 +153,6 @@ def test_quantities_come_to_the_units_of_the_case() -> None:
     assert scaled(polyline, SCALES, "load") == Polyline(((0.0, 1.0), (4e-5 / SCALES.t0, 2.0), (5.0, 1.0)))
     drive = Drive(load=Oscillation(1.0, 0.1, Quantity(8e-5, "s")))
     assert scaled(drive, SCALES, "motion") == Drive(load=Oscillation(1.0, 0.1, 8e-5 / SCALES.t0))
-
-
-def test_times_that_fall_together_in_the_units_of_the_case_are_refused() -> None:
     polyline = Polyline(((1.0, 1.0), (Quantity(4e-5, "s"), 2.0)))
     with pytest.raises(ValueError, match=r"^motion\.load = .*rising T"):
         scaled(Drive(load=polyline), SCALES, "motion")
@@ -199,8 +173,6 @@ def test_a_dimensionless_case_has_no_units(record, message) -> None:
         scaled(record, None, "output")
     assert str(caught.value).startswith(f"{message}: must be a plain number: a dimensionless case has no ")
 
-
-# -- a whole case ------------------------------------------------------------------------------------------------------
 
 CONTACT = {"radius": "0.01 m", "ball_density": "7850 kg/m^3", "speed": "0.1 m/s", "E_prime": "2.3076923e11 Pa"}
 SPOT = {"shape": "spot", "radius": 0.1, "depth": 0.01}

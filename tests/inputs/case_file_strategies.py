@@ -7,7 +7,7 @@ form is `test_case_files`, the long one `validation/faults/case_files.py`.
 import math
 import re
 import tomllib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import MISSING, fields
 from datetime import date, datetime, time
@@ -16,28 +16,22 @@ from typing import Any
 
 import numpy as np
 import tomli_w
+from cases import CASES, REFUSALS, SHEET
 from hypothesis import strategies as st
 
 from ertel.case.case import KEYS as SECTIONS
-from ertel.case.conditions import BARS, MOES, NEEDED, OPTIONAL, Conditions
-from ertel.case.methods import of_kind
-from ertel.case.records import law_fields
+from ertel.case.conditions import Conditions
 from ertel.case.sections import Drive, Output, Solver, Thermal, Time
-from ertel.inputs import materials
-from ertel.inputs import oils as oil_library
 from ertel.inputs.case_files import ConfigError, load_case, parse_case, to_toml
 from ertel.inputs.layout import DataSheet, Materials, MeasuredFile, NamedLubricant
 from ertel.physics.lubricant import Oil
-from ertel.physics.motion import Oscillation
 from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, SHAPES, VISCOSITY_LAWS
-from ertel.physics.thermal import INLET_FACTORS, WARM_VISCOSITIES
 from ertel.physics.units import Bounds, Unit, marks
 
 LONGEST_MESSAGE = 600  # a key and its value at 100 each, and the list of the keys of [contact]
 HEIGHTS = "heights.npy"  # a measured surface beside each case file
 Data = dict[str, Any]
 
-# -- values -----------------------------------------------------------------------------------------------------------
 
 USUAL = {  # sizes of quantities, in SI; of other units 0.1 to 10
     **{"m": (1e-4, 0.1), "kg": (1e-3, 10.0), "kg/m^3": (1e3, 2e4), "m/s": (0.01, 10.0), "N": (1.0, 1e3)},
@@ -112,154 +106,52 @@ def tables(record: Any, **special: st.SearchStrategy[Any]) -> st.SearchStrategy[
     return st.fixed_dictionaries({name: values[name] for name in values if name in needed}, optional=optional)
 
 
-# -- sections ---------------------------------------------------------------------------------------------------------
+# Valid cases: known ones with other numbers, another key and another law
 
-CONTACT = values_of(Conditions)
-points = st.dictionaries(st.floats(0, 5), st.floats(0.1, 3), min_size=1, max_size=3)
-units_of_time = st.sampled_from(["t0", "us"])
-lines = st.builds(
-    lambda values, unit: [[T if unit == "t0" else f"{T!r} {unit}", values[T]] for T in sorted(values)],
-    points,
-    units_of_time,
-)
-signals = st.one_of(st.floats(0.1, 3), lines, tables(Oscillation))
-measured = {
-    "file": st.sampled_from([HEIGHTS, HEIGHTS, "missing.npy"]),
-    "unit": st.sampled_from(["nm", "um"]),
-    "detrend": st.sampled_from(["none", "none", "plane", "curvature", "mean"]),
-}
-shapes = {"waviness": {}, "rings": {}, "spot": {}, "self-affine": {}, "measured": measured}
-features = st.one_of([tables(SHAPES[name], shape=st.just(name), **more) for name, more in shapes.items()])
+EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
+STARTS: list[Data] = [
+    *(data for _, data in CASES),
+    *REFUSALS["cases"].values(),
+    *(tomllib.loads(path.read_text(encoding="utf-8")) for path in EXAMPLES),
+    {**REFUSALS["cases"]["moes"], "roughness": [{"shape": "measured", "file": HEIGHTS, "rms": 0.01, "length_x": 3.0}]},
+    {**REFUSALS["cases"]["bodies"], "lubricant": {"oil": SHEET, "temperature": "60 degC"}, "thermal": {}},
+]
+RECORDS = {"contact": Conditions, "lubricant": Oil, "solver": Solver, "motion": Drive, "time": Time, "output": Output}
+LAWS = {"viscosity": VISCOSITY_LAWS, "density": DENSITY_LAWS, "rheology": FLUIDITY_LAWS}
+AMOUNT = re.compile(r"^[-+]?[0-9.]+(?:e[-+]?[0-9]+)?(?= \S)")
 
 
 @st.composite
-def contacts(draw: st.DrawFn, kind: str) -> Data:
-    way = draw(st.sampled_from(["M", "lambda_bar", "physical", "physical"]))
-    if way != "physical":
-        keys: Sequence[str] = MOES if way == "M" else BARS
-    else:
-        chosen = [draw(st.sampled_from(groups)) for groups in NEEDED[kind]]  # type: ignore[index]
-        extra = draw(st.lists(st.sampled_from(OPTIONAL[kind]), max_size=1))  # type: ignore[index]
-        keys = [*(key for group in chosen for key in group), *extra]
-        if "ball_density" in keys and not {"radius", "radius_1"} & {*keys}:
-            keys[keys.index("ball_density")] = "mass"
-    if not draw(st.integers(0, 3)):
-        keys = [*keys, "radius_ratio" if way != "physical" else "entrainment_angle"]
-    data = {"kind": kind, **{key: draw(CONTACT[key]) for key in keys}}
-    if "E_prime" in data and draw(st.booleans()):
-        del data["E_prime"]
-        data |= {key: draw(st.sampled_from(materials.names())) for key in ("material_1", "material_2")}
-    return data
-
-
-def laws(registry: Any) -> st.SearchStrategy[Any]:
-    names = [name for name, law in registry.items() if hasattr(law, "of")]
-    return st.one_of(st.sampled_from(names), *(tables(registry[name], law=st.just(name)) for name in names))
-
-
-oils = st.fixed_dictionaries(
-    {"eta0": quantities(marks(Oil)["eta0"]), "alpha": quantities(marks(Oil)["alpha"])},  # type: ignore[arg-type]
-    optional={
-        **{"viscosity": laws(VISCOSITY_LAWS), "density": laws(DENSITY_LAWS)},
-        **{"reference": st.text(max_size=10).filter(str.isprintable)},
-        **{name: value for name, value in values_of(Oil).items() if name not in ("eta0", "alpha")},
-    },
-)
-
-degrees = st.floats(40, 60).map(lambda value: f"{value!r} degC")
-sheets = tables(
-    DataSheet,
-    nu40=st.floats(60, 70).map(lambda value: f"{value!r} mm^2/s"),
-    nu100=st.floats(8, 9).map(lambda value: f"{value!r} mm^2/s"),
-    density=st.just("880 kg/m^3"),
-)
-some_oils = st.one_of(st.sampled_from(oil_library.names()), sheets)
-named_oils = st.fixed_dictionaries({"oil": some_oils, "temperature": degrees})
-plain_laws = [name for name, law in FLUIDITY_LAWS.items() if not law_fields(law)]
-rheologies = st.one_of([tables(FLUIDITY_LAWS[name], law=st.just(name)) for name in plain_laws])
-limited = tables(FLUIDITY_LAWS["limited"], law=st.just("limited"), base=rheologies)
-rheologies = st.one_of(st.sampled_from(["newtonian", "carreau"]), rheologies, limited)
-warm, inlets = st.sampled_from([*WARM_VISCOSITIES]), st.sampled_from([*INLET_FACTORS])
-thermal = tables(Thermal, viscosity=warm, inlet=inlets)
+def laws(draw: st.DrawFn) -> Data:
+    """A law of an oil by its name or as a table, by its key."""
+    key = draw(st.sampled_from([*LAWS]))
+    name = draw(st.sampled_from([name for name, law in LAWS[key].items() if hasattr(law, "of") or key == "rheology"]))
+    base = {"base": tables(LAWS[key]["carreau"], law=st.just("carreau"))} if name == "limited" else {}
+    return {key: draw(st.one_of(st.just(name), tables(LAWS[key][name], law=st.just(name), **base)))}
 
 
 @st.composite
 def case_data(draw: st.DrawFn) -> Data:
-    """A case file as data; nearly always a valid one."""
-    kind = draw(st.sampled_from(["impact", "rolling"]))
-    methods = st.fixed_dictionaries({"method": st.sampled_from([method.name for method in of_kind(kind)])})
-    solver = draw(methods) | draw(st.sampled_from([{}, {"nodes": 65}, draw(tables(Solver))]))
-    oil = draw(st.one_of(oils, oils, named_oils))
-    sections: Data = {"contact": draw(contacts(kind)), "lubricant": oil, "solver": solver}
-    in_si = not sections["contact"].keys() & {*MOES, *BARS}
-    if in_si and solver["method"] != "radial" and draw(st.booleans()):
-        oil["rheology"] = draw(rheologies)
-    if in_si and solver["method"] == "steady" and draw(st.booleans()):
-        sections["thermal"] = draw(thermal) if "oil" not in oil or draw(st.booleans()) else {}
-        if "temperature" in oil:
-            sections["thermal"].pop("temperature", None)
-    if solver["method"] not in ("steady", "radial") and draw(st.booleans()):
-        sections["motion"] = draw(st.one_of(tables(Drive, load=signals), tables(Drive, entrainment=signals)))
+    """A case file as data; mostly a valid one."""
+    factor = draw(st.floats(0.8, 1.25))  # one, so that times still rise
+
+    def other(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: other(item) for key, item in value.items()}
+        if isinstance(value, list):
+            return [other(item) for item in value]
+        if isinstance(value, str):
+            return AMOUNT.sub(lambda found: repr(float(found[0]) * factor), value)
+        return value * factor if isinstance(value, float) else value
+
+    data: Data = other(draw(st.sampled_from(STARTS)))
     if draw(st.booleans()):
-        sections["roughness"] = draw(st.lists(features, max_size=2))
-    if solver["method"] != "steady" and draw(st.booleans()):
-        sections["time"] = draw(tables(Time))
-        if kind == "impact" and draw(st.booleans()):
-            sections["time"]["until"] = draw(st.sampled_from(["max-approach", "rebound"]))
-        sections["output"] = draw(tables(Output))
-    usual = draw(st.sampled_from([{}, {"name": "a name"}, {"schema": 1}])) | sections
-    return consistent(usual, in_si) if draw(st.integers(0, 7)) else usual
-
-
-def consistent(data: Data, in_si: bool) -> Data:
-    """The same without most of the keys that cannot stand together."""
-    contact, oil, solver, motion = (data.get(name, {}) for name in ("contact", "lubricant", "solver", "motion"))
-    method, waves = solver["method"], data.get("roughness", [])
-    if not in_si:
-        for name in {"motion", "roughness", "time", "output"} & data.keys():
-            data[name] = without_units(data[name])
-        motion, waves = data.get("motion", {}), data.get("roughness", [])
-        if oil.get("viscosity") == "isoviscous":  # without pressure there is no scale of it
-            oil["density"] = "incompressible"
-            _drop(contact, "L", "alpha_bar")
-    _drop(solver, "inlet", "half_width_y", *(["half_width"] if method in ("steady", "transient") else []))
-    _drop(data.get("time", {}), *(["start_approach", "start"] if contact["kind"] == "rolling" else []))
-    _drop(motion, *(["inertia"] if in_si or contact["kind"] == "impact" else []), *(["slide_to_roll"] if in_si else []))
-    if "slide_to_roll" in contact and not {"speed_1", "mean_speed"} & contact.keys():
-        contact["mean_speed"] = "0.5 m/s"
-    if method == "radial":
-        _drop(contact, "radius_ratio", "entrainment_angle", "mean_speed", "slide_to_roll")
-        waves.clear()
-    if contact["kind"] == "impact":
-        _drop(contact, "entrainment_angle")
-    if method == "steady" and waves:
-        if in_si:
-            waves.clear()
-        data["motion"] = {"slide_to_roll": 2.0} if waves else {}
-    for shape in waves:
-        _drop(shape, "filled", "depth" if "height" in shape else "height", "wavelength", "front", "ramp")
-        shape |= {"waviness": {"wavelength_x": 0.5}, "rings": {"wavelength": 0.5}}.get(shape["shape"], {})
-        shape |= {"height": 0.1} if shape["shape"] == "spot" and "depth" not in shape else {}
-        shape |= {"file": HEIGHTS} if shape["shape"] == "measured" else {}
-        shape["surface"] = 2
-    return data
-
-
-def _drop(table: Data, *keys: str) -> None:
-    for key in keys:
-        table.pop(key, None)
-
-
-def without_units(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: without_units(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return [without_units(item) for item in value]
-    match = re.fullmatch(r"(\S+) (m|inch|s|ms|us)", value) if isinstance(value, str) else None
-    return float(match[1]) if match else value
-
-
-# -- what can be wrong ------------------------------------------------------------------------------------------------
+        section = draw(st.sampled_from([name for name in RECORDS if name in data]))
+        key = draw(st.sampled_from([*values_of(RECORDS[section])]))
+        data[section] = {**data[section], key: draw(values_of(RECORDS[section])[key])}
+    if not draw(st.integers(0, 3)):
+        data["lubricant"] = {**data.get("lubricant", {}), **draw(laws())}
+    return draw(st.sampled_from([{}, {"name": "a name"}, {"schema": 1}])) | data
 
 
 def _places(data: Any) -> list[tuple[Any, Any]]:
@@ -270,8 +162,8 @@ def _places(data: Any) -> list[tuple[Any, Any]]:
     return found
 
 
-RECORDS = (Conditions, Oil, Solver, Drive, Time, Output, Thermal, Materials, NamedLubricant, DataSheet, MeasuredFile)
-WITH_KEYS: tuple[Any, ...] = (*RECORDS, *FLUIDITY_LAWS.values(), *SHAPES.values())
+ALL = (*RECORDS.values(), Thermal, Materials, NamedLubricant, DataSheet, MeasuredFile)
+WITH_KEYS: tuple[Any, ...] = (*ALL, *FLUIDITY_LAWS.values(), *SHAPES.values())
 KNOWN = [item.name for record in WITH_KEYS for item in fields(record)]
 new_keys = st.one_of(*map(st.sampled_from, (KEYS, KNOWN, SECTIONS)), st.text(max_size=5))  # type: ignore[arg-type]
 
@@ -321,9 +213,6 @@ def case_files(draw: st.DrawFn) -> bytes:
         return text
     noise = draw(st.one_of(st.binary(max_size=5), st.sampled_from(BYTES)))
     return NOISE[draw(st.sampled_from(sorted(NOISE)))](text, draw(st.integers(0, len(text))), noise)
-
-
-# -- what must hold ---------------------------------------------------------------------------------------------------
 
 
 def outcome(path: Path) -> str:

@@ -78,9 +78,11 @@ def test_points_and_records_of_python_likewise():
     (feature,) = ertel.rolling(**keys, roughness=[ertel.Feature(spot, 2)], method="transient").features
     scales = ertel.rolling(**keys).scales
     assert feature.shape.radius == pytest.approx(50e-6 / scales.a)
+    with pytest.raises(ValueError, match="a record takes a name or a law; tables are for cases"):
+        ertel.Oil(rheology={"law": "ree-eyring", "tau0": "5 MPa"})
 
 
-def test_quantities_of_pint_keep_their_unit():
+def test_quantities_of_pint_keep_their_unit(tmp_path):
     heights = np.random.default_rng(0).normal(size=(16, 16))
     shape = ertel.Measured.of(Q(heights, "nm"), Q(2, "um"))
     assert shape.length_x.value == pytest.approx(32e-6)
@@ -97,6 +99,8 @@ def test_quantities_of_pint_keep_their_unit():
     )
     with pytest.raises(ValueError, match="has the wrong dimension"):
         ertel.Measurement.number("h_c", Q(3.6, "s"))
+    (tmp_path / "film.csv").write_text("x (px);h (nm)\n-2;300\n4;200\n")
+    assert ertel.Measurement.read(tmp_path / "film.csv", x="0.8 um").x == pytest.approx([-1.6e-6, 3.2e-6])
 
 
 @pytest.mark.parametrize(
@@ -114,16 +118,6 @@ def test_columns_that_cannot_be_read_are_refused(tmp_path, text, complaint):
     os.mkfifo(path) if text is None else path.write_text(text)
     with pytest.raises(ValueError, match=complaint.replace("(", r"\(")):
         ertel.Measurement.read(path)
-
-
-def test_the_size_of_a_pixel_is_its_unit(tmp_path):
-    (tmp_path / "film.csv").write_text("x (px);h (nm)\n-2;300\n4;200\n")
-    assert ertel.Measurement.read(tmp_path / "film.csv", x="0.8 um").x == pytest.approx([-1.6e-6, 3.2e-6])
-
-
-def test_a_table_is_not_the_law_of_an_oil_record():
-    with pytest.raises(ValueError, match="a record takes a name or a law; tables are for cases"):
-        ertel.Oil(rheology={"law": "ree-eyring", "tau0": "5 MPa"})
 
 
 def test_what_check_says_of_roughness_and_sliding():

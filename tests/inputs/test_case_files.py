@@ -13,24 +13,12 @@ from cases import BALL, STEEL
 from hypothesis import given, reject, settings
 
 from ertel.case.case import Case
-from ertel.case.records import show
 from ertel.inputs.case_files import ConfigError, apply_overrides, load_case, parse_case
 from ertel.physics import lubricant
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 MOES = {"M": 1000, "L": 10}
 OIL = {"eta0": "0.1 Pa*s", "alpha": "22 / GPa"}
-
-
-def complaint(**sections: object) -> str:
-    with pytest.raises(ConfigError) as caught:
-        parse_case({"contact": MOES, **sections})
-    message = str(caught.value)
-    assert "\n" not in message
-    return message
-
-
-# -- what a case file means -------------------------------------------------------------------------------------------
 
 
 def test_physical_input_is_the_dimensional_example():
@@ -40,6 +28,9 @@ def test_physical_input_is_the_dimensional_example():
     found = [si.film, si.a, si.load, si.p_h, si.t0, case.parameters.lambda_bar, case.parameters.alpha_bar]
     expected = [3.74064e-06, 0.000193407, 109.181, 1393610000.0, 3.74064e-05, 0.0615385, 30.6595]
     assert found == pytest.approx(expected, rel=1e-5)
+    contact = {"radius_1": "10 mm", "radius_2": "40 mm", "ball_density": "8 g/cm^3", "speed": "1 m/s", **STEEL}
+    si = parse_case({"contact": contact, "lubricant": OIL}).scales
+    assert (si.R, si.ball_mass) == pytest.approx((0.008, 8000 * 4 / 3 * pi * 0.01**3), rel=1e-9)
 
 
 def test_ways_to_say_the_same_ball():
@@ -51,12 +42,11 @@ def test_ways_to_say_the_same_ball():
     for contact in (other | {"E_prime": "226.37 GPa"}, heavy):
         same = parse_case({"contact": contact, "lubricant": OIL}).parameters
         assert (same.M, same.L) == pytest.approx((one.M, one.L), rel=1e-12)
-
-
-def test_density_is_that_of_the_first_ball():
-    contact = {"radius_1": "10 mm", "radius_2": "40 mm", "ball_density": "8 g/cm^3", "speed": "1 m/s", **STEEL}
-    si = parse_case({"contact": contact, "lubricant": OIL}).scales
-    assert (si.R, si.ball_mass) == pytest.approx((0.008, 8000 * 4 / 3 * pi * 0.01**3), rel=1e-9)
+    radii = {"radius_x_1": "12.8 mm", "radius_y_1": "100 mm", "radius_x_2": "21.7 mm", "entrainment_angle": "30 deg"}
+    speeds = {"load": "250 N", "speed_1": "2.01 m/s", "speed_2": "2.27 m/s"}
+    contact = {"kind": "rolling", "E_prime": "226 GPa"} | radii | speeds
+    case = parse_case({"contact": contact, "lubricant": {"eta0": "40 mPa*s", "alpha": "20 / GPa"}})
+    assert case.digest == "730e79645d2e31ad"
 
 
 ALPHA = lubricant.ALPHA
@@ -92,10 +82,7 @@ def test_examples_are_cases(path):
     assert case.on_half_grid().solver.nodes == (case.solver.nodes + 1) // 2
 
 
-# -- overrides --------------------------------------------------------------------------------------------------------
-
-
-def test_overrides_are_toml_or_text():
+def test_overrides_are_toml_or_text_and_one_value():
     given = {"contact": dict(MOES)}
     items = ["solver.nodes=129", "time.until=rebound", "contact.M = 2e3", "lubricant.alpha=20 / GPa", 'name="a b"']
     items += ["motion.load=[[0, 1], [2, 3]]", 'roughness=[{shape = "spot", height = 0.1, radius = 1}]']
@@ -121,10 +108,7 @@ def test_overrides_are_toml_or_text():
     assert other == {"surfaces": {"asperities": {"law": "greenwood-tripp"}}}  # whose numbers are others
     with pytest.raises(ConfigError, match="nodes is not a section or a table"):
         apply_overrides({"solver": {"nodes": 129}}, ["solver.nodes.of=3"])
-
-
-def test_an_override_is_one_value():
-    """What followed in further lines was silently left out."""
+    # What followed in further lines was silently left out.
     assert apply_overrides({}, ["solver.nodes=65\n[time]\nuntil=1"])["solver"]["nodes"] == "65\n[time]\nuntil=1"
     assert apply_overrides({}, ["solver.nodes=" + "[" * 900 + "]" * 900])["solver"]["nodes"].startswith("[[[")
 
@@ -135,30 +119,12 @@ def test_malformed_override(item):
         apply_overrides({}, [item])
 
 
-def test_digest_of_a_default_domain_stays_to_the_last_bit():
-    radii = {"radius_x_1": "12.8 mm", "radius_y_1": "100 mm", "radius_x_2": "21.7 mm", "entrainment_angle": "30 deg"}
-    speeds = {"load": "250 N", "speed_1": "2.01 m/s", "speed_2": "2.27 m/s"}
-    contact = {"kind": "rolling", "E_prime": "226 GPa"} | radii | speeds
-    case = parse_case({"contact": contact, "lubricant": {"eta0": "40 mPa*s", "alpha": "20 / GPa"}})
-    assert case.digest == "730e79645d2e31ad"
-
-
-# -- files ------------------------------------------------------------------------------------------------------------
-
-
 def read(tmp_path: Path, content: bytes, name: str = "case.toml") -> Case:
     (tmp_path / name).write_bytes(content)
     return load_case(tmp_path / name)
 
 
 SMALL = b"[contact]\nM = 1000\nL = 10\n"
-
-
-def test_no_file(tmp_path):
-    with pytest.raises(ConfigError, match=r"no\.toml cannot be read, no such file"):
-        load_case(tmp_path / "no.toml")
-    with pytest.raises(ConfigError, match="is not a regular file"):
-        load_case(tmp_path)
 
 
 @pytest.mark.parametrize("content", [b"\xef\xbb\xbf" + SMALL, SMALL.replace(b"\n", b"\r\n")], ids=["mark", "windows"])
@@ -197,9 +163,11 @@ def test_what_is_no_case_file_is_said_shortly(tmp_path, content, said):
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs a POSIX system")
-def test_a_pipe_or_a_device_is_refused_and_not_waited_for(tmp_path):
+def test_a_folder_a_pipe_or_a_device_is_refused_and_not_waited_for(tmp_path):
+    with pytest.raises(ConfigError, match=r"no\.toml cannot be read, no such file"):
+        load_case(tmp_path / "no.toml")
     os.mkfifo(tmp_path / "pipe.toml")
-    for path in (tmp_path / "pipe.toml", Path("/dev/zero")):
+    for path in (tmp_path, tmp_path / "pipe.toml", Path("/dev/zero")):
         with pytest.raises(ConfigError, match="is not a regular file"):
             load_case(path)
 
@@ -218,21 +186,7 @@ def test_a_case_without_a_name_is_called_as_its_file_is(tmp_path, name, expected
     assert read(tmp_path, SMALL, name).name == expected
 
 
-# -- hostile values ---------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("key", ["<number>", "<points>", "<table>", "<name>", "", "a.b", "two\nlines", "k" * 10**6])
-@pytest.mark.parametrize("place", ["", "contact", "lubricant", "solver", "motion", "time", "output"])
-def test_any_unknown_key_is_named(place, key):
-    message = complaint(**({place: {**(MOES if place == "contact" else {}), key: 1}} if place else {key: 1}))
-    quoted = show(key)
-    assert message.startswith(f"{place}.{quoted} = 1: unknown key" if place else f"{quoted} = 1: unknown key")
-
-
-# -- whole files, valid and spoiled -----------------------------------------------------------------------------------
-
-
-MANY = pytest.mark.parametrize("examples", [40, pytest.param(1000, marks=pytest.mark.slow)])
+MANY = pytest.mark.parametrize("examples", [60, pytest.param(1000, marks=pytest.mark.slow)])
 
 
 @MANY

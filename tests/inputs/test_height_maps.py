@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 import tomli_w
+from cases import REFUSALS
 
 from ertel.case.case import Case
 from ertel.case.height_map import HeightMap, Measured
@@ -70,9 +71,6 @@ def holed(rows: Any, columns: Any) -> np.ndarray:
     return found
 
 
-# -- formats and units ------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("name", "unit"),
     [("a.nc", "um"), ("a.nc", "nm"), ("a.txt", "um"), ("a.asc", "nm"), ("a.x3p", "um"), ("a.gwy", "um")],
@@ -93,9 +91,6 @@ def test_files_without_units_are_told_them(tmp_path) -> None:
     assert is_the_wave(read(tmp_path, file="plain.txt", unit="nm", length_x="600 um"))
     np.save(tmp_path / "disc.npy", WAVE)
     assert is_the_wave(read(tmp_path, file="disc.npy", unit="m", length_y="400 um"))
-
-
-def test_what_is_given_wins_over_the_file(tmp_path) -> None:
     written(tmp_path / "disc.nc", WAVE)
     found = read(tmp_path, file="disc.nc", rms="50 nm", length_x="300 um")
     assert found.rms == Quantity(5e-8, "m")
@@ -110,9 +105,6 @@ def test_a_case_without_dimensions_takes_a_map_in_its_own_units(tmp_path) -> Non
     assert (feature.shape.rms, feature.shape.length_x, feature.shape.length_y) == (0.01, 3.0, pytest.approx(2.0))
     with pytest.raises(ConfigError, match=r"^roughness\[1\].length_x = .*: a dimensionless case has no m"):
         parse_case({**case, "roughness": [{"shape": "measured", "file": "disc.nc"}]}, tmp_path)
-
-
-# -- trend and gaps ---------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -133,32 +125,7 @@ def test_gaps_are_filled_from_their_rims(tmp_path) -> None:
     np.testing.assert_allclose(found, smooth, atol=1e-14)
 
 
-# -- what is wrong ----------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("table", "message"),
-    [
-        ({"file": "nothing.al3d"}, 'roughness[1].file = "nothing.al3d": cannot be read'),
-        ({"file": "broken.al3d"}, 'roughness[1].file = "broken.al3d": SurfaceTopography cannot'),
-        ({"file": "broken.npy"}, 'roughness[1].file = "broken.npy": is not an array of numbers'),
-        (
-            {"file": "line.npy", "unit": "m", "length_x": "1 mm", "y": 0.1},
-            "roughness[1].y = 0.1: a profile is the same",
-        ),
-        (
-            {"file": "disc.nc", "spacing": "1 um"},
-            'roughness[1].spacing = "1e-06 m": the file has lengths; leave it out',
-        ),
-        ({"file": "disc.nc", "channel": "Phase"}, 'roughness[1].channel = "Phase": the file has "Default"'),
-        ({"file": "disc.nc", "unit": "nm"}, 'roughness[1].unit = "nm": the file says µm'),
-        ({"file": "disc.nc", "detrend": "sphere"}, 'roughness[1].detrend = "sphere": allowed: '),
-        ({"file": "disc.nc", "taper": "300 um"}, "roughness[1].taper = "),
-        ({"file": "disc.npy"}, "roughness[1].length_x: missing; the file does not say"),
-        ({"file": "disc.npy", "length_x": "1 mm"}, "roughness[1].unit: missing; the file does not say"),
-        ({"file": "holes.nc"}, 'roughness[1].file = "holes.nc": 60% of its points are gaps; at most 50%'),
-    ],
-)
+@pytest.mark.parametrize(("table", "message"), REFUSALS["maps"], ids=str)
 def test_what_is_wrong_is_said(tmp_path, table, message) -> None:
     written(tmp_path / "disc.nc", WAVE)
     written(tmp_path / "holes.nc", holed(slice(12), slice(None)))
@@ -183,8 +150,6 @@ def test_without_the_package_it_is_said_what_to_install(tmp_path, monkeypatch) -
     plain = read(tmp_path, file="disc.npy", unit="m", length_x="600 um", detrend="none")
     np.testing.assert_allclose(heights(plain), WAVE, atol=1e-20)
 
-
-# -- heights that are no heights --------------------------------------------------------------------------------------
 
 PLACED: dict[str, Any] = {"unit": "m", "length_x": "600 um"}
 
@@ -233,8 +198,6 @@ def test_how_many_points_were_filled_is_said_and_stays_with_the_case(tmp_path) -
     with pytest.raises(ConfigError, match=r"^roughness\[1\].filled = 3: is counted as the file is read; leave it out"):
         read(tmp_path, file="disc.nc", filled=3)
 
-
-# -- files that declare too much --------------------------------------------------------------------------------------
 
 ALLOWED = "a map of 4 to 4096 points a side, or a profile of 4 to 1048576"
 
@@ -319,12 +282,12 @@ def test_a_zip_archive_is_refused_by_what_it_unpacks_to(tmp_path) -> None:
     refused(tmp_path, "wide.zip", f"{IN_A_LINE}; a map has at most 4096 points a side", 40e6)
     zipped(tmp_path / "table.xlsx", {"[Content_Types].xml": b"<a/>"})
     refused(tmp_path, "table.xlsx", "is an office document, which has no map of heights; export the map as text")
-
-
-def test_a_member_that_is_larger_than_it_declares_is_not_unpacked(tmp_path) -> None:
     zipped(tmp_path / "liar.x3p", {"main.xml": b"<a>" + b"<b/>" * 10_000_000}, declared=1000)
     with memory_below(20e6), pytest.raises(ConfigError, match="SurfaceTopography cannot read it"):
         read(tmp_path, file="liar.x3p")
+    with (tmp_path / "large.al3d").open("wb") as file:
+        file.truncate(700_000_000)  # takes no place
+    refused(tmp_path, "large.al3d", "is too large; must have at most 600 MB")
 
 
 def test_a_map_is_refused_by_the_shape_that_its_file_declares(tmp_path) -> None:
@@ -335,14 +298,6 @@ def test_a_map_is_refused_by_the_shape_that_its_file_declares(tmp_path) -> None:
     said = f"heights: is 100000000 x 5; must be {ALLOWED}"
     refused(tmp_path, "wide.h5", said, **PLACED)
 
-
-def test_a_file_is_refused_by_its_size(tmp_path) -> None:
-    with (tmp_path / "large.al3d").open("wb") as file:
-        file.truncate(700_000_000)  # takes no place
-    refused(tmp_path, "large.al3d", "is too large; must have at most 600 MB")
-
-
-# -- in a case --------------------------------------------------------------------------------------------------------
 
 DISC = {"shape": "measured", "file": "disc.nc"}
 

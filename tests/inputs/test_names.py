@@ -33,6 +33,11 @@ def test_names_become_numbers():
     assert case.oil.reference.startswith("squalane at 40 degC. Viscosity: Schmidt")
     written = ertel.to_toml(case)
     assert "oil =" not in written and "temperature" not in written
+    ball = {"radius": 0.01, "speed": 0.1, "material_1": "silicon-nitride", "material_2": "steel", "method": "radial"}
+    case = ertel.impact(**ball, oil="iso-vg-68", temperature="60 degC")
+    assert case.contact.ball_density == 3290.0
+    assert ertel.impact(**ball, ball_density=3200, oil="iso-vg-68", temperature=333.15).contact.ball_density == 3200.0
+    assert ertel.impact(**ball, mass="13 g", oil="iso-vg-68", temperature=333.15).contact.mass == 0.013
 
 
 def test_python_and_case_files_mean_the_same():
@@ -42,24 +47,25 @@ def test_python_and_case_files_mean_the_same():
     assert ertel.rolling(**named, temperature=313.15) == case
     assert ertel.rolling(**named, temperature=pint.UnitRegistry().Quantity(40.0, "degC")) == case
     assert ertel.rolling(**{**named, "oil": oils.at("squalane", "40 degC")}) == case
+    case = case_of(oil=SHEET, temperature="60 degC", alpha="20 / GPa")
+    same = oils.data_sheet("68 mm^2/s", "8.7 mm^2/s", 880.0, "60 degC")
+    assert case.oil.eta0 == same.eta0
+    assert case.oil.alpha == pytest.approx(20e-9, rel=1e-15)
+    assert parse_case(tomllib.loads(ertel.to_toml(case))) == case
 
 
-def test_the_material_of_an_impact_gives_the_ball_its_density():
-    ball = {"radius": 0.01, "speed": 0.1, "material_1": "silicon-nitride", "material_2": "steel", "method": "radial"}
-    case = ertel.impact(**ball, oil="iso-vg-68", temperature="60 degC")
-    assert case.contact.ball_density == 3290.0
-    assert ertel.impact(**ball, ball_density=3200, oil="iso-vg-68", temperature=333.15).contact.ball_density == 3200.0
-    assert ertel.impact(**ball, mass="13 g", oil="iso-vg-68", temperature=333.15).contact.mass == 0.013
-
-
-# -- given values win -------------------------------------------------------------------------------------------------
-
-
-def test_a_given_viscosity_wins():
+def test_given_values_win():
     oil = case_of(**NAMED, eta0="20 mPa*s").oil
     assert oil.eta0 == 0.02
     assert (oil.viscosity, oil.alpha) == (oils.at("squalane", 313.15).viscosity, oils.at("squalane", 313.15).alpha)
     assert oil.reference.endswith("Given: eta0.")
+    oil = case_of(**NAMED, viscosity="isoviscous", density="incompressible", reference="mine").oil
+    assert (oil.viscosity, oil.density, oil.reference) == ("isoviscous", "incompressible", "mine")
+    contact = case_of({**BODIES, "E1": "206 GPa"}).contact
+    assert (contact.E1, contact.nu1, contact.E2) == (206e9, 0.3, 82e9)
+    assert case_of({**BODIES, "E_prime": "117 GPa"}).contact.given == ("radius", "load", "mean_speed", "E_prime")
+    mixed = case_of({"material_1": "steel", "E2": "75 GPa", "nu2": 0.22}).contact
+    assert (mixed.E1, mixed.E2) == (210e9, 75e9)
 
 
 @pytest.mark.parametrize(("given", "law"), [({}, "roelands"), ({"viscosity": "barus"}, "barus")])
@@ -69,29 +75,6 @@ def test_a_given_alpha_wins_over_the_oils_own_pressure_law(given, law):
     assert oil.eta0 == oils.at("squalane", 313.15).eta0
     assert oil.reference.endswith("Given: alpha, viscosity." if given else "Given: alpha.")
 
-
-def test_a_given_law_and_a_given_source_win():
-    oil = case_of(**NAMED, viscosity="isoviscous", density="incompressible", reference="mine").oil
-    assert (oil.viscosity, oil.density, oil.reference) == ("isoviscous", "incompressible", "mine")
-
-
-def test_given_elasticity_wins():
-    contact = case_of({**BODIES, "E1": "206 GPa"}).contact
-    assert (contact.E1, contact.nu1, contact.E2) == (206e9, 0.3, 82e9)
-    assert case_of({**BODIES, "E_prime": "117 GPa"}).contact.given == ("radius", "load", "mean_speed", "E_prime")
-    mixed = case_of({"material_1": "steel", "E2": "75 GPa", "nu2": 0.22}).contact
-    assert (mixed.E1, mixed.E2) == (210e9, 75e9)
-
-
-def test_an_oil_is_described_by_its_data_sheet():
-    case = case_of(oil=SHEET, temperature="60 degC", alpha="20 / GPa")
-    same = oils.data_sheet("68 mm^2/s", "8.7 mm^2/s", 880.0, "60 degC")
-    assert case.oil.eta0 == same.eta0
-    assert case.oil.alpha == pytest.approx(20e-9, rel=1e-15)
-    assert parse_case(tomllib.loads(ertel.to_toml(case))) == case
-
-
-# -- the section [thermal] --------------------------------------------------------------------------------------------
 
 ELASTIC = {"E_prime": "226 GPa"}
 Data = dict[str, Any]
@@ -111,12 +94,13 @@ def test_names_give_all_thermal_data():
     assert found.bodies[0].conductivity == 47.0 and found.bodies[0].density == 7850.0
     assert found.bodies[1].heat_capacity == 880.0
     assert (found.viscosity, found.inlet) == ("houpert", "solved")
-
-
-def test_given_thermal_data_win():
     found = warm({"beta": "0.05 / K", "conductivity_2": "2 W/(m*K)", "temperature_1": "60 degC"}).thermal
     assert (found.beta, found.bodies[1].conductivity, found.temperature_1) == (0.05, 2.0, 333.15)
     assert found.temperature_2 == 313.15
+    named = {"radius": "10 mm", "load": 20, "mean_speed": 0.5, **BODIES, "oil": "squalane", "temperature": "40 degC"}
+    assert ertel.rolling(**named, thermal={}) == warm({})
+    one = ertel.rolling(**named, thermal={"temperature_2": 333.15, "beta": 0.04})
+    assert one == warm({"temperature_2": "60 degC", "beta": "0.04 / K"})
 
 
 def test_resolved_thermal_data_are_written_and_read_back():
@@ -127,13 +111,6 @@ def test_resolved_thermal_data_are_written_and_read_back():
     for each in (case, exact):
         again = parse_case(tomllib.loads(ertel.to_toml(each)))
         assert again == each and again.digest == each.digest
-
-
-def test_thermal_data_mean_the_same_in_python():
-    named = {"radius": "10 mm", "load": 20, "mean_speed": 0.5, **BODIES, "oil": "squalane", "temperature": "40 degC"}
-    assert ertel.rolling(**named, thermal={}) == warm({})
-    one = ertel.rolling(**named, thermal={"temperature_2": 333.15, "beta": 0.04})
-    assert one == warm({"temperature_2": "60 degC", "beta": "0.04 / K"})
 
 
 def test_an_inlet_far_too_hot_for_the_formula():
@@ -157,8 +134,6 @@ def test_heat_needs_a_law_of_shear_thinning_where_the_surfaces_slide():
     written = warm({}, sliding, {**oil, "rheology": "newtonian"}).to_data()
     assert parse_case(written).thermal  # a stored run can be read
 
-
-# -- the key `rheology`: laws of shear thinning, written down and read back ------------------------------------------
 
 BALL = {"radius": 0.01, "E_prime": 226e9, "oil": Oil(eta0=0.04, alpha=20e-9), "nodes": 65}
 LOADED = {**BALL, "load": 20.0, "mean_speed": 1.0}
@@ -187,8 +162,6 @@ def test_where_an_oil_that_thins_does_not_work() -> None:
     with pytest.raises(ConfigError, match=r'rheology.*"radial" is for Newtonian oils only'):
         impact(**BALL, ball_density=7850, speed=0.1, method="radial", rheology=ReeEyring(5e6))
 
-
-# -- from the library -------------------------------------------------------------------------------------------------
 
 COOL = {**LOADED, "oil": "squalane", "temperature": "25 degC"}
 WARM = {**LOADED, "oil": "pao-100", "temperature": "60 degC"}
@@ -235,8 +208,6 @@ def test_what_is_wrong_is_said(contact: dict[str, Any], written: Any, said: str)
     assert rolling(**contact, rheology=with_all).oil.fluidity_law == Carreau(5e6, 0.5)
 
 
-# -- oils bring their law ---------------------------------------------------------------------------------------------
-
 FALLING = {"radius": 0.01, "E_prime": 226e9, "ball_density": 7850, "speed": 0.1, "nodes": 65}
 SQUALANE = {"oil": "squalane", "temperature": "25 degC"}
 
@@ -251,9 +222,6 @@ def test_a_named_oil_brings_the_law_of_the_library() -> None:
     assert plain.oil.is_newtonian and "Rheology" not in plain.oil.reference
     assert plain.parameters == case.parameters
     assert oils.at("squalane", "25 degC", rheology="newtonian").is_newtonian
-
-
-def test_only_at_temperatures_that_have_a_source() -> None:
     named = {**COOL, "temperature": "40 degC"}
     case = rolling(**named)
     assert case.oil.is_newtonian

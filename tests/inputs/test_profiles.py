@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cases import REFUSALS
 
 from ertel.case.case import Case
 from ertel.case.height_map import HeightMap, Measured
@@ -86,12 +87,21 @@ def test_the_form_of_the_body_is_taken_off(tmp_path, monkeypatch, detrend, form,
     assert is_of_heights(profile(tmp_path, file="row.npy", unit="m", spacing="2.5 um", **detrend), left)
 
 
-def test_round_off_is_no_profile(tmp_path) -> None:
+def test_round_off_is_no_profile(tmp_path, caplog) -> None:
     np.save(tmp_path / "row.npy", BOW)
     with pytest.raises(
         ConfigError, match=r'^roughness\[1\].detrend = "curvature": leaves nothing but round-off of file'
     ):
         profile(tmp_path, file="row.npy", unit="m", spacing="2.5 um", detrend="curvature")
+    write(tmp_path / "stylus.asc", 1e6 * LENGTH * PLACES, 1e6 * WAVE)
+    short = case_warnings(case(tmp_path, file="stylus.asc", unit="um", length_x="300 um"))
+    assert any("the profile is smaller than the contact (without its taper 1.6 a, the contact 2 a)" in s for s in short)
+    assert not any("the profile is" in s for s in case_warnings(case(tmp_path, file="stylus.asc", unit="um")))
+    # Some readers log all bytes of a file.
+    (tmp_path / "stylus.txt").write_bytes(bytes(range(256)) * 20)
+    with pytest.raises(ConfigError, match="SurfaceTopography cannot read it"):
+        profile(tmp_path, file="stylus.txt")
+    assert caplog.text == ""
 
 
 def test_gaps_are_filled_by_straight_lines_and_counted(tmp_path) -> None:
@@ -105,13 +115,6 @@ def test_gaps_are_filled_by_straight_lines_and_counted(tmp_path) -> None:
     assert said == [
         "roughness[1]: 3 of the 240 points of the profile were gaps: their heights are interpolated from their rims"
     ]
-
-
-def test_a_profile_that_is_shorter_than_the_contact_is_noticed(tmp_path) -> None:
-    write(tmp_path / "stylus.asc", 1e6 * LENGTH * PLACES, 1e6 * WAVE)
-    short = case_warnings(case(tmp_path, file="stylus.asc", unit="um", length_x="300 um"))
-    assert any("the profile is smaller than the contact (without its taper 1.6 a, the contact 2 a)" in s for s in short)
-    assert not any("the profile is" in s for s in case_warnings(case(tmp_path, file="stylus.asc", unit="um")))
 
 
 def test_a_profile_and_a_map_have_their_contacts(tmp_path) -> None:
@@ -129,26 +132,11 @@ def test_a_profile_and_a_map_have_their_contacts(tmp_path) -> None:
         case(tmp_path, file="map.npy", unit="m", spacing="2 um")
 
 
-@pytest.mark.parametrize(
-    ("table", "message"),
-    [
-        ({"unit": "um", "y": "1 um"}, r"roughness\[1\].y = 1e-06 m: a profile is the same at all y; leave it out"),
-        ({"unit": "um", "spacing": "1 um"}, r"roughness\[1\].spacing = .*: the file has lengths; leave it out"),
-        ({"unit": "um", "taper": "400 um"}, r"roughness\[1\].taper = .*: must be at most half of the shorter side"),
-    ],
-)
+@pytest.mark.parametrize(("table", "message"), REFUSALS["profiles"], ids=str)
 def test_what_is_wrong_is_said(tmp_path, table, message) -> None:
     write(tmp_path / "stylus.asc", 1e6 * LENGTH * PLACES, 1e6 * WAVE)
     with pytest.raises(ConfigError, match=f"^{message}"):
         profile(tmp_path, file="stylus.asc", **table)
-
-
-def test_a_file_that_no_reader_knows_is_not_shown(tmp_path, caplog) -> None:
-    """Some readers log all bytes of a file."""
-    (tmp_path / "stylus.txt").write_bytes(bytes(range(256)) * 20)
-    with pytest.raises(ConfigError, match="SurfaceTopography cannot read it"):
-        profile(tmp_path, file="stylus.txt")
-    assert caplog.text == ""
 
 
 def test_a_case_with_a_profile_comes_back_and_its_digest_is_that_of_the_heights(tmp_path) -> None:

@@ -28,9 +28,6 @@ def names(record):
     return {item.name for item in fields(record)}
 
 
-# -- keys -------------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(("function", "kind"), [(ertel.impact, "impact"), (ertel.rolling, "rolling")])
 def test_keywords_are_the_keys_of_case_files(function, kind):
     """No more and no fewer; the tolerance in time has a name of its own beside the solver's."""
@@ -81,13 +78,9 @@ def test_a_key_of_a_section_is_refused_with_its_place():
         ertel.impact(conductivity=0.14)
     with pytest.raises(TypeError, match="'load': its load follows from mass and speed"):
         ertel.impact(load=20.0)
-
-
-def test_keywords_that_are_none_are_left_out():
-    assert ertel.impact(M=200, L=10, radius=None, roughness=None) == ertel.impact(M=200, L=10)
-
-
-# -- the same case ----------------------------------------------------------------------------------------------------
+    for text in (5, "5 kg", "x" * 10**6, "\x1b"):
+        with pytest.raises(ConfigError, match=r"^text = .*: must be a length or a time"):
+            ertel.quantity(text)
 
 
 def test_si_and_texts_with_units_are_the_same_case():
@@ -95,6 +88,18 @@ def test_si_and_texts_with_units_are_the_same_case():
     assert ertel.impact(**CONTACT, oil=ertel.Oil(**LUBRICANT)) == si
     assert parse_case({"contact": CONTACT, "lubricant": LUBRICANT}) == si
     assert si.scales is not None and si.scales.p_h == pytest.approx(1.42e9, rel=5e-3)
+    assert ertel.impact(M=200, L=10, radius=None, roughness=None) == ertel.impact(M=200, L=10)
+    case = ertel.impact(M=200, L=10, tolerance=1e-2, time_tolerance=1e-3)
+    assert (case.solver.tolerance, case.schedule.tolerance) == (1e-2, 1e-3)
+    registry = pint.UnitRegistry()
+    numbers = {**IN_SI, "radius": registry.Quantity(10, "mm"), "ball_density": np.int64(7850)}
+    case = ertel.impact(**numbers, oil=ertel.Oil(np.float64(0.0186), np.float64(20e-9)), nodes=np.int64(129))
+    assert case.to_data() == ertel.impact(**IN_SI, oil=OIL, nodes=129).to_data()
+    assert ertel.quantity(registry.Quantity(20, "nm")) == Quantity(2e-8, "m")
+    p_h = ertel.impact(**IN_SI, oil=OIL).scales.p_h
+    given = ertel.Oil(eta0=0.0186, alpha=20e-9, viscosity=Roelands(20e-9, 0.6, 1.96e8))
+    case = ertel.impact(**IN_SI, oil=given)
+    assert case.lubricant.viscosity(0.5) == pytest.approx(Roelands(20e-9, 0.6).viscosity(0.5 * p_h), rel=1e-14)
 
 
 def test_every_section_arrives():
@@ -120,25 +125,10 @@ def test_every_section_arrives():
     assert ertel.rolling(**ROLLING, oil=OIL, method="transient", roughness=[table]).roughness == case.roughness
 
 
-def test_time_tolerance_is_that_of_time():
-    case = ertel.impact(M=200, L=10, tolerance=1e-2, time_tolerance=1e-3)
-    assert (case.solver.tolerance, case.schedule.tolerance) == (1e-2, 1e-3)
-
-
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), "a", None])
 def test_a_function_of_time_has_finite_values(value):
     with pytest.raises(ConfigError, match=r"^function\(0\.5\) = .*must be a"):
         ertel.sampled(lambda T: value if T == 0.5 else 1.0, until=1.0)
-
-
-def test_laws_scale_themselves():
-    p_h = ertel.impact(**IN_SI, oil=OIL).scales.p_h
-    given = ertel.Oil(eta0=0.0186, alpha=20e-9, viscosity=Roelands(20e-9, 0.6, 1.96e8))
-    case = ertel.impact(**IN_SI, oil=given)
-    assert case.lubricant.viscosity(0.5) == pytest.approx(Roelands(20e-9, 0.6).viscosity(0.5 * p_h), rel=1e-14)
-
-
-# -- what is refused: field, value, what is allowed -------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("key", NOT_THERE)
@@ -148,17 +138,6 @@ def test_what_ertel_does_not_do_is_said(key):
         with pytest.raises(ConfigError) as caught:
             parse_case({"contact": contact, section: {**(contact if section == "contact" else {}), key: 1}})
         assert NOT_THERE[key] in str(caught.value)
-
-
-# -- NumPy and pint ---------------------------------------------------------------------------------------------------
-
-
-def test_numbers_of_numpy_and_quantities_of_pint_are_numbers():
-    registry = pint.UnitRegistry()
-    numbers = {**IN_SI, "radius": registry.Quantity(10, "mm"), "ball_density": np.int64(7850)}
-    case = ertel.impact(**numbers, oil=ertel.Oil(np.float64(0.0186), np.float64(20e-9)), nodes=np.int64(129))
-    assert case.to_data() == ertel.impact(**IN_SI, oil=OIL, nodes=129).to_data()
-    assert ertel.quantity(registry.Quantity(20, "nm")) == Quantity(2e-8, "m")
 
 
 BALL = {**IN_SI, "oil": OIL}
@@ -200,12 +179,6 @@ def test_a_wrong_or_absurd_oil_is_refused(given, said):
     assert message.startswith(said)
     assert len(message) < 450 and message.isprintable()
     assert any(word in message for word in ("allowed", "must be", "write for example"))
-
-
-def test_a_text_that_is_no_quantity_is_refused():
-    for text in (5, "5 kg", "x" * 10**6, "\x1b"):
-        with pytest.raises(ConfigError, match=r"^text = .*: must be a length or a time"):
-            ertel.quantity(text)
 
 
 def test_roughness_as_numbers_in_every_way():

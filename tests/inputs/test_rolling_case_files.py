@@ -36,22 +36,22 @@ def in_time(contact: dict[str, Any] = MOES, **sections: Any) -> Case:
     return case(contact, solver=IN_TIME, **sections)
 
 
-# -- the contact ------------------------------------------------------------------------------------------------------
-
-
 def test_physical_input_is_the_reference():
     found = case(C1)
     given = [found.parameters.M, found.parameters.L, found.scales.a, found.scales.p_h, found.scales.front_speed]
     assert given == pytest.approx([200, 10, 1.384509e-4, 968577800.0, 0.502636], rel=1e-6)
     assert found.motion == STEADY_ROLLING
     assert found.solver == METHODS["steady"].defaults
-
-
-def test_two_speeds_are_a_mean_and_a_slide():
     one = case(TRACK | {"speed_1": "0.6 m/s", "speed_2": "0.4 m/s"})
     two = case(TRACK | {"mean_speed": "0.5 m/s", "slide_to_roll": 0.4})
     found, expected = ((each.parameters.lambda_bar, each.motion.slide_to_roll) for each in (one, two))
     assert found == pytest.approx(expected, rel=1e-9)
+    mass = 4 / 3 * pi * 0.01**3 * 7850
+    one = in_time(C1 | {"ball_density": "7850 kg/m^3"})
+    two = in_time(C1 | {"mass": f"{mass!r} kg"})
+    s = one.scales
+    assert one.motion.inertia == pytest.approx(mass * s.film / (s.load * s.t0**2), rel=1e-9)
+    assert two.motion.inertia == pytest.approx(one.motion.inertia, rel=1e-9)
 
 
 @pytest.mark.parametrize(("first", "second", "slide"), [(1, 0, 2), (0, 1, -2), (2, -1, 6)])
@@ -79,18 +79,6 @@ def test_a_negative_mean_speed_reverses_the_flow():
     assert back.motion.entrainment.range(1e3) == pytest.approx(backwards.range(1e3))
 
 
-def test_the_ball_s_mass_is_its_inertia():
-    mass = 4 / 3 * pi * 0.01**3 * 7850
-    one = in_time(C1 | {"ball_density": "7850 kg/m^3"})
-    two = in_time(C1 | {"mass": f"{mass!r} kg"})
-    s = one.scales
-    assert one.motion.inertia == pytest.approx(mass * s.film / (s.load * s.t0**2), rel=1e-9)
-    assert two.motion.inertia == pytest.approx(one.motion.inertia, rel=1e-9)
-
-
-# -- the defaults -----------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(("M", "half_width"), [(10, 3.0), (5, 3.0), (2, 10.25), (1, 25.75), (0.145, 336.75)])
 def test_the_default_domain_is_wide_where_oil_far_away_carries_the_load(M, half_width):
     """By (5/M)^(4/3), as lambda_bar; the share of the load outside is that of M = 5."""
@@ -107,11 +95,12 @@ def test_the_default_domain_of_an_ellipse_and_of_a_light_ball_in_si_is_wide():
     found = case(light, lubricant={"eta0": "0.1 Pa*s", "alpha": "20 / GPa"})
     assert found.parameters.M < 4
     assert found.solver.half_width == pytest.approx(3 * (5 / found.parameters.M) ** (4 / 3), abs=0.25)
-
-
-def test_an_inlet_goes_with_the_width():
     assert case(solver={"half_width": 4.0}).solver.inlet == 6.0
     assert case(solver={"half_width": 4.0, "inlet": 4.0}).solver.inlet is None  # centred
+    found = case(MOES | {"radius_ratio": 0.17}, solver={"nodes": 129})
+    fine, half = grid_of(found), grid_of(found.on_half_grid())
+    assert (half.nodes_x, half.nodes_y) == ((fine.nodes_x + 1) // 2, (fine.nodes_y + 1) // 2)
+    assert (half.x[0], half.y[0]) == pytest.approx((fine.x[0], fine.y[0]))
 
 
 @pytest.mark.parametrize(
@@ -129,9 +118,6 @@ def test_a_reversal_has_a_centred_grid(entrainment, centred):
     assert (solver.half_width, solver.inlet) == ((4.5, None) if centred else (3.0, 4.5))
 
 
-# -- motion -----------------------------------------------------------------------------------------------------------
-
-
 def test_times_with_units():
     found = in_time(
         C1,
@@ -147,17 +133,12 @@ def test_times_with_units():
     assert found.motion.entrainment == Polyline(((0.0, 1.0), (0.001 / t0, 2.0), (0.005 / t0, 1.0)))
     plan = found.schedule
     assert (plan.until, plan.step, plan.interval) == (0.003 / t0, 1e-5 / t0, 0.001 / t0)
-
-
-def test_an_impact_on_a_rolling_track():
     found = case(BALL | {"mean_speed": "0.3 m/s", "slide_to_roll": 0.5})
     assert found.motion.entrainment(1.0) == pytest.approx(0.3 / found.scales.front_speed)
     assert (found.motion.inertia, found.motion.slide_to_roll) == (0.8, 0.5)
     also = case({"M": 200, "L": 10}, motion={"entrainment": 0.5, "load": 0.1})
     assert also.motion == Motion(constant(0.1), constant(0.5), 0.8)
 
-
-# -- elliptical contacts: radii of both bodies, reduced radii, or a ratio ---------------------------------------------
 
 LOADED = {"kind": "rolling", "load": "100 N", "mean_speed": "0.5 m/s", "E_prime": "226.37 GPa"}
 REDUCED = {"radius_x": "10 mm", "radius_y": "50 mm"}
@@ -208,10 +189,3 @@ def test_the_default_grid_follows_the_ellipse(kind, D, angle):
     assert grid.y[-1] - high >= 0.999 * unit * (circle.y[-1] - 1)
     assert 0.8 * circle.spacing * unit < grid.spacing <= 1.15 * circle.spacing * unit
     assert all((abs(axis) < 1e-9).any() for axis in (grid.x, grid.y))  # a node at zero
-
-
-def test_a_half_grid_covers_the_same_domain():
-    found = case(MOES | {"radius_ratio": 0.17}, solver={"nodes": 129})
-    fine, half = grid_of(found), grid_of(found.on_half_grid())
-    assert (half.nodes_x, half.nodes_y) == ((fine.nodes_x + 1) // 2, (fine.nodes_y + 1) // 2)
-    assert (half.x[0], half.y[0]) == pytest.approx((fine.x[0], fine.y[0]))

@@ -1,7 +1,7 @@
 """Studies: which values vary, in which order, and what is refused."""
 
 import pytest
-from cases import BALL
+from cases import BALL, REFUSALS
 
 from ertel.case.records import ConfigError
 from ertel.inputs.studies import coordinates, load_study, parse_study
@@ -29,6 +29,13 @@ def test_a_product_combines_all_values():
     study = parse_study(moes(M=[100, 300], L=[5, 10, 20]))
     assert shape(study) == (2, 3) and [axis.field for axis in study.axes] == ["contact.M", "contact.L"]
     assert pairs(study) == [(100, 5), (100, 10), (100, 20), (300, 5), (300, 10), (300, 20)]
+    study = parse_study({**moes(), "solver": {"method": "radial", "nodes": "101:301:3"}})
+    assert [case.solver.nodes for case in study.cases] == [101, 201, 301]
+    study = parse_study({**moes(M="100:300:2"), "lubricant": {"reference": "40:60 blend of two oils"}})
+    assert [axis.field for axis in study.axes] == ["contact.M"]
+    data = {**moes(), "lubricant": {"viscosity": ["roelands", "barus"]}, "time": {"until": [0.5, "max-approach"]}}
+    found = coordinates(parse_study(data))
+    assert found["viscosity"][0] == ["roelands", "barus"] and found["until"][0] == ["0.5", "max-approach"]
 
 
 @pytest.mark.parametrize(("M", "L"), [([100, 300], [5, 20]), ([100, 100, 300], [5, 20, 5])])
@@ -48,16 +55,6 @@ def test_a_zip_takes_the_values_side_by_side(M, L):
 )
 def test_ranges(ends, values):
     assert [case.contact.M for case in parse_study(moes(M=ends)).cases] == values
-
-
-def test_a_text_is_no_range():
-    study = parse_study({**moes(M="100:300:2"), "lubricant": {"reference": "40:60 blend of two oils"}})
-    assert [axis.field for axis in study.axes] == ["contact.M"]
-
-
-def test_whole_numbers_stay_whole():
-    study = parse_study({**moes(), "solver": {"method": "radial", "nodes": "101:301:3"}})
-    assert [case.solver.nodes for case in study.cases] == [101, 201, 301]
 
 
 @pytest.mark.parametrize("speeds", ["100 mm/s:200 mm/s:2", "100:200 mm/s:2", "100 mm/s:200:2"])
@@ -91,21 +88,12 @@ def test_the_points_of_a_signal_are_one_value():
     study = parse_study({**rolling, "motion": {"load": [rises, falls, 1.5]}})
     assert shape(study) == (2, 3) and study.cases[1].motion.load(1.0) == 0.5
     assert coordinates(study)["load"][0] == ["[[0, 1], [1, 2]]", "[[0, 1], [1, 0.5]]", "1.5"]
-
-
-def test_the_points_of_a_track_are_one_value():
-    """Thicknesses in a list vary, and so do tracks."""
+    # Thicknesses in a list vary, and so do tracks.
     rolling = {"contact": {"kind": "rolling", "M": [100, 200], "L": 10}}
     thin, thick = [[-1, 0.05], [1, 0.1]], [[-1, 0.1], [1, 0.2]]
     assert shape(parse_study({**rolling, "lubricant": {"layer": thin}})) == (2,)
     for layers in ([0.05, 0.1], [thin, thick], [0.05, thick]):
         assert shape(parse_study({**rolling, "lubricant": {"layer": layers}})) == (2, 2)
-
-
-def test_names_and_events_are_texts():
-    data = {**moes(), "lubricant": {"viscosity": ["roelands", "barus"]}, "time": {"until": [0.5, "max-approach"]}}
-    found = coordinates(parse_study(data))
-    assert found["viscosity"][0] == ["roelands", "barus"] and found["until"][0] == ["0.5", "max-approach"]
 
 
 def test_a_file_with_overrides(tmp_path):
@@ -115,43 +103,16 @@ def test_a_file_with_overrides(tmp_path):
     assert shape(load_study(file, ["contact.L=[5, 10, 20]"])) == (2, 3)
 
 
-@pytest.mark.parametrize(
-    ("contact", "message"),
-    [
-        ({}, "the study has one case only: give a list"),
-        ({"M": {"start": 1, "stop": 2, "number": 3}}, "^contact.M = .*: must be a number"),
-        ({"M": [100, 100.0]}, r"^contact.M = \[100, 100.0\]: the values must differ from each other"),
-        ({"M": [100, -1]}, r"^contact.M = -1: must be .* \(in the case with contact.M = -1\)"),
-        ({"M": "1:2:1"}, '^contact.M = "1:2:1": .*a whole number from 2 to 1000$'),
-        ({"M": "1:inf:3"}, '"inf" must be a finite number, with or without a unit'),
-        ({"M": "1:2:1000", "L": "1:2:11"}, "has 11000 cases"),
-        ({"M": {"from": 1, "to": "2", "number": 3, "spacing": "log"}}, '^contact.M = .*: write a range as "1:2:3:log"'),
-    ],
-)
+@pytest.mark.parametrize(("contact", "message"), REFUSALS["study_values"], ids=str)
 def test_wrong_values_are_named(contact, message):
     with pytest.raises(ConfigError, match=message):
         parse_study(moes(**contact))
 
 
-def test_other_units_at_the_ends_are_refused():
-    with pytest.raises(ConfigError, match=r"^contact.speed = .* both ends must have the same unit"):
-        parse_study(ball("1 mm/s:1 m/s:2"))
-
-
-@pytest.mark.parametrize(
-    ("sweep", "message"),
-    [
-        ({"mode": "grid"}, '^sweep.mode = "grid": allowed: .product. or .zip.'),
-        ("zip", r'^sweep = "zip": must be a section, \[sweep\]'),
-        ({"mode": "zip"}, '^sweep.mode = "zip": all must have equally many .* contact.M 2, contact.L 3'),
-    ],
-)
+@pytest.mark.parametrize(("sweep", "message"), REFUSALS["study_sections"], ids=str)
 def test_a_wrong_section_is_named(sweep, message):
     with pytest.raises(ConfigError, match=message):
         parse_study({**moes(M=[100, 200], L=[5, 10, 20]), "sweep": sweep})
-
-
-# -- many values ------------------------------------------------------------------------------------------------------
 
 
 def test_each_value_is_not_compared_with_all_others():
@@ -176,3 +137,5 @@ def test_values_of_all_kinds_must_differ():
             parse_study({"contact": {"M": 200, "L": 10}, "solver": {"method": same}})
     with pytest.raises(ConfigError, match=r"^solver.method"):
         parse_study({"contact": {"M": 200, "L": 10}, "solver": {"method": [{1, 2}, {1, 2}]}})
+    with pytest.raises(ConfigError, match=r"^contact.speed = .* both ends must have the same unit"):
+        parse_study(ball("1 mm/s:1 m/s:2"))

@@ -20,8 +20,6 @@ from ertel.physics.lubricant import DENSITY_PRESSURE, P0_ROELANDS
 from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, SHAPES, VISCOSITY_LAWS
 from ertel.physics.units import STRESS, Unit, marks, meanings
 
-# -- the table of all keys ---------------------------------------------------------------------------------------------
-
 PAGE = Path(__file__).parents[2] / "examples" / "README.md"
 REGISTRIES = VISCOSITY_LAWS, DENSITY_LAWS, FLUIDITY_LAWS, SHAPES
 # of tests that were imported before: their authors explain nothing
@@ -45,16 +43,14 @@ def test_the_table_of_the_documents_is_the_printed_one():
 def test_the_table_has_all_sections():
     sections = {title.strip("[]") for title in PLACES if title.startswith("[")}
     assert sections == set(case.KEYS) - {"name", "schema"}
+    assert {item.name for item in fields(DataSheet)} == signature(oils.data_sheet).parameters.keys() - {"temperature"}
+    assert {key for key, value in properties(SCHEMA) if not value.get("description")} == {"law", "shape"}
 
 
 @pytest.mark.parametrize("title", EXPLAINED)
 def test_every_key_is_explained(title):
     """A new field of a record needs a `Meaning`."""
     assert [found.name for found in PLACES[title].keys if not found.meaning.text] == []
-
-
-def test_keys_of_a_data_sheet():
-    assert {item.name for item in fields(DataSheet)} == signature(oils.data_sheet).parameters.keys() - {"temperature"}
 
 
 @pytest.mark.parametrize(
@@ -96,8 +92,6 @@ def test_defaults_that_are_quantities(place, name, value):
     assert parse_quantity(key(place, name).default.strip('"'), STRESS) == value
 
 
-# -- the JSON schema ---------------------------------------------------------------------------------------------------
-
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
 SCHEMA = json_schema()
 VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
@@ -134,10 +128,6 @@ def properties(schema):
             yield from properties(item)
 
 
-def test_every_key_has_a_hover_text():
-    assert {key for key, value in properties(SCHEMA) if not value.get("description")} == {"law", "shape"}
-
-
 RIGHT = [
     *[("contact.radius", "0.5 inch"), ("contact.mean_speed", "-9 cm / s")],
     *[("lubricant.alpha", "22 GPa^-1"), ("lubricant.eta0", "250 mPa s")],
@@ -161,11 +151,6 @@ WRONG = [
 ]
 
 
-@pytest.mark.parametrize(("place", "value"), RIGHT, ids=str)
-def test_what_is_right(place, value):
-    assert complaints(place, value) == []
-
-
-@pytest.mark.parametrize(("place", "value"), WRONG, ids=str)
-def test_what_is_wrong(place, value):
-    assert complaints(place, value)
+@pytest.mark.parametrize(("place", "value"), [*RIGHT, *WRONG], ids=str)
+def test_what_is_right_and_what_is_wrong(place, value):
+    assert (complaints(place, value) == []) == ((place, value) in RIGHT)

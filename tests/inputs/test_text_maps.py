@@ -59,14 +59,17 @@ def test_what_is_read_is_right(lines, length):
     assert found == pytest.approx(length)
 
 
-def test_units_of_a_header_may_differ():
+def test_units_of_a_header_may_differ(tmp_path: Path):
     lines = ["X [mm]\tY [mm]\tZ [um]", *(f"{x * 1e-3:.5f}\t{y * 1e-3:.5f}\t{z:.5f}" for x, y, z in POINTS)]
     heights, length = read(lines)
     assert length == pytest.approx(3e-6)
     np.testing.assert_allclose(heights, 1e-6 * HEIGHTS, rtol=1e-9, atol=1e-18)
+    # Through a case: what the reader of the instrument's files took for a map of 30 x 4 is refused.
+    np.savetxt(tmp_path / "map.txt", np.column_stack([POINTS, np.arange(30)]))
+    table = {"shape": "measured", "file": "map.txt", "unit": "um", "length_x": 3.0}
+    with pytest.raises(ValueError, match=r"^roughness\[1\].file = \"map.txt\": is a list of points with 4 columns"):
+        parse_case({"contact": {"M": 1000, "L": 10}, "roughness": [table]}, tmp_path)
 
-
-# -- profiles ---------------------------------------------------------------------------------------------------------
 
 PLACES, PROFILE = 0.5 * np.arange(30), 0.1 * HEIGHTS.ravel()
 STYLUS = np.column_stack([PLACES, PROFILE])
@@ -99,9 +102,9 @@ def test_a_profile_is_a_list_of_places_and_heights_or_of_heights(lines, unit):
 @pytest.mark.parametrize(
     ("lines", "complaint"),
     [
-        (rows(STYLUS[:, ::-1]), "no regular profile"),
-        (rows(STYLUS**2), "no regular profile; resample them first"),
-        (rows(np.delete(STYLUS, 7, axis=0)), "no regular profile"),
+        (rows(STYLUS[:, ::-1]), "not a regular profile"),
+        (rows(STYLUS**2), "not a regular profile; resample them first"),
+        (rows(np.delete(STYLUS, 7, axis=0)), "not a regular profile"),
         (rows(np.vstack([STYLUS, STYLUS[::-1]])), "line 1: this point is given 2 times"),  # forth and back
         (rows(STYLUS[:, 1:], comma=True), "line 1: '.*' may be one number or two; write points"),
         ([f"{place},{height}" for place, height in enumerate(range(900, 930))], "'0,900' may be one number or two"),
@@ -120,8 +123,6 @@ def test_what_is_no_profile_is_refused(lines, complaint):
     with pytest.raises(ValueError, match=complaint):
         read(lines)
 
-
-# -- what may be read in two ways -------------------------------------------------------------------------------------
 
 AXES = np.column_stack([np.r_[0.0, Y[:, 0]], np.vstack([X[0], HEIGHTS])])
 
@@ -168,11 +169,3 @@ COUNTS = np.random.default_rng(3).integers(-32768, 32768, (30, 40)).astype(float
 )
 def test_deep_and_flat_places_of_a_surface_are_no_marks(heights):
     check_marks(heights)
-
-
-def test_the_files_arrive_there(tmp_path: Path):
-    """Through a case: what the reader of the instrument's files took for a map of 30 x 4 is refused."""
-    np.savetxt(tmp_path / "map.txt", np.column_stack([POINTS, np.arange(30)]))
-    table = {"shape": "measured", "file": "map.txt", "unit": "um", "length_x": 3.0}
-    with pytest.raises(ValueError, match=r"^roughness\[1\].file = \"map.txt\": is a list of points with 4 columns"):
-        parse_case({"contact": {"M": 1000, "L": 10}, "roughness": [table]}, tmp_path)

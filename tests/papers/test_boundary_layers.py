@@ -61,9 +61,6 @@ def small(monkeypatch):
     monkeypatch.setattr(figures, "FIGURES", FAKE)
 
 
-# -- page and command --------------------------------------------------------------------------------------------------
-
-
 def test_the_page_needs_no_network_and_has_everything(small, tmp_path):
     """The texts are whole and escaped; a figure whose runs failed is missing and says why."""
     file, missing = figures.make(["fig1", "fig2"], True, tmp_path)
@@ -84,9 +81,6 @@ def test_what_it_takes_is_known_before(small, tmp_path):
     assert figures.expected(["fig1", "fig2"], True, tmp_path, 2) == (2, 0, 30.0)
     figures.make(["fig1"], True, tmp_path)
     assert figures.expected(["fig1", "fig2"], True, tmp_path, 2) == (2, 1, 0.0)
-
-
-def test_columns_of_different_length_stand_side_by_side():
     table = side_by_side({"a": np.array([1.0, 2.5, np.nan]), "b": np.array([1 / 3])})
     assert to_csv(table) == "a,b\n1,0.333333333\n2.5,\n,\n"
 
@@ -110,9 +104,6 @@ def test_every_run_has_one_name_for_one_meaning(plan):
     assert all(task.seconds > 0 for task in every)
 
 
-# -- a user of the library ---------------------------------------------------------------------------------------------
-
-
 def imported(tree: ast.AST) -> Iterator[tuple[str, str]]:
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
@@ -132,8 +123,6 @@ def test_only_public_names_are_imported(file):
         ["apps", "runs", "inputs", "results", "solvers", "equations", "case", "physics", "numerics"]
     )
 
-
-# -- marks on made-up fields -------------------------------------------------------------------------------------------
 
 M, L, WAVE = 200, 10, 0.4
 X = np.linspace(-1.5, 1.5, 301)
@@ -164,6 +153,11 @@ def test_extrapolation_and_its_bar():
     second, first = extrapolated(0.5 + 0.04, 0.5 + 0.01), extrapolated(0.5 + 0.04, 0.5 + 0.02)
     assert second["limit"] == pytest.approx(0.5)
     assert first["limit"] - first["error"] == pytest.approx(0.5)
+    p = Parameters.from_moes(M, L)
+    assert over_film(p, WAVE) == pytest.approx(p.nabla2(WAVE))
+    assert over_film(p, WAVE, 0.3, 0.7) == pytest.approx(float(local_nabla2(p, WAVE, 0.3, 0.7)))
+    soft = Parameters.from_moes(M, 0)
+    assert over_film(soft, WAVE) == pytest.approx(WAVE / (0.3135 * np.sqrt(soft.lambda_bar)))
 
 
 def fading(amplitude: float) -> xr.Dataset:
@@ -205,17 +199,6 @@ def test_figure_5():
     [table] = made.tables.values()
     assert table.to_dict("list") == {"wavelength (a*)": ["0.4"], "X": ["0.700"], "A_d/A_i": ["0.400"]}
     assert list(made.data["dH"]) == ["X", "H", "dH/A_i, wavelength 0.4"]
-
-
-def test_wavelength_over_film_is_nabla2_where_the_oil_is_piezoviscous():
-    p = Parameters.from_moes(M, L)
-    assert over_film(p, WAVE) == pytest.approx(p.nabla2(WAVE))
-    assert over_film(p, WAVE, 0.3, 0.7) == pytest.approx(float(local_nabla2(p, WAVE, 0.3, 0.7)))
-    soft = Parameters.from_moes(M, 0)
-    assert over_film(soft, WAVE) == pytest.approx(WAVE / (0.3135 * np.sqrt(soft.lambda_bar)))
-
-
-# -- the figures themselves, from small runs ---------------------------------------------------------------------------
 
 
 def drawn(name: str, results: dict[str, Any]) -> Drawn:

@@ -38,9 +38,6 @@ def test_the_time_of_the_dry_impact_of_a_cylinder():
         assert np.gradient(A, T)[1000] == pytest.approx(dry.front_speed(A[1000]), rel=1e-3)
 
 
-# -- made-up fields ----------------------------------------------------------------------------------------------------
-
-
 def left_by_a_front(factor: float) -> xr.Dataset:
     """An impact whose front moves as the edge of a dry one, and leaves this multiple of 1 - X/2."""
     X = np.linspace(-1.5, 1.5, 301)
@@ -99,9 +96,6 @@ def test_the_figures_for_cylinders_have_a_page_of_their_own(monkeypatch: pytest.
     assert file.name == "lines.html" and list(missing) == names == [f"line{n}" for n in range(1, 8)]
     with pytest.raises(ValueError, match="must be all, lines, fig1"):
         figures.names_of("line8")
-
-
-# -- the figures themselves --------------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow

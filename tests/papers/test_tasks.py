@@ -41,9 +41,6 @@ def test_a_failure_is_a_value_that_is_not_kept(tmp_path):
     failure = Failure("ZeroDivisionError: division by zero")
     assert run_tasks(tasks, tmp_path) == {"good": 0.5, "bad": failure}
     assert kept(tasks, tmp_path) == {"good": 0.5}
-
-
-def test_two_processes_give_the_same(tmp_path):
     assert run_tasks([Task("a", abs, (-1,)), Task("b", abs, (-2,))], tmp_path, jobs=2) == {"a": 1, "b": 2}
 
 

@@ -66,7 +66,7 @@ def test_a_record_is_a_frozen_dataclass(plates: Registry, record: type) -> None:
 def test_a_record_without_a_name_says_how_to_give_it_one(plates: Registry) -> None:
     with pytest.raises(ValueError) as caught:
         plates.name_of(Barus(1.0))
-    message = "Barus: is no registered plate, so it cannot be written down; put @ertel.plates.register("
+    message = "Barus: is not a registered plate, so it cannot be written down; put @ertel.plates.register("
     assert str(caught.value).startswith(message)
 
 

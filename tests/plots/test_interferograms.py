@@ -41,19 +41,6 @@ def crossings(line):
     return np.count_nonzero(np.diff(np.sign(line - (line.min() + line.max()) / 2)))
 
 
-def test_the_film_of_a_radial_run_is_that_of_its_nodes():
-    """They are finest at the edge of the contact."""
-    r = radii(101, 2.0)
-    run = dry_impact(MOES_FALLS, radial=True).isel(frame=[48]).interp(r=r)
-    run = run.assign(H=run["H"].copy(data=(0.1 + r[None, :] ** 2 / 2)))
-    x = np.linspace(-1.3, 1.3, 27)
-    seen = page._on_pixels(View.of(run), "H", x, np.zeros(1), smooth=True)
-    np.testing.assert_allclose(seen[0], 0.1 + x**2 / 2, rtol=1e-9)
-
-
-# -- the picture ------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("every", [1, 8])
 def test_rings_of_a_paraboloid_on_a_coarse_grid(ball, every):
     """As many as its film has half wavelengths, also where a ring is finer than a cell; none that is not there."""
@@ -86,9 +73,14 @@ def test_picture_is_the_film_of_the_run(ball, rolls, few_pixels):
     density = page.seen_on(view, page.pixels_around([view]), 1e-6)["density"]  # of oil under pressure
     assert density[0, 0] == 1.0
     assert density.max() == pytest.approx(1.24, abs=0.01)  # Dowson and Higginson's at 1.4 GPa
+    # They are finest at the edge of the contact.
+    r = radii(101, 2.0)
+    run = dry_impact(MOES_FALLS, radial=True).isel(frame=[48]).interp(r=r)
+    run = run.assign(H=run["H"].copy(data=(0.1 + r[None, :] ** 2 / 2)))
+    x = np.linspace(-1.3, 1.3, 27)
+    seen = page._on_pixels(View.of(run), "H", x, np.zeros(1), smooth=True)
+    np.testing.assert_allclose(seen[0], 0.1 + x**2 / 2, rtol=1e-9)
 
-
-# -- where the gap is not full ----------------------------------------------------------------------------------------
 
 LAYER = 0.3  # a^2/R
 
@@ -111,9 +103,6 @@ def test_picture_has_oil_and_air(ball, few_pixels):
     np.testing.assert_array_equal(grey[wet], full[wet])
     np.testing.assert_array_equal(chart[:, 20], of_films[:, 20])
     assert np.abs(grey - full)[beyond].max() > 0.1 and np.abs(chart - of_films)[:, 0].max() > 0.1
-
-
-# -- animation --------------------------------------------------------------------------------------------------------
 
 
 def test_animation(ball, few_pixels, tmp_path):

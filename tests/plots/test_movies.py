@@ -41,15 +41,3 @@ def test_between_two_maps_fields_are_interpolated_linearly(ball):
     np.testing.assert_allclose(found["P"].values[0], expected)
     np.testing.assert_allclose(between(ball, second)["H"].values[0], ball["H"].values[3])
     assert found.sizes["frame"] == 1 and found.sizes["time"] == ball.sizes["time"]
-
-
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        ({"what": "oil"}, "what = 'oil': must be one of film, pressure in a movie"),
-        ({"rate": 0.5}, "rate = 0.5: must be from 1 to 50 frames a second"),
-    ],
-)
-def test_other_movies_are_refused(ball, options, said):
-    with pytest.raises(plots.NoFigure, match=said):
-        plots.movie(ball, **options)

@@ -9,7 +9,7 @@ from made_up import BALL_FALLS, BALL_ROLLS, MOES_FALLS, as_in_time, dry_impact, 
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from ertel import plots
+from ertel import Measurement, plots
 from ertel.case.estimates import grid_of
 from ertel.inputs.python import rolling
 from ertel.physics.surfaces import Feature, Spot
@@ -97,6 +97,7 @@ def test_panels_in_axes_of_ones_own(runs):
     assert plots.profiles(runs["ball"], ax=[left, right]) is figure and right.has_data()
 
 
+FILM = Measurement("profile", "h", [1.0, 2.0, 3.0], [0, 1e-5, 2e-5])
 LIGHTS = "must be mono, white or a light of ertel.optics"
 
 
@@ -117,6 +118,13 @@ LIGHTS = "must be mono, white or a light of ertel.optics"
         ("moes", "interferogram", {}, r"the run is dimensionless.*run a case in SI.*film_scale"),
         ("ball", "interferogram", {"light": "sunny"}, f"light = 'sunny': {LIGHTS}"),
         ("steady", "animation", {}, "a steady contact does not move"),
+        ("ball", "movie", {"what": "oil"}, "what = 'oil': must be one of film, pressure in a movie"),
+        ("ball", "movie", {"rate": 0.5}, "rate = 0.5: must be from 1 to 50 frames a second"),
+        ("ball", "film", {"measured": FILM}, "film: does not show what is measured; profiles and midlines do"),
+        ("ball", "profiles", {"measured": replace(FILM, quantity="intensity")}, "is a profile of intensity; this pict"),
+        ("ball", "interferogram", {"measured": replace(FILM, quantity="p")}, "a profile of p; this picture shows"),
+        ("ball", "profiles", {"measured": replace(FILM, kind="history")}, "measurement is a history of h"),
+        ("ball", "profiles", {"measured": replace(FILM, along="y")}, "measurement is along y; profiles are along x"),
     ],
 )  # fmt: skip
 def test_refused(runs, run, name, options, said):

@@ -46,9 +46,6 @@ def test_constant_rates_are_summed_exactly() -> None:
     summary = impact_summary(case, falling(case).isel(time=slice(1)), None, {}, Status.CONVERGED)
     assert summary["budgets"] == {}  # before the second step
     assert not any("imbalance" in line for line in more_lines(summary))
-
-
-def test_an_imbalance_is_a_share_of_what_is_turned_over_and_above_one_per_cent_it_is_said() -> None:
     case = impact(1000, 10, 33)
     found = balances.in_time(case, falling(case, outflow=1.52 + 0 * T, elastic_energy=0.01 * T, F=0.31 + 0 * T))
     assert found["mass"]["imbalance"] == pytest.approx(0.02 / 1.52)
@@ -84,8 +81,6 @@ def test_a_steady_contact_has_rates() -> None:
     said = " ".join(summary["warnings"])  # a made-up film breaks them
     assert "energy is not conserved" in said and "use solver.nodes >= 161" in said
 
-
-# -- the oil outside the domain ---------------------------------------------------------------------------------------
 
 HERTZ = 2 * np.pi / 3
 
@@ -146,8 +141,5 @@ def test_the_stated_error_is_the_true_one() -> None:
     assert f"uncertain by about {share:.1%} of the ball's" in warning
     assert f"use solver.half_width >= {advised:g}" in warning
     assert all(0.5 < share / each < 2 for each in off)
-
-
-def test_where_nothing_is_said_little_is_off() -> None:
     said, off = compared(100, 10, 2.0, 4.0)
     assert said == [] and max(off) < balances.UNCERTAIN_MOMENTUM

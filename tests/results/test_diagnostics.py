@@ -85,8 +85,6 @@ def test_the_front_of_an_isoviscous_impact(lambda_bar, nodes, H_min_error, speak
     assert not speaks or advised(text) < 400
 
 
-# -- friction ----------------------------------------------------------------------------------------------------------
-
 EYRING = {"law": "ree-eyring", "tau0": "5 MPa"}
 LIMITED = {"law": "limited", "base": EYRING, "Lambda": 0.05}
 

@@ -153,9 +153,6 @@ def test_amplitude_of_waves_that_fade_outwards():
     np.testing.assert_allclose([w.amplitude for w in found], [1 - w.X for w in found], rtol=0.05)
 
 
-# -- a real run --------------------------------------------------------------------------------------------------------
-
-
 def test_a_small_run():
     """The three definitions of its front agree, oil slows it, and the film at maximum approach follows its speed."""
     case = impact(1000, 10, 201, solver={"method": "radial", "half_width": 4.0}, output={"interval": 0.02})

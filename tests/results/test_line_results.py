@@ -57,7 +57,14 @@ def test_units_are_those_of_the_whole_roller(steady: ertel.Result, impact: ertel
     assert impact.dataset["F"].attrs["in_units_of"] == "F*"
 
 
-def test_a_measured_profile_lies_along_x(steady: ertel.Result, tmp_path: Path) -> None:
+def test_files_for_other_programs(impact: ertel.Result, tmp_path: Path, steady: ertel.Result) -> None:
+    (path,) = to_netcdf(impact.dataset, tmp_path)
+    with xr.open_dataset(path, engine="scipy") as stored:
+        assert stored["P"].dims == ("frame", "X")
+        np.testing.assert_array_equal(stored["P"], impact.dataset["P"])
+    pytest.importorskip("pyevtk")
+    with pytest.raises(ValueError, match="a line contact has profiles only"):
+        to_vtk(impact.dataset, tmp_path)
     line = steady.profile()
     assert line["h"].dims == ("x",)
     film = ertel.Measurement("profile", "h", line["h"].values[40:90], line["x"].values[40:90] + 5e-6, align="centre")
@@ -66,19 +73,6 @@ def test_a_measured_profile_lies_along_x(steady: ertel.Result, tmp_path: Path) -
     assert found.rms < 1e-9
     with pytest.raises(ValueError, match="nothing of a line contact changes along y"):
         steady.compare(replace(film, along="y"))
-
-
-def test_files_for_other_programs(impact: ertel.Result, tmp_path: Path) -> None:
-    (path,) = to_netcdf(impact.dataset, tmp_path)
-    with xr.open_dataset(path, engine="scipy") as stored:
-        assert stored["P"].dims == ("frame", "X")
-        np.testing.assert_array_equal(stored["P"], impact.dataset["P"])
-    pytest.importorskip("pyevtk")
-    with pytest.raises(ValueError, match="a line contact has profiles only"):
-        to_vtk(impact.dataset, tmp_path)
-
-
-def test_a_line_contact_leaves_one_thickness_behind(steady: ertel.Result) -> None:
     oil, last = steady.track, float(steady.dataset["oil"].values[-1])
     assert oil == f"{last * steady.case.scales.film!r} m"
     case = ertel.rolling(M=20, L=10, radius_ratio=0, layer=last)
@@ -90,6 +84,10 @@ def test_the_front_of_a_line_impact(impact: ertel.Result) -> None:
     assert np.all(np.diff(front.A) > -0.01) and 0.85 < front.A[-1] < 1.0
     trace = ertel.fronts.film_behind_front(impact.dataset, front, np.linspace(0.3, 0.8, 6))
     assert len(trace.X) == 6 and np.all(np.diff(trace.H) < 0.0)
+    p, v, A = impact.case.parameters, 0.2, 0.8
+    local = type(p)(p.lambda_bar * v / A**4, p.alpha_bar * A)
+    assert float(ertel.fronts.film_from_speed(p, v, A)) == pytest.approx(A**2 * expected_line_film(local))
+    assert float(ertel.waves.local_nabla2(p, 0.2, v, A)) == pytest.approx(local.nabla2(0.2 / A))
 
 
 @pytest.mark.parametrize("by", ["slope", "half-hertz"])
@@ -102,10 +100,3 @@ def test_the_front_by_the_pressure_of_a_dry_contact_is_its_edge(
     dry = data.assign(P=(("frame", "X"), np.sqrt(np.maximum(load[:, None] - X**2, 0.0))))
     front = ertel.fronts.front(dry, by)
     np.testing.assert_allclose(front.A, np.sqrt(np.interp(front.T, data["frame"], load)), atol=X[1] - X[0])
-
-
-def test_the_film_from_the_speed_of_the_front_is_that_of_a_line(impact: ertel.Result) -> None:
-    p, v, A = impact.case.parameters, 0.2, 0.8
-    local = type(p)(p.lambda_bar * v / A**4, p.alpha_bar * A)
-    assert float(ertel.fronts.film_from_speed(p, v, A)) == pytest.approx(A**2 * expected_line_film(local))
-    assert float(ertel.waves.local_nabla2(p, 0.2, v, A)) == pytest.approx(local.nabla2(0.2 / A))

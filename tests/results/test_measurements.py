@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
+from cases import REFUSALS
 from made_up import BALL_FALLS, BALL_ROLLS, C1, MOES_FALLS, dry_impact, in_time
 
 import ertel
@@ -47,9 +48,6 @@ def written(tmp_path):
     return write
 
 
-# -- moments and profiles ---------------------------------------------------------------------------------------------
-
-
 def test_a_moment_by_number_by_quantity_and_by_event(ball):
     data, t0 = ball.dataset, ball.case.scales.t0
     T = 60e-6 / t0 + 1.0  # from the touch, and from the start
@@ -67,7 +65,7 @@ def test_a_moment_that_a_run_does_not_have(ball, at):
         moment_of(ball.dataset, at)
 
 
-def test_a_profile_on_the_plane_and_along_the_radius():
+def test_a_profile_on_the_plane_and_along_the_radius(ball):
     """Along x and along y, of an axisymmetric contact, at a map: the closed form."""
     plane, radial, s = dry_impact(BALL_FALLS), dry_impact(BALL_FALLS, radial=True), parse_case(BALL_FALLS).scales
     for data in (plane, radial):
@@ -77,17 +75,11 @@ def test_a_profile_on_the_plane_and_along_the_radius():
             assert line["p"].values == pytest.approx(s.p_h * hertz.pressure(np.abs(X), A))
             assert line["h"].values == pytest.approx(s.film * (hertz.gap(np.abs(X), A) + 0.05))
             assert line["h"].attrs["units"] == "m" and float(line["t"]) == pytest.approx(1.45 * s.t0)
-
-
-def test_between_maps_a_profile_is_interpolated_and_says_so(ball):
     data = ball.dataset
     first, second = (profile(data, float(data["frame"][n])) for n in (20, 21))
     between = profile(data, float(data["frame"][20] + 0.25 * (data["frame"][21] - data["frame"][20])))
     assert between["h"].values == pytest.approx(0.75 * first["h"].values + 0.25 * second["h"].values)
     assert "between the maps at" in between.attrs["moment"] and "between" not in first.attrs["moment"]
-
-
-# -- t = 0 ------------------------------------------------------------------------------------------------------------
 
 
 def later(data, T: float):
@@ -118,9 +110,6 @@ def test_the_summary_says_when_the_bodies_touch_and_counts_from_there(ball):
     highest = si["extremes"]["P_max"]["t_s"], s["extremes"]["P_max"]["T"]
     assert highest[0] == pytest.approx((highest[1] - 1.0) * ball.case.scales.t0)
     assert f"at t = {1e6 * highest[0]:.4g} µs (T = {highest[1]:.4g})" in repr(ball)
-
-
-def test_a_ball_that_the_oil_stops_before_has_the_touch_of_a_free_one(ball):
     T = np.array([0.1, 0.5, 1.2])
     assert first_touch(T, np.array([-0.9, -0.6, -0.4]), -1.0) == first_touch([], [], -1.0) == 1.0
     assert first_touch(T, np.array([-0.9, -0.2, 0.5]), -1.0) == pytest.approx(0.7)
@@ -169,8 +158,6 @@ def test_a_centre_that_is_far_off_is_doubted(ball):
     assert ball.compare(from_a_corner).warnings == []
 
 
-# -- files ------------------------------------------------------------------------------------------------------------
-
 PLACES, FILMS = np.array([-1e-4, 0.0, 2e-4]), np.array([3.1e-7, 1e-7, 4e-7])
 
 
@@ -202,58 +189,20 @@ def test_codings_of_texts(written, coding):
     assert Measurement.read(written("x (µm)\th (nm)\r\n-100\t310\r\n", coding)).x == pytest.approx([-1e-4])
 
 
-def test_a_history_with_its_standard_errors(written):
+def test_a_history_with_its_standard_errors(written, tmp_path):
     read = Measurement.read(written("t_us,h_c,sigma\n10,900,5\n20,700,4\n"), h_c="nm")
     assert (read.kind, read.quantity) == ("history", "h_c")
     assert read.x == pytest.approx([1e-5, 2e-5]) and read.sigma == pytest.approx([5e-9, 4e-9])
-
-
-@pytest.mark.parametrize(
-    ("text", "given", "message"),
-    [
-        ("x_um,Film\n1,2\n", {}, "film.csv: has no quantity such as h; it has 'x_um', 'Film'"),
-        ("x,h_nm\n1,2\n3,4\n", {}, "column 'x' has no unit; write x_m in the header"),
-        ("1,2\n3,4\n", {}, "has 2 columns without a header"),
-        ("x_um,h_kg\n1,2\n3,4\n", {}, "column 'h' in 'kg': has the wrong dimension"),
-        ("x_um,h_nm,h_mm\n1,2,3\n", {}, "say which one is h"),
-        ("x_um,h_nm\n1,2\n3,4,5\n", {}, "line 3 has 3 columns and the first has 2"),
-        ("1,2\n3,4\n", {}, "has 2 columns without a header"),
-        ("x_um;h_nm\n1.000,5;2\n3;4\n", {}, "film.csv: line 2: '1.000,5' is no unit, and the line is no row of"),
-        ("x_um,h_nm\n1,2\nend of data\n", {}, "line 3 has 1 columns and the first has 2; remove a line that is no"),
-        ("x_px,h_nm\n1,2\n2,3\n", {}, "column 'x' in 'px': is in pixels; give the size of one as its unit"),
-        ("PK\x03\x04 of a spreadsheet\n", {}, "film.csv: is not a text; export it as one, such as CSV"),
-        ("\0\0\0\0\0\n", {}, "film.csv: is not a text"),
-        ("x_um,h_nm\n1,2\n", {"h": "film=nm"}, "has no column 'film'; it has 'x_um', 'h_nm'"),
-        ("x_um,h_nm\n1,2\n", {"film": "nm"}, "film: must be the name of a place, a time or a result"),
-        ("x_um,h_nm\n1,2\n", {"allign": "um"}, "allign: did you mean align?"),
-        ("# rig 2\nx_um,h_nm\n\n1,2\n2,-3\n", {}, "film.csv, line 5: h = -3 nm: must not be below zero; its zero may"),
-        ("x_um,h_nm\n1,2\n2,3\n", {"align": "index"}, "index = None: must be the index with which film.csv"),
-        (
-            "x_um,intensity\n1,2\n2,3\n",
-            {"align": "ofset"},
-            "align = 'ofset': allowed: start, centre, tilt, index, gain,",
-        ),
-        ("x_um,h_nm\n1,2\n2,3\n", {"align": "ofset"}, "align = 'ofset': did you mean offset?"),
-        ("x_um,h_nm\n1,2\n2,3\n", {"align": ["zoom"]}, "align = 'zoom': allowed: start, centre, offset, tilt, index"),
-        ("x_um,T\n1,2\n", {}, "has no quantity such as h; it has 'x_um', 'T'; give h=\"NAME\""),
-        ("x_um,h_nm\n1,nan\n", {}, "film.csv: has 0 values; must be at least one row without a gap"),
-        ("x_um,h_nm,sigma\n1,2,0\n", {}, "film.csv: sigma has 0 (in SI); must be finite and above zero"),
-        ("t_us,h_c_nm\n1,2\n", {"at": "1 us"}, "at = '1 us': film.csv is a history, without a moment"),
-    ],
-)
-def test_files_that_say_too_little(written, text, given, message):
-    with pytest.raises(ValueError) as error:
-        Measurement.read(written(text), **given)
-    assert message in str(error.value)
-
-
-def test_a_file_that_is_not_there(tmp_path):
     with pytest.raises(ValueError) as error:
         Measurement.read(tmp_path / "nothing.csv")
     assert str(error.value) == f"nothing.csv: not a file in {tmp_path}"
 
 
-# -- beside a study ---------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize(("text", "given", "message"), REFUSALS["measured_files"], ids=str)
+def test_files_that_say_too_little(written, text, given, message):
+    with pytest.raises(ValueError) as error:
+        Measurement.read(written(text), **given)
+    assert message in str(error.value)
 
 
 def speeds(**more) -> StudyResult:
@@ -288,14 +237,20 @@ def test_a_curve_over_the_speed_is_compared_with_a_study(written):
         speeds().compare(Measurement("number", "h_c", [1e-7]))
 
 
-# -- beside a run -----------------------------------------------------------------------------------------------------
-
-
 def test_the_exported_profile_of_a_run_is_the_run(ball, tmp_path):
     path, _ = write_profile(ball.dataset, tmp_path, "60 us")
     found = ball.compare(Measurement.read(path, at="60 us"))
     assert found.rms < 1e-20 and len(found.x) == 81
     assert ball.compare(Measurement.read(path, p="Pa", at="60 us")).rms < 1e-3  # Pa, of 1 GPa
+    # At the nodes of the grid, by Fresnel's coefficients, with the index of the oil under pressure.
+    line, light = ball.profile(), light_along(ball.profile(), ball.case, RIG)
+    inner = np.abs(line["x"].values) < 1.5e-4
+    h, p = line["h"].values[inner], line["p"].values[inner]
+    n = RIG.rig.index(np.asarray(ball.case.lubricant.density(p / ball.case.scales.p_h)))
+    layer, wavelength = RIG.rig.coatings[0], 633e-9
+    media = [RIG.rig.glass.index(wavelength), layer.medium.index(wavelength), n, RIG.rig.surface.index(wavelength)]
+    seen = np.abs(reflection(media, [layer.thickness, h], wavelength)) ** 2
+    assert np.interp(line["x"].values[inner], light["x"], light) == pytest.approx(seen, abs=2e-3)
 
 
 def test_what_is_not_known_of_a_profile_is_found(ball):
@@ -340,18 +295,6 @@ def intensity(ball, x, noise=0.0, **given) -> Measurement:
     return Measurement("profile", "intensity", counts, x, 200.0 * (noise or 1.0), optics=RIG, **given)
 
 
-def test_the_light_of_a_film_is_that_of_the_optics(ball):
-    """At the nodes of the grid, by Fresnel's coefficients, with the index of the oil under pressure."""
-    line, light = ball.profile(), light_along(ball.profile(), ball.case, RIG)
-    inner = np.abs(line["x"].values) < 1.5e-4
-    h, p = line["h"].values[inner], line["p"].values[inner]
-    n = RIG.rig.index(np.asarray(ball.case.lubricant.density(p / ball.case.scales.p_h)))
-    layer, wavelength = RIG.rig.coatings[0], 633e-9
-    media = [RIG.rig.glass.index(wavelength), layer.medium.index(wavelength), n, RIG.rig.surface.index(wavelength)]
-    seen = np.abs(reflection(media, [layer.thickness, h], wavelength)) ** 2
-    assert np.interp(line["x"].values[inner], light["x"], light) == pytest.approx(seen, abs=2e-3)
-
-
 def test_gain_and_background_of_an_intensity_are_found(ball):
     x = np.linspace(-2.5e-4, 2.5e-4, 201)
     found = ball.compare(intensity(ball, x, 0.01, align="centre"))
@@ -363,6 +306,11 @@ def test_gain_and_background_of_an_intensity_are_found(ball):
     assert 1.6 < found.rms < 2.4 and "intensity" in repr(found)
     with pytest.raises(ValueError, match="measurement: is an intensity; give optics="):
         ball.compare(replace(intensity(ball, x), optics=None))
+    # Dark in place of bright is another film, and no negative gain.
+    x = np.linspace(-1.2e-4, 1.2e-4, 121)
+    seen = intensity(ball, x)
+    found = ball.compare(replace(seen, values=300.0 - seen.values))
+    assert found.shift["gain"] > 0 and found.measurement.predicted(ball).std() < 0.01 * seen.values.std()
 
 
 @pytest.mark.slow
@@ -375,28 +323,6 @@ def test_the_index_of_the_oil_is_found_in_an_intensity(ball):
     assert found.rms < 2.4 < wrong.rms and abs(found.shift["centre"]) < 0.5e-6
 
 
-def test_fringes_are_not_inverted(ball):
-    """Dark in place of bright is another film, and no negative gain."""
-    x = np.linspace(-1.2e-4, 1.2e-4, 121)
-    seen = intensity(ball, x)
-    found = ball.compare(replace(seen, values=300.0 - seen.values))
-    assert found.shift["gain"] > 0 and found.measurement.predicted(ball).std() < 0.01 * seen.values.std()
-
-
-def test_a_history_from_the_start_and_quantities(ball):
-    """The run starts at -37.41 us, and its first step is 1.87 us later."""
-    h_c = ball.si["h_c"].values[0]
-    assert Measurement("history", "h_c", [h_c, h_c], [-37.4e-6, -36e-6]).predicted(ball) == pytest.approx([h_c, h_c])
-    with pytest.raises(ValueError, match="reaches from -38 µs"):
-        Measurement("history", "h_c", [h_c, h_c], [-38e-6, 1e-6]).predicted(ball)
-    for quantity in (str, ertel.quantity):
-        given = Measurement.number("contact_time", quantity("95 us"), quantity("1 us"))
-        assert given.values == pytest.approx([95e-6]) and given.sigma == pytest.approx(1e-6)
-    with pytest.raises(ValueError, match="contact_time = -95 µs: must not be below zero"):
-        Measurement.number("contact_time", "-95 us")
-    assert film(at=ertel.quantity("60 us")).predicted(ball) == pytest.approx(film(at="60 us").predicted(ball))
-
-
 def test_a_history_and_numbers(ball):
     t = np.array([-18e-6, 22e-6])
     h_c = np.interp(t, ball.si["t"], ball.si["h_c"])
@@ -407,6 +333,17 @@ def test_a_history_and_numbers(ball):
     assert known.predicted(ball) == pytest.approx(h_c, rel=1e-9) and "; start 20 µs" in repr(aligned)
     for name, value in (("h_c", ball.summary["si"]["h_c_m"]), ("p_max", ball.summary["si"]["p_max_Pa"])):
         assert Measurement.number(name, value).predicted(ball) == pytest.approx([value])
+    # The run starts at -37.41 us, and its first step is 1.87 us later.
+    h_c = ball.si["h_c"].values[0]
+    assert Measurement("history", "h_c", [h_c, h_c], [-37.4e-6, -36e-6]).predicted(ball) == pytest.approx([h_c, h_c])
+    with pytest.raises(ValueError, match="reaches from -38 µs"):
+        Measurement("history", "h_c", [h_c, h_c], [-38e-6, 1e-6]).predicted(ball)
+    for quantity in (str, ertel.quantity):
+        given = Measurement.number("contact_time", quantity("95 us"), quantity("1 us"))
+        assert given.values == pytest.approx([95e-6]) and given.sigma == pytest.approx(1e-6)
+    with pytest.raises(ValueError, match="contact_time = -95 µs: must not be below zero"):
+        Measurement.number("contact_time", "-95 us")
+    assert film(at=ertel.quantity("60 us")).predicted(ball) == pytest.approx(film(at="60 us").predicted(ball))
 
 
 @pytest.fixture(scope="module")

@@ -87,7 +87,7 @@ def test_a_dimensionless_run_in_time_has_no_column_in_si():
         _ = result.si
 
 
-def test_plots_of_a_result():
+def test_plots_of_a_result(tmp_path):
     """They are found by their names; `plots.draw` has tests of every figure of every kind of run."""
     result, moving = rolling(MOES_ROLLS), impact(MOES_FALLS)
     assert "midlines" in dir(result.plot) and "history" not in dir(result.plot)
@@ -98,9 +98,6 @@ def test_plots_of_a_result():
     assert "chosen map at $T$ = 2" in moving.plot.profiles(at=2.0).get_suptitle()
     with pytest.raises(ValueError, match="no such figure"):
         moving.plot.convergence()
-
-
-def test_dataset_ertel_of_a_run_that_xarray_alone_has_opened(tmp_path):
     data = dry_impact(BALL_FALLS).assign_attrs(provenance(parse_case(BALL_FALLS)))
     data.to_zarr(tmp_path / "run.zarr")
     opened = xr.open_zarr(tmp_path / "run.zarr")
@@ -109,8 +106,6 @@ def test_dataset_ertel_of_a_run_that_xarray_alone_has_opened(tmp_path):
     xr.testing.assert_identical(opened.ertel.si(), to_si(opened))
     assert opened.ertel.si()["h_c"].attrs["units"] == "m"
 
-
-# -- in one line -------------------------------------------------------------------------------------------------------
 
 FILM = {"H_c": 341e-9, "H_min": 200e-9, "H_c_error": 15e-9, "H_min_error": 8e-9}
 
@@ -137,20 +132,12 @@ def test_the_line_has_what_the_run_has():
         features=(), surfaces=None, sigma=None, scales=C1, thermal=SimpleNamespace(temperature=313.0)
     )
     assert verdict(replace(rolled(**heat), case=case)) == "warm film 300 ± 13 nm, mu = 0.031, 11 K"
-
-
-def test_a_film_with_an_error_above_half_of_it_is_not_known():
     doubtful = rolled(H_min_error=150e-9 / C1.film)
     assert key_numbers(doubtful.summary)[1].text == "not known"
     assert verdict(doubtful).startswith("film 341 ± 15 nm")
     assert "h_min" not in scalars(doubtful.summary) and "h_min_on_grid" in scalars(doubtful.summary)
     with pytest.raises(ValueError, match="the minimum film is not known"):
         doubtful.lambda_ratio("60 nm")
-
-
-def test_the_lambda_ratio_is_of_the_warm_extrapolated_film():
-    run = rolled(H_min_warm=150e-9 / C1.film, H_min_extrapolated=220e-9 / C1.film)
-    assert run.lambda_ratio("55 nm") == pytest.approx(3.0)  # 150/200 of 220 nm, over 55 nm
 
 
 def test_the_lambda_ratio():
@@ -165,6 +152,8 @@ def test_the_lambda_ratio():
     ):
         with pytest.raises(ValueError, match=message):
             rolled(case).lambda_ratio(*sigma)
+    run = rolled(H_min_warm=150e-9 / C1.film, H_min_extrapolated=220e-9 / C1.film)
+    assert run.lambda_ratio("55 nm") == pytest.approx(3.0)  # 150/200 of 220 nm, over 55 nm
 
 
 def test_a_rough_surface_brings_its_own():

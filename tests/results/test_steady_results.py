@@ -65,7 +65,7 @@ def run(calls: Counter[str], tmp_path_factory: pytest.TempPathFactory) -> ertel.
         return ertel.run(case_of(thermal=DATA | {"inlet": "gupta"}), tmp_path_factory.mktemp("runs") / "run")
 
 
-def test_maps_and_summary(run: ertel.Result) -> None:
+def test_maps_and_summary(run: ertel.Result, capsys: pytest.CaptureFixture[str]) -> None:
     """Both are those of `heated`, in K, on the whole plane; the shear stress of the warm film is odd along y."""
     data, said = run.dataset, run.summary
     found = heated(run.case, *(data[name].values[32:] for name in ("P", "H")))
@@ -86,14 +86,8 @@ def test_maps_and_summary(run: ertel.Result) -> None:
     across = data["T_across"].sel(X=said["X_T_max"], method="nearest")  # the hottest place is on the axis
     assert float(across.max()) == pytest.approx(said["T_max"]) and said["Y_T_max"] == 0.0
     assert float(across[across.dims[0]][int(np.argmax(across.values))]) == pytest.approx(said["zeta_T_max"])
-
-
-def test_maps_before_the_first_solution(run: ertel.Result) -> None:
     data = assemble_steady(run.case, grid_of(run.case), [])
     assert all(data[name].shape == (65, 65) and np.isnan(data[name]).all() for name in HEATED_MAPS)
-
-
-def test_the_warm_film_is_thinner_and_carries_less_traction(run: ertel.Result) -> None:
     said, si = run.summary, run.summary["si"]
     assert said["phi_T"] < 1.0
     assert si["h_c_warm_m"] == pytest.approx(said["phi_T"] * si["h_c_m"])
@@ -107,10 +101,7 @@ def test_the_warm_film_is_thinner_and_carries_less_traction(run: ertel.Result) -
         f"highest temperatures: surface 1 {said['T_1_max'] - 273.15:.1f} degC",
     ):
         assert line in text and line in html
-
-
-def test_the_table_of_a_run_has_the_warm_numbers_first(run: ertel.Result, capsys: pytest.CaptureFixture[str]) -> None:
-    """The cold ones follow in one line; tables of runs have the warm ones and a temperature."""
+    # The cold ones follow in one line; tables of runs have the warm ones and a temperature.
     print_summary(console(), run.case, run.summary)
     rows = [line for line in capsys.readouterr().out.splitlines()]
     films, heat = rows[3:5], next(line for line in rows if line.startswith("Without heat"))

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from cases import REFUSALS
 from made_up import BALL_FALLS, BALL_ROLLS, C1, MOES_FALLS, dry_impact, solutions, steady
 from typer.testing import CliRunner
 
@@ -44,7 +45,7 @@ def test_the_film_brakes_and_drives(line: ertel.Result) -> None:
         np.testing.assert_allclose(surface["sigma_zz"][0], -line.si["p"], atol=1e-6 * float(line.si["p"].max()))
 
 
-def test_shear_on_a_body_of_a_known_film() -> None:
+def test_shear_on_a_body_of_a_known_film(ball: xr.Dataset) -> None:
     """A film with tau_m = 2 under a pressure that rises by 1: H/2 = 0.25 of it pulls both bodies back."""
     X = np.linspace(-1.0, 1.0, 9)
     P = np.where(np.abs(X[:, None]) < 0.6, X + 2.0, 0.0)
@@ -53,9 +54,6 @@ def test_shear_on_a_body_of_a_known_film() -> None:
         q_x, q_y = shear_on_body(film, X[1] - X[0], body)
         np.testing.assert_allclose(q_x, np.where(P > 0.0, 2.0 * sign - 0.25, 0.0))
         np.testing.assert_allclose(q_y[4], 0.5 * sign)
-
-
-def test_each_body_has_its_own_ratio_and_a_case_without_dimensions_no_shear(ball: xr.Dataset) -> None:
     data = ball.assign(tau_x=3.0 * ball["P"])
     one, two = loads_on(STEEL, data, 1), loads_on(STEEL, data, 2)
     assert (one.nu, two.nu) == (0.3, 0.206) and loads_on(BALL_ROLLS, data).nu == 0.3
@@ -97,17 +95,7 @@ def test_a_run_in_time_has_them_at_its_moment(radial: bool) -> None:
     assert stress_numbers(case, data.isel(frame=-1).assign(P=0.0 * data["P"][-1])) == {}
 
 
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        ({"body": 3}, "body = 3: must be 1 or 2"),
-        ({"along": "z"}, "along = 'z': must be"),
-        ({"depths": [-1e-6]}, "depths = .*must be from 0 to 0.00"),
-        ({"depths": ["5 mm"]}, "the shorter side of the grid"),
-        ({"depths": "3 kg"}, "depths = '3 kg'"),
-        ({"at": 1.0}, "a steady contact has no moments"),
-    ],
-)
+@pytest.mark.parametrize(("given", "message"), REFUSALS["stresses"], ids=str)
 def test_what_is_not_there_is_refused(ball: xr.Dataset, given: dict, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         stress(STEEL, ball, **given)
@@ -121,37 +109,25 @@ def test_a_line_has_one_section_and_no_load_no_stress(line: ertel.Result) -> Non
         stress(parse_case(MOES_FALLS), data.assign(P=0.0 * data["P"]))
 
 
-# -- in the summary ----------------------------------------------------------------------------------------------------
-
-
-def test_the_summary_compares_it_with_the_yield_stress() -> None:
+def test_the_summary_compares_it_with_the_yield_stress(line: ertel.Result) -> None:
     """Hardened steel of 6.84 GPa yields at a third of it."""
     solved = solutions(STEEL)
     summary = with_case_warnings(STEEL, steady_summary(STEEL, solved, {}, Status.CONVERGED))
     p_h = STEEL.scales.p_h
     assert summary["si"]["von_mises_max_Pa"] == pytest.approx(0.62 * p_h, rel=0.01)
     assert summary["yield_ratio"] == pytest.approx(0.62 * p_h / (6.84e9 / 3), rel=0.01)
-    (line,) = (each for each in numbers.lines(summary) if "von Mises" in each)
-    assert "of the yield stress" in line and "µm deep at x = 0 m, y = 0 m; largest shear stress" in line
+    (told,) = (each for each in numbers.lines(summary) if "von Mises" in each)
+    assert "of the yield stress" in told and "µm deep at x = 0 m, y = 0 m; largest shear stress" in told
     table = numbers.scalars(summary)
     assert table["z_von_mises"].value == pytest.approx(0.48 * STEEL.scales.a, rel=0.02)
     assert table["shear_max"].unit == "Pa"
     other = replace(STEEL, contact=replace(STEEL.contact, E1=70e9))
     assert "yield_ratio" not in with_case_warnings(other, steady_summary(other, solved, {}, Status.CONVERGED))
-
-
-def test_a_run_that_has_not_finished_has_none() -> None:
     summary = steady_summary(STEEL, solutions(STEEL), {}, Status.INTERRUPTED)
     assert "von_mises_max" not in summary and not any("von Mises" in each for each in numbers.lines(summary))
-
-
-def test_a_line_says_it_without_y(line: ertel.Result) -> None:
     assert line.summary["von_mises_max"] == pytest.approx(0.558, rel=0.05)
     assert line.summary["Z_shear"] == pytest.approx(0.786, rel=0.1)
     assert "von Mises stress in body 1" in repr(line) and "y = " not in repr(line)
-
-
-# -- pictures and files ------------------------------------------------------------------------------------------------
 
 
 def test_the_picture_marks_the_largest_stress(ball: xr.Dataset, line: ertel.Result) -> None:

@@ -65,9 +65,6 @@ def test_films_of_another_load_speed_and_radius() -> None:
     assert parameters.formula_films(a, 1.0, 0.0) == []
 
 
-# -- extremes ----------------------------------------------------------------------------------------------------------
-
-
 def with_a_peak(data: xr.Dataset, fall: float) -> xr.Dataset:
     """The highest pressure, 3.2, at the eighth step."""
     at = np.arange(data.sizes["time"]) == 7
@@ -92,18 +89,12 @@ def test_the_extremes_of_the_whole_run() -> None:
     }
     thinnest, highest = list(more_lines(summary))[:2]
     assert "nm (" in thinnest and "GPa (3.2 p_h) at t = " in highest and "µm" in highest
-
-
-def test_a_peak_as_narrow_as_the_grid_is_said_to_be_the_grids() -> None:
     data = with_a_peak(in_time(MOES_ROLLS), 0.85)
     summary = rolling_summary(as_in_time(MOES_ROLLS), data, WORK, Status.CONVERGED)
     (line,) = [line for line in lines(summary) if "highest pressure" in line]
     assert "P_max: 3.2 p_h at T = 0.7 t0, X = 0.9, Y = -0.1 a; it depends on the grid" in line
     assert "85% lower" in line
     assert any("the film is not resolved in the inlet" in warning for warning in summary["warnings"])
-
-
-# -- a coefficient of friction is one number ---------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -162,10 +153,7 @@ def test_a_film_that_vanished_has_no_numbers() -> None:
     assert gone["status"] == Status.FILM_VANISHED.value
     assert gone["restitution"] is gone["contact_time"] is gone["F_max"] is gone["T"] is gone["H_c"] is None
     assert not key_numbers(gone)
-
-
-def test_a_ball_that_leaves_faster_than_it_came_has_no_restitution() -> None:
-    """At M = 1e-3 it left eight times as fast, with a restitution of 8.0."""
+    # At M = 1e-3 it left eight times as fast, with a restitution of 8.0.
     case, data = parse_case(MOES_FALLS), dry_impact(MOES_FALLS)
     data["V"][-1], data["F"][-1] = -8.0, 0.0
     wrong = impact_summary(case, data, None, {}, Status.CONVERGED)
@@ -213,9 +201,6 @@ def test_a_failed_run_in_time_hands_out_no_numbers(status: Status) -> None:
         assert f"no result: {status.value}" in "\n".join(lines(summary))
 
 
-# -- the error ---------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("nodes", [65, 97, 129, 257, 385])
 def test_the_wider_grid_has_the_spacing_and_the_nodes_of_the_half_grid(nodes: int) -> None:
     case = parse_case({"contact": {"kind": "rolling", "M": 100, "L": 5}, "solver": {"nodes": nodes}})
@@ -232,9 +217,6 @@ def test_the_wider_radial_grid_is_as_fine_in_the_contact() -> None:
     half, wide = (radial.radii(found[name].solver.nodes, found[name].solver.half_width) for name in ("grid", "domain"))
     assert (half[-1], wide[-1]) == (4.0, 6.0)
     assert np.diff(wide).min() == pytest.approx(np.diff(half).min(), rel=0.02)
-
-
-def test_smaller_steps_have_half_the_error() -> None:
     assert Time(step=0.02).with_steps(0.5**0.5).step == pytest.approx(0.02 * 0.5**0.5)
     assert Time(step=Quantity(1e-5, "s")).with_steps(0.5**0.5).step == Quantity(1e-5 * 0.5**0.5, "s")
     assert Time(tolerance=8e-4).with_steps(0.5**0.5).tolerance == pytest.approx(8e-4 / 8**0.5)

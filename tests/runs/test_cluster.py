@@ -40,9 +40,6 @@ def workers(request: pytest.FixtureRequest) -> Workers:
     return LocalWorker() if request.param == "here" else request.getfixturevalue("two")
 
 
-# -- tasks, which workers import from this file -----------------------------------------------------------------------
-
-
 def square(x: float) -> float:
     return x**2
 
@@ -100,9 +97,6 @@ class WaitingSignal(StopSignal):
         return Waiting, (self._file.parent,)
 
 
-# -- what they do ------------------------------------------------------------------------------------------------------
-
-
 def test_every_job_has_its_outcome_and_a_failure_is_a_value(workers):
     tasks = [*(Task(str(x), square, (x,)) for x in (1.0, 2.0, 3.0)), Task("bad", fails)]
     found = dict(workers.outcomes(tasks))
@@ -117,12 +111,9 @@ def test_a_wish_to_stop_reaches_every_task(workers, tmp_path):
     assert found == {str(n): "stopped" for n in range(4)}
 
 
-def test_an_error_of_the_system_is_tried_again(two, tmp_path):
+def test_an_error_of_the_system_is_tried_again_and_others_need_not_wait(two, tmp_path):
     assert dict(two.outcomes([Task("a", stumbles, (tmp_path / "log",))])) == {"a": "done"}
-
-
-def test_the_others_need_not_wait_for_its_end(two, tmp_path):
-    """Only for its programs; here both must run at the same time."""
+    # Only for its programs; here both must run at the same time.
     begun = {name: tmp_path / name for name in "ab"}
     stop = StopSignal(tmp_path / "stop", lambda: all(file.exists() for file in begun.values()))
     tasks = [Task(name, until_stopped, (file, stop), "33 nodes", file.exists) for name, file in begun.items()]
@@ -232,8 +223,6 @@ def test_workers_that_never_come_are_missed(scheduler, monkeypatch):
     assert said == ["the scheduler has no workers: the runs wait until some come"]
 
 
-# -- who may ask -------------------------------------------------------------------------------------------------------
-
 INTRUDER = """
 import asyncio, json, os, pickle, sys, urllib.request
 from concurrent.futures import ThreadPoolExecutor
@@ -298,20 +287,15 @@ def imported_from() -> list[str]:
     return [place for place in sys.path if "dask-scratch-space" in place]
 
 
-def test_modules_come_from_no_directory_of_other_users(two):
+def test_modules_come_from_no_directory_of_other_users(two, monkeypatch, recwarn):
     """By default dask imports from /tmp/dask-scratch-space, which anybody can make before."""
     places = [imported_from(), dict(two.outcomes([Task("a", imported_from)]))["a"]]
     assert all(places)
     for place in [place for each in places for place in each]:
         private = os.stat(place.partition("/dask-scratch-space")[0])
         assert (stat.S_IMODE(private.st_mode), private.st_uid) == (0o700, os.getuid())
-
-
-def test_no_directory_of_dask_is_imported_from_afterwards(two, monkeypatch, recwarn):
-    """Another user could take its name.  dask removes it only where it comes first.
-
-    This second cluster, without workers, says nothing: each would take the same port for its pages.
-    """
+    # Another user could take its name.  dask removes it only where it comes first.
+    # This second cluster, without workers, says nothing: each would take the same port for its pages.
     before = set(sys.path)
     monkeypatch.setattr(cluster, "cores", lambda: 0)
     with cluster.local():
@@ -319,8 +303,6 @@ def test_no_directory_of_dask_is_imported_from_afterwards(two, monkeypatch, recw
     assert set(sys.path) == {*before, "/somewhere"}
     assert [str(warning.message) for warning in recwarn] == []
 
-
-# -- how workers end: in a process of its own, so that a worker that stays can be seen ---------------------------------
 
 # A worker holds the other end of the standard output, which is therefore at its end only when the worker is.
 

@@ -34,9 +34,6 @@ def test_jax_computes_right():
     assert said == "0\n", f'this JAX computes wrongly: pip install "{compile.REQUIREMENT}"'
 
 
-# -- versions ---------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("version", "wrong"), [("0.10.2", True), ("0.11.0", True), ("0.7.0", False), ("0.10.1", False), ("0.10.20", False)]
 )
@@ -52,8 +49,6 @@ def test_a_wrong_jax_is_told_once(monkeypatch, version, wrong):
         version in str(told[0].message) and 'pip install "jax!=0.10.2,!=0.11.0"' in str(told[0].message)
     )
 
-
-# -- the cache --------------------------------------------------------------------------------------------------------
 
 COMMAND = """
 from ertel.runs import compile
@@ -98,8 +93,6 @@ def place(monkeypatch, tmp_path):
     assert found is not None
     return found
 
-
-# -- who may write to the cache ---------------------------------------------------------------------------------------
 
 CACHE = """
 import os, shutil, sys, warnings
@@ -190,8 +183,6 @@ def test_a_cache_of_another_user_is_not_used(place, planted):
     os.chown(place / planted, STRANGER, STRANGER)
     assert is_refused(place, place / planted)
 
-
-# -- compiling ahead ---------------------------------------------------------------------------------------------------
 
 ROLLING = '[contact]\nkind = "rolling"\nM = 100\nL = 5\n[solver]\nnodes = 17\n'
 IMPACT = '[contact]\nM = 20\nL = 5\n[solver]\nmethod = "{}"\nnodes = 17\n[time]\ntolerance = 0.01\nuntil = 0.3\n'

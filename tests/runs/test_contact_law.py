@@ -54,6 +54,11 @@ def test_at_the_runs_and_for_power_laws_it_is_exact() -> None:
         (np.linspace(0.1, 0.4, 7)[:, None], np.geomspace(3e-6, 12e-6, 5)),
     ):
         assert_allclose(LAW(v, h), expected(v, h), rtol=1e-13)
+    law = ertel.contact_law(study([run(v, 3e-6) for v in SPEEDS], layers=[]))
+    assert_allclose(law([0.2, 0.3]), expected(np.array([0.2, 0.3]), 3e-6), rtol=1e-13)
+    without_unit = replace(law, dataset=law.dataset.assign_coords(speed=law.dataset["speed"].assign_attrs(units="1")))
+    with pytest.raises(ValueError, match=r"must be from 0\.1 to 0\.4$"):
+        without_unit(0.5)
 
 
 def test_from_a_directory_with_texts_and_as_a_table(tmp_path: Path) -> None:
@@ -67,14 +72,6 @@ def test_from_a_directory_with_texts_and_as_a_table(tmp_path: Path) -> None:
         law("0.2 N", "6 um")
     with pytest.raises(ValueError, match="is not a study"):
         ertel.contact_law(tmp_path / "nothing")
-
-
-def test_a_study_may_vary_one_value_only() -> None:
-    law = ertel.contact_law(study([run(v, 3e-6) for v in SPEEDS], layers=[]))
-    assert_allclose(law([0.2, 0.3]), expected(np.array([0.2, 0.3]), 3e-6), rtol=1e-13)
-    without_unit = replace(law, dataset=law.dataset.assign_coords(speed=law.dataset["speed"].assign_attrs(units="1")))
-    with pytest.raises(ValueError, match=r"must be from 0\.1 to 0\.4$"):
-        without_unit(0.5)
 
 
 def test_the_file_is_read_without_ertel(tmp_path: Path) -> None:

@@ -20,12 +20,16 @@ from ertel.runs.directory import Taken
 from ertel.runs.files import StoreError
 from ertel.runs.store import RunStore, compute
 
-# -- names ------------------------------------------------------------------------------------------------------------
 
-
-def test_the_next_free_name(tmp_path):
+def test_the_next_free_name_and_an_empty_directory(tmp_path):
     taken = [RunStore.create_unused(SHORT_FALL, tmp_path / "runs").directory.name for _ in range(3)]
     assert taken == ["small", "small-2", "small-3"] == sorted(names(tmp_path / "runs"))
+    # A move onto an empty directory replaces it, so another name is found where none is given.
+    (tmp_path / "small").mkdir()
+    assert RunStore.create_unused(SHORT_FALL, tmp_path).directory == tmp_path / "small-2"
+    assert names(tmp_path / "small") == set()
+    RunStore.create(tmp_path / "small", SHORT_FALL)
+    assert RunStore.open(tmp_path / "small").case == SHORT_FALL
 
 
 def test_a_name_that_is_taken_at_the_last_moment(tmp_path, monkeypatch):
@@ -57,10 +61,7 @@ def test_a_path_is_a_path(tmp_path, monkeypatch):
     assert names(tmp_path / "home") == set()
 
 
-# -- directories that will not do -------------------------------------------------------------------------------------
-
-
-def test_existing_output_is_left_alone(tmp_path):
+def test_existing_output_is_left_alone_and_a_failure_leaves_nothing(tmp_path, monkeypatch):
     (tmp_path / "run").mkdir()
     (tmp_path / "run" / "precious").write_text("data")
     for target, said in (("run", "exists already"), ("run/precious", "precious: "), ("run/precious/run", "run: ")):
@@ -68,24 +69,13 @@ def test_existing_output_is_left_alone(tmp_path):
             RunStore.create(tmp_path / target, SHORT_FALL)
     assert [path.name for path in tmp_path.rglob("*")] == ["run", "precious"]
 
-
-def test_an_empty_directory_will_do_where_it_is_named(tmp_path):
-    """A move onto an empty directory replaces it, so another name is found where none is given."""
-    (tmp_path / "small").mkdir()
-    assert RunStore.create_unused(SHORT_FALL, tmp_path).directory == tmp_path / "small-2"
-    assert names(tmp_path / "small") == set()
-    RunStore.create(tmp_path / "small", SHORT_FALL)
-    assert RunStore.open(tmp_path / "small").case == SHORT_FALL
-
-
-def test_failure_while_making_leaves_nothing(tmp_path, monkeypatch):
     def full(*_):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(AppendedData, "create", full)
-    with pytest.raises(StoreError, match="run: cannot write there, no space left on device"):
-        RunStore.create(tmp_path / "run", SHORT_FALL)
-    assert names(tmp_path) == set()
+    with pytest.raises(StoreError, match="other: cannot write there, no space left on device"):
+        RunStore.create(tmp_path / "other", SHORT_FALL)
+    assert names(tmp_path) == {"run"}
 
 
 @pytest.mark.parametrize("missing", ["case.toml", "run.zarr"])
@@ -95,8 +85,6 @@ def test_not_a_run(tmp_path, missing):
     with pytest.raises(StoreError, match=rf"is not an ertel run directory \(no {missing}\)"):
         RunStore.open(tmp_path)
 
-
-# -- locks: one process at a time, on systems that cannot do everything ------------------------------------------------
 
 locking = pytest.mark.skipif(files.fcntl is None, reason="no locks on this system")
 

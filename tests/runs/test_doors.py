@@ -138,9 +138,6 @@ def test_a_study_does_not_write_its_runs_elsewhere(tmp_path, victim, name):
         studies.run_study([case], tmp_path / "study", LocalWorker())
 
 
-# -- code -------------------------------------------------------------------------------------------------------------
-
-
 def test_metadata_of_an_earlier_format_among_those_of_a_run_are_refused(kinds, copy):
     """They name codecs that run pickles."""
     run = copy(kinds["radial"].cut)
@@ -182,9 +179,6 @@ def test_no_other_way_to_read_and_write_passes_the_checks(tmp_path, store):
     """Of zarr 3.1.6, which does not use it yet."""
     sync = [getattr(zarr.abc.store, name, None) for name in ("SupportsGetSync", "SupportsSetSync", "SupportsSyncStore")]
     assert not any(isinstance(store(tmp_path), each) for each in sync if each)
-
-
-# -- pipes ------------------------------------------------------------------------------------------------------------
 
 
 def test_neither_pipes_nor_endless_files_are_read(tmp_path, kinds, copy):

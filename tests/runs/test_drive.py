@@ -34,9 +34,6 @@ def test_maps_lie_at_exact_times_and_events_are_kept() -> None:
     np.testing.assert_allclose(times[events == 0], 0.25 * np.arange(1, 11), rtol=1e-12)  # 2.75 is the end
     assert np.sum(events == 1) == 1 and np.sum(events == 2) == 1
     assert float(data.time[-1]) == pytest.approx(2.75, rel=1e-12)
-
-
-def test_values_at_maximum_approach_come_from_the_turning_point() -> None:
     result = through_the_maximum()
     peak, data = result.summary, result.dataset
     assert peak["Delta"] >= float(data.Delta.max()) - 1e-9
@@ -137,9 +134,6 @@ def test_error_estimate_is_exact_for_the_orders_that_it_assumes() -> None:
     assert [found[name]["dominant"] for name in ("H_c", "H_min", "Delta")] == ["domain", "grid", "domain"]
     assert found["Delta"]["value"] == fine["Delta"]
     assert with_error(case, fine, {**others, "time": {"H_c": None}})["error_estimate"] is None
-
-
-# -- progress in a file -----------------------------------------------------------------------------------------------
 
 
 def log_of(minutes: float) -> tuple[LogLines, io.StringIO, list[float]]:

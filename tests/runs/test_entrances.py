@@ -1,5 +1,6 @@
 """What public functions take for a case: a case, its plain data, a case file; NumPy's numbers; else one sentence."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -28,26 +29,16 @@ def test_a_case_may_be_a_path_or_a_mapping(file, tmp_path):
 
 
 @pytest.mark.parametrize("given", WRONG)
-@pytest.mark.parametrize(
-    "entrance",
-    [
-        ertel.simulate,
-        lambda case: ertel.run(case, "nowhere"),
-        lambda case: ertel.respond(case, []),
-        lambda case: ertel.respond_linearly(case, []),
-        lambda case: ertel.respond_in_rolling(case, []),
-        lambda case: ertel.traction(case, slide_to_roll=[0.1]),
-        ertel.to_toml,
-    ],
-)
-def test_anything_else_is_one_sentence(entrance, given):
-    with pytest.raises(ertel.ConfigError) as caught:
-        entrance(given)
-    assert str(caught.value) == f"case = {given!r}: must be a Case, a mapping, or the path of a case file"
-
-
-@pytest.mark.parametrize("given", WRONG)
-def test_readers_say_what_they_take(given):
+def test_anything_else_is_one_sentence(given):
+    said = f"^case = {re.escape(repr(given))}: must be a Case, a mapping, or the path of a case file$"
+    for entrance, *more in ((ertel.simulate,), (ertel.run, "nowhere"), (ertel.to_toml,)):
+        with pytest.raises(ertel.ConfigError, match=said):
+            entrance(given, *more)
+    for respond in (ertel.respond, ertel.respond_linearly, ertel.respond_in_rolling):
+        with pytest.raises(ertel.ConfigError, match=said):
+            respond(given, [])
+    with pytest.raises(ertel.ConfigError, match=said):
+        ertel.traction(given, slide_to_roll=[0.1])
     for reader, said in (
         (ertel.parse_case, "^data = .*: must be a mapping; load_case reads"),
         (ertel.load_case, "^path = .*: must be the path of a case file; parse_case takes"),
@@ -64,8 +55,6 @@ def test_who_does_the_runs(jobs, tmp_path):
         ertel.sweep({**DATA, "contact": {"M": [20, 30], "L": 5}}, tmp_path / "nowhere", jobs=jobs)
     assert not (tmp_path / "nowhere").exists()
 
-
-# -- NumPy ------------------------------------------------------------------------------------------------------------
 
 NUMPY = {
     "contact": {"M": np.float32(200), "L": np.int64(10)},

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import tomli_w
 import xarray as xr
-from cases import SMALL
+from cases import REFUSALS, SMALL
 from made_up import BALL_FALLS, dry_impact
 
 import ertel
@@ -80,7 +80,7 @@ def fitted(
     return solve_fit(fit_problem(CASE, data, unknowns, **more), runner)
 
 
-def test_two_unknowns_and_their_errors_are_those_of_linear_least_squares() -> None:
+def test_two_unknowns_their_errors_noise_and_conditions_by_linear_least_squares() -> None:
     found = fitted(measured(FILM), measured(RESTITUTION), measured(FILM))
     assert list(found.values.values()) == pytest.approx(TRUTH, rel=1e-4)
     A = np.array([FILM, RESTITUTION, FILM])
@@ -93,16 +93,10 @@ def test_two_unknowns_and_their_errors_are_those_of_linear_least_squares() -> No
     assert "the data fix eta0*alpha to 1.4 %, alpha/eta0 to 29 %; alone eta0 to 14 %, alpha to 14 %" in repr(found)
     assert found.dataset.attrs["degrees_of_freedom"] == 1
     assert "<table>" in found._repr_html_()
-
-
-def test_noise_moves_the_values_by_as_much_as_the_errors_say() -> None:
     found = fitted(measured(FILM, 1.0), measured(RESTITUTION, -1.0))
     shift = np.linalg.solve(np.array([FILM, RESTITUTION]), [0.01, -0.01])
     assert np.log(list(found.values.values()) / TRUTH) == pytest.approx(shift, rel=0.02)
     assert found.dataset.attrs["chi_square"] < 1e-4
-
-
-def test_conditions_are_those_of_the_case_that_is_run() -> None:
     fast = measured(FILM, speed=4.0), {"contact.speed": "0.4 m/s"}
     found = fitted(measured(FILM), fast, measured(RESTITUTION))
     assert list(found.values.values()) == pytest.approx(TRUTH, rel=1e-4)
@@ -132,7 +126,7 @@ def film(eta0: float, speed: float) -> float:
     return 1e-6 * (eta0 * speed) ** 0.67
 
 
-def test_a_prior_decides_what_the_data_do_not() -> None:
+def test_a_prior_decides_what_the_data_do_not_and_bounds_are_said() -> None:
     film = measured(FILM)
     found = fitted(film, measured(FILM))
     assert "the data do not decide" in found.warnings[0] and "give a prior" in found.warnings[0]
@@ -141,9 +135,6 @@ def test_a_prior_decides_what_the_data_do_not() -> None:
     assert list(found.values.values()) == pytest.approx(TRUTH, rel=1e-3)
     assert found.standard_errors["alpha"] == pytest.approx(2e-9, rel=0.01)
     assert found.warnings[0].endswith("the prior does, to 20 %")
-
-
-def test_a_bound_and_a_model_that_explains_nothing_are_said() -> None:
     low = {**UNKNOWNS, "lubricant.eta0": ("5 mPa*s", "20 mPa*s")}
     bound, unexplained = fitted(measured(RESTITUTION), measured(FILM), measured(FILM, 30.0), unknowns=low).warnings
     assert bound == "eta0 ends at its bound, 20 mPa*s: widen it, or doubt the case"
@@ -164,19 +155,7 @@ def test_warnings_of_the_runs_and_the_law_are_said() -> None:
     assert "the data fix" not in repr(unexplained) and "roelands" not in repr(unexplained)
 
 
-def test_a_run_that_fails_in_the_second_search_is_said() -> None:
-    """It was an internal error: residuals of nan where the search with smaller steps begins."""
-
-    def fails_later(cases: Sequence[Case]) -> Any:
-        near = cases[1].oil.eta0 / cases[0].oil.eta0 < 1.005
-        return [Failure("no space left")] * len(cases) if near else model(cases)
-
-    exact = measured(FILM, sigma=1e-4), measured(RESTITUTION, sigma=1e-4)
-    with pytest.raises(FitError, match=r"cannot go on with smaller steps: .* failed: no space left"):
-        fitted(*exact, runner=fails_later)
-
-
-def test_the_search_steps_back_from_runs_that_fail() -> None:
+def test_runs_that_fail_are_stepped_back_from_or_said() -> None:
     asked = []
 
     def fails_once(cases: Sequence[Case]) -> Any:
@@ -187,23 +166,18 @@ def test_the_search_steps_back_from_runs_that_fail() -> None:
     assert asked[0] == 0.01 < asked[2] < asked[1] and found.values["eta0"] == pytest.approx(0.04, rel=1e-3)
     with pytest.raises(FitError, match=r"lubricant.eta0 = 10 mPa\*s, .* failed: no film"):
         fitted(measured(FILM), measured(RESTITUTION), runner=lambda cases: [Failure("no film")] * len(cases))
+    # It was an internal error: residuals of nan where the search with smaller steps begins.
+
+    def fails_later(cases: Sequence[Case]) -> Any:
+        near = cases[1].oil.eta0 / cases[0].oil.eta0 < 1.005
+        return [Failure("no space left")] * len(cases) if near else model(cases)
+
+    exact = measured(FILM, sigma=1e-4), measured(RESTITUTION, sigma=1e-4)
+    with pytest.raises(FitError, match=r"cannot go on with smaller steps: .* failed: no space left"):
+        fitted(*exact, runner=fails_later)
 
 
-@pytest.mark.parametrize(
-    ("unknowns", "sentence"),
-    [
-        ({"lubricant.eta": ("5 mPa*s", "1 Pa*s")}, r"lubricant.eta = .*unknown key; did you mean eta0"),
-        ({"lubricant.eta0": {"prior": ["1 Pa*s", "1 Pa*s"]}}, r"unknowns.lubricant.eta0 = .*bounds must be two"),
-        ({"lubricant.eta0": ("1 Pa*s", "5 mPa*s")}, r"eta0 = .*the smaller one first"),
-        ({"lubricant.eta0": ("5 mPa", "1 Pa*s")}, r"lubricant.eta0 = .*5 mPa.*wrong dimension"),
-        ({"lubricant.viscosity": ("barus", "roelands")}, r'unknowns.lubricant.viscosity = "barus": must be a number'),
-        ({"lubricant.eta0": {"bounds": ["5 mPa*s", "1 Pa*s"], "prior": "1"}}, r"unknowns.lubricant.eta0.prior = "),
-        ({"lubricant.eta0": {"bounds": ["5 mPa*s", "1 Pa*s"], "sigma": 1}}, r"eta0.sigma = 1: unknown key"),
-        ({"solver.tolerance": (1e-8, 1e-3)}, r"unknowns.solver.tolerance: belongs to the computation"),
-        (UNKNOWNS, r"unknowns: 2 unknowns, but only 1 data"),
-        ([], r"unknowns = \[\]: must be paths with their bounds"),
-    ],
-)
+@pytest.mark.parametrize(("unknowns", "sentence"), REFUSALS["unknowns"], ids=str)
 def test_unknowns_that_are_refused(unknowns: Any, sentence: str) -> None:
     with pytest.raises(ConfigError, match=sentence):
         fit_problem(CASE, measured(FILM), unknowns)
@@ -291,6 +265,9 @@ def test_laws_side_by_side() -> None:
 def test_laws_that_are_refused(laws: Any) -> None:
     with pytest.raises(ConfigError, match=r"^laws = .*(did you mean roelands|allowed: )"):
         fit_problem(CASE, measured(FILM), ONE, laws)
+    rough = ertel.impact(M=20, L=5, roughness=[ertel.Spot(0.3, 0.1)])
+    with pytest.raises(ConfigError, match=r"^roughness.radius: roughness is not a table .in the case with roughness"):
+        with_settings(rough, {"roughness.radius": 0.2})
 
 
 def test_frames_by_a_clock_that_began_earlier(dry: xr.Dataset) -> None:
@@ -320,12 +297,6 @@ def test_frames_by_a_clock_that_began_earlier(dry: xr.Dataset) -> None:
     assert "start 23 µs" in found.dataset.attrs["aligned"]
     wrong = solve_fit(fit_problem(start, [replace(each, align=()) for each in frames], unknown), films)
     assert "ends at its bound" in wrong.warnings[0] and "does not explain" in wrong.warnings[1]
-
-
-def test_a_path_through_an_array_is_refused() -> None:
-    rough = ertel.impact(M=20, L=5, roughness=[ertel.Spot(0.3, 0.1)])
-    with pytest.raises(ConfigError, match=r"^roughness.radius: roughness is not a table .in the case with roughness"):
-        with_settings(rough, {"roughness.radius": 0.2})
 
 
 def test_fringes_give_the_film_and_the_oil(dry: xr.Dataset, tmp_path: Path) -> None:
@@ -371,8 +342,6 @@ def test_a_damaged_run_ends_a_fit(kind: str, tmp_path: Path) -> None:
         _outcome(tmp_path, case, f"failed: {kind}: tau_y: is damaged")
     assert _outcome(tmp_path, case, "failed: ValueError: no film").reason.endswith("ValueError: no film")
 
-
-# -- stored runs ------------------------------------------------------------------------------------------------------
 
 SHORT = {**SMALL, "name": "ball", "solver": RINGS, "time": {"until": 0.02, "tolerance": 0.1}}
 SHORT["lubricant"] = {**SMALL["lubricant"], "eta0": "19.9 mPa*s"}
@@ -420,21 +389,7 @@ sigma = 2
     found = [(each.values.tolist(), each.sigma, index) for each, index in problem.data]
     assert found == [([1e-7], 2e-9, (0,)), ([2e-7], 2e-9, (1,))]
     assert problem.conditions == ({"contact.speed": "0.1 m/s"}, {"contact.speed": "0.2 m/s"})
-    for wrong, sentence in (
-        (("633 nm", "633 s"), r'measurements\[2\]: wavelength = "633 s": has the wrong dimension'),
-        (("silica", "gold"), r"measurements\[2\]: coatings = 'gold': allowed: chromium, silica"),
-        (("chromium 10", "cromium 10"), r"coatings = 'cromium': did you mean chromium"),
-        (("1.45", "145"), r"measurements\[2\]: oil_index = 145: must be above 1 and below 3"),
-        (("coatings =", "coating ="), r"measurements\[2\].coating = .*did you mean coatings"),
-        (("fringes.csv", "fringe.csv"), rf"measurements\[2\]: fringe.csv: not a file in {tmp_path}"),
-        (('"200 nm"', '"200 s"'), "wrong dimension"),
-        (('"0.1 m/s", "0.2 m/s"', '"0.1 m/s"'), r"measurements\[1\].contact.speed = .*must have 2 values"),
-        (("case = ", "cas = "), "cas = .*unknown key; did you mean case"),
-        (('case = "ball.toml"', ""), "case = .*must be given"),
-        (("sigma =", "sigme ="), r"measurements\[1\].sigme = .*unknown key; did you mean sigma"),
-        (("value =", "#"), r"measurements\[1\] = .*must have a file, or quantity, value and sigma"),
-        (('quantity = "h_c"', 'file = "film.csv"'), r"measurements\[1\].value = .*unknown key"),
-    ):
+    for *wrong, sentence in REFUSALS["fit_files"]:
         (tmp_path / "fit.toml").write_text((text + fringes).replace(*wrong))
         with pytest.raises(ConfigError, match=sentence):
             load_fit_problem(tmp_path / "fit.toml")

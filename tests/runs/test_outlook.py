@@ -24,10 +24,7 @@ def said(**more: Any) -> str:
 def test_inside_of_the_model_nothing_is_said() -> None:
     assert beyond(ertel.rolling(**BALL, **VG68)) == []
     assert beyond(ertel.rolling(M=100, L=5)) == []
-
-
-def test_steel_yields() -> None:
-    """Of 60 HRC: 697 HV, 1.6/3 of it is 3.65 GPa; p_h goes with the third root of the load, 0.80 GPa at 20 N."""
+    # Of 60 HRC: 697 HV, 1.6/3 of it is 3.65 GPa; p_h goes with the third root of the load, 0.80 GPa at 20 N.
     assert "yields from about 3.648 GPa" in said(**VG68, load="7 kN")  # 5.65 GPa
     assert "yields" not in said(**VG68, load="1.8 kN")  # 3.59 GPa
     grows = {"method": "transient", "motion": {"load": [[0, 1], ["1 ms", 4]]}, "until": "2 ms", "half_width": 4.0}
@@ -51,10 +48,7 @@ def test_the_shear_stress_of_a_newtonian_oil() -> None:
     eyring = {"law": "ree-eyring", "tau0": "5 MPa"}
     for quiet in ({}, {"slide_to_roll": 1e-6}, {"slide_to_roll": 0.1, "rheology": eyring}):
         assert "Newtonian" not in said(**VG68, **quiet)
-
-
-def test_the_estimate_of_the_shear_stress_is_that_of_the_film() -> None:
-    """An isoviscous oil has eta0 u_s/h everywhere; a Barus oil the mean of exp(alpha p) over the Hertz contact."""
+    # An isoviscous oil has eta0 u_s/h everywhere; a Barus oil the mean of exp(alpha p) over the Hertz contact.
     oil = ertel.Oil(eta0=0.04, alpha=10e-9, viscosity="isoviscous")
     case = ertel.rolling(**{**BALL, "oil": oil, "slide_to_roll": 0.5})
     assert case.scales is not None
@@ -68,15 +62,12 @@ def test_the_estimate_of_the_shear_stress_is_that_of_the_film() -> None:
     assert newtonian_stress(barus) == pytest.approx(mean * 0.04 * 0.5 / film, rel=1e-9)
 
 
-def test_films_of_molecules() -> None:
+def test_films_of_molecules_and_the_inertia_of_the_oil() -> None:
     slow = ertel.rolling(**{**BALL, **OWN, "mean_speed": 1e-4})
     assert "is thinner than 1 nm" in said(**OWN, mean_speed=1e-4)
     assert slow.film_scale * slow.scales.film < 1e-9 < 20 * slow.film_scale * slow.scales.film
     assert "molecules" not in said(**OWN, mean_speed=1e-2)
-
-
-def test_the_inertia_of_the_oil() -> None:
-    """A glass bead of 5.5 mm falls on 0.2 mm of water with 1 m/s: rho v h/eta0 = 900 1 2e-4/1e-3 = 180."""
+    # A glass bead of 5.5 mm falls on 0.2 mm of water with 1 m/s: rho v h/eta0 = 900 1 2e-4/1e-3 = 180.
     bead = {"radius": "2.75 mm", "ball_density": "2580 kg/m^3", "material_1": "glass", "material_2": "glass"}
     water = ertel.Oil(eta0="1 mPa*s", viscosity="isoviscous", density="incompressible")
     case = ertel.impact(**bead, speed="1 m/s", oil=water, layer="0.2 mm", method="radial", half_width=14, nodes=193)
@@ -86,7 +77,7 @@ def test_the_inertia_of_the_oil() -> None:
     assert not any("inertia" in sentence for sentence in outlook(slow)["warnings"])
 
 
-def test_no_tension_at_a_low_stokes_number() -> None:
+def test_a_low_stokes_number_and_the_first_film_of_an_impact() -> None:
     """Of a rebound from a full gap: restitution is an upper bound."""
     of = {"L": 5, "method": "radial", "until": "rebound"}
     heavy, light, to_the_bottom = ertel.impact(M=1000, **of), ertel.impact(M=20, **of), {**of, "until": "max-approach"}
@@ -95,10 +86,7 @@ def test_no_tension_at_a_low_stokes_number() -> None:
         for case in (heavy, light, ertel.impact(M=20, **to_the_bottom), ertel.impact(M=20, layer=0.1, **of))
     ]
     assert held == [False, True, False, False]
-
-
-def test_the_first_film_of_an_impact() -> None:
-    """Squeezed by a ball from far, or the gap itself."""
+    # Squeezed by a ball from far, or the gap itself.
     near = {"M": 200, "L": 10, "method": "radial", "start_approach": -0.03}
     assert outlook(ertel.impact(**near))["start"] == pytest.approx({"film": 0.1984, "load": 0.1228}, abs=1e-4)
     undeformed = ertel.impact(**near, start="undeformed")

@@ -127,11 +127,13 @@ def alone() -> tuple[dict, dict]:
     return said, found
 
 
-def test_no_setting_of_the_process_is_changed():
+def test_no_setting_of_the_process_is_changed_and_single_precision_is_refused():
     said = alone()[0]
     in_runs, after = said.pop("threads")
     assert said == {"jax": [], "environment": [], "filters": False, "x64": False}
     assert in_runs == [1] and set(after) == {2}  # of the libraries of BLAS
+    # By each of the methods, where nothing set double precision before.
+    assert alone()[1]["refused"] == [True] * 7
 
 
 @cache
@@ -148,13 +150,6 @@ def test_a_run_is_that_of_double_precision(name):
         expected = np.array(here()[name]())
     assert np.abs(np.array(alone()[1][name]) - expected).max() < 1e-12 * np.abs(expected).max()
 
-
-def test_single_precision_is_refused():
-    """By each of the methods, where nothing set double precision before."""
-    assert alone()[1]["refused"] == [True] * 7
-
-
-# -- after a fork: pytest itself has many threads --------------------------------------------------------------------
 
 FORKS = """
 import os, sys, warnings

@@ -46,9 +46,6 @@ def test_no_roughness_no_response_and_waves_are_flattened_in_the_contact_only() 
     assert float(abs(change - change.mean()).max()) < 0.02 * 1e-3
     along = data.dH[1].sel(Y=0.0).sel(X=slice(-0.5, 0.5))
     assert 0.02 < float(along.max() - along.min()) / 2e-3 < 0.95
-
-
-def test_the_response_is_proportional_to_a_small_height() -> None:
     data = finite()
     small, large = data.dH[1].values / 1e-3, data.dH[2].values / 2e-3
     assert np.abs(large - small).max() < 0.03 * np.abs(small).max()
@@ -93,12 +90,13 @@ def test_roughness_in_si_is_refused_before_a_dimensionless_impact(response: Call
     assert not steps
 
 
-def test_only_the_2d_method_has_waves() -> None:
+def test_methods_that_have_no_response() -> None:
     with pytest.raises(ValueError, match=r'^solver\.method = "radial"'):
         respond(impact(200, 10, 65, solver={"method": "radial", "nodes": 65}), [waviness(1e-3)])
+    case = rolled(Parameters.from_moes(20, 5), OIL, METHODS["transient"].defaults)
+    with pytest.raises(ValueError, match=r'^solver\.method = "transient": must be "steady"'):
+        respond_in_rolling(case, [[Feature(Waviness(0.01, 0.5))]])
 
-
-# -- rolling (the solver's own tests: solvers/test_wave_response) -----------------------------------------------------
 
 ROELANDS = Oil()
 TURN = 1.5  # wavelength: 8 nodes
@@ -133,6 +131,9 @@ def test_responses_add_up() -> None:
     both, *alone = data["dH_amplitude"].values * np.exp(1j * data["dH_phase"].values)
     assert np.abs(alone[1]).max() > 0.01
     assert np.abs(both - sum(alone)).max() < 1e-5 * 0.03
+    with pytest.warns(UserWarning, match="there is no error estimate of the response"):
+        data = respond_in_rolling(rolling(), [[Feature(Waviness(0.01, TURN, TURN))]])
+    assert np.isnan(data["dH_error"].values).all()
 
 
 @pytest.mark.slow
@@ -143,12 +144,6 @@ def test_an_unresolved_response_in_rolling_says_so() -> None:
         data = respond_in_rolling(case, [[Feature(Waviness(1.0, 1.0))]])
     assert data.attrs["status"] == "converged"
     assert float(data["dH_error"][0]) > abs(float(data["dH_amplitude"].sel(X=0, Y=0, method="nearest")[0]) - 0.53)
-
-
-def test_a_response_without_a_coarser_grid_has_no_error() -> None:
-    with pytest.warns(UserWarning, match="there is no error estimate of the response"):
-        data = respond_in_rolling(rolling(), [[Feature(Waviness(0.01, TURN, TURN))]])
-    assert np.isnan(data["dH_error"].values).all()
 
 
 @pytest.mark.parametrize(
@@ -163,9 +158,3 @@ def test_a_response_without_a_coarser_grid_has_no_error() -> None:
 def test_what_does_not_repeat_has_no_periodic_response(features: list[Shape], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         respond_in_rolling(rolling(), [[Feature(shape) for shape in features]])
-
-
-def test_only_a_steady_case_has_a_periodic_response() -> None:
-    case = rolled(Parameters.from_moes(20, 5), OIL, METHODS["transient"].defaults)
-    with pytest.raises(ValueError, match=r'^solver\.method = "transient": must be "steady"'):
-        respond_in_rolling(case, [[Feature(Waviness(0.01, 0.5))]])

@@ -27,9 +27,6 @@ KEYS = [  # the issue's
 CASE = CASES["steady"]
 
 
-# -- in memory --------------------------------------------------------------------------------------------------------
-
-
 def test_the_summary_of_a_steady_contact(kinds):
     whole, s = kinds["steady"].whole, CASE.scales
     summary = whole.summary
@@ -60,9 +57,6 @@ def test_the_film_and_its_error_bar_are_those_of_the_reference(nothing_outside):
         assert true / 2 < summary[f"{name}_error"] < 2 * true
 
 
-# -- warnings ---------------------------------------------------------------------------------------------------------
-
-
 def said(solutions, case) -> str:
     return " ".join(diagnostics.steady_warnings(case, solutions))
 
@@ -83,9 +77,6 @@ def test_warnings_of_a_coarse_grid(grids):
     spot = {"shape": "spot", "height": height, "radius": radius, "surface": 2}
     contact = ROLL | {"slide_to_roll": 2}
     assert "2.1 cells" in said([coarse, fine], parse_case({**STEADY, "contact": contact, "roughness": [spot]}))
-
-
-# -- stored -----------------------------------------------------------------------------------------------------------
 
 
 def test_a_run_that_gives_up(tmp_path, monkeypatch, grids):

@@ -49,9 +49,6 @@ def rough(nodes: int, shape: Any = ROUGH) -> Case:
     return replace(impact(200, 10, nodes, **SHORT), roughness=(Feature(shape),))
 
 
-# -- on a grid --------------------------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("shape", [ROUGH, DISC], ids=["self-affine", "measured"])
 def test_a_coarse_grid_has_no_waves_that_are_none(shape) -> None:
     """Taken at every fourth node the short waves would look like long ones: as high as they are themselves."""
@@ -70,6 +67,15 @@ def test_a_grid_that_resolves_a_surface_has_all_of_it() -> None:
     grid = grid_of(case)
     found = discretise.heights(case.features, case, grid, 0.0)
     np.testing.assert_allclose(found, ROUGH.heights(grid.kept_x[None, :], grid.kept_y[:, None]), atol=1e-14)
+    # The wave fronts pass with the surface, seen by one who moves with the mean speed.
+    case = ertel.rolling(M=200, L=10, method="transient", nodes=65, motion={"slide_to_roll": 1.0}, roughness=[ROUGH])
+    smooth = replace(case, roughness=())
+    grid = grid_of(case)
+    found = discretise.gap_change(case, grid, 0.3) - discretise.gap_change(smooth, grid, 0.3)
+    step, now = 1e-3, discretise.CELLS_KEPT * grid.spacing
+    X, Y = grid.kept_x[None, :] - 1.5 * 0.3, grid.kept_y[:, None]
+    slope = (ROUGH.heights_above(now, X + step, Y) - ROUGH.heights_above(now, X - step, Y)) / (2 * step)
+    np.testing.assert_allclose(found, 0.5 * slope, atol=1e-4 * np.abs(slope).max())
 
 
 @pytest.mark.slow
@@ -83,18 +89,6 @@ def test_second_order_in_space() -> None:
     inside = np.hypot(grids[0].grid.x, grids[0].grid.y[:, None]) < 0.8
     early, late = (np.sqrt(np.mean((a - b)[inside] ** 2)) for a, b in pairwise(films))
     assert np.log2(early / late) > 1.8
-
-
-def test_the_rate_of_the_gap_is_that_of_the_surface_on_the_grid() -> None:
-    """The wave fronts pass with the surface, seen by one who moves with the mean speed."""
-    case = ertel.rolling(M=200, L=10, method="transient", nodes=65, motion={"slide_to_roll": 1.0}, roughness=[ROUGH])
-    smooth = replace(case, roughness=())
-    grid = grid_of(case)
-    found = discretise.gap_change(case, grid, 0.3) - discretise.gap_change(smooth, grid, 0.3)
-    step, now = 1e-3, discretise.CELLS_KEPT * grid.spacing
-    X, Y = grid.kept_x[None, :] - 1.5 * 0.3, grid.kept_y[:, None]
-    slope = (ROUGH.heights_above(now, X + step, Y) - ROUGH.heights_above(now, X - step, Y)) / (2 * step)
-    np.testing.assert_allclose(found, 0.5 * slope, atol=1e-4 * np.abs(slope).max())
 
 
 @pytest.mark.parametrize(
@@ -120,9 +114,6 @@ def test_another_surface_needs_no_compilation() -> None:
     for shape in (replace(ROUGH, seed=5, longest=0.7), DISC):
         simulate(rough(33, shape))
     assert compilations() == compiled
-
-
-# -- in a run directory -----------------------------------------------------------------------------------------------
 
 
 @pytest.fixture
@@ -160,10 +151,6 @@ def test_the_dataset_alone_shows_the_roughness(tmp_path, case) -> None:
     (feature,) = case.features
     shown = View(data).roughness(X, Y)
     np.testing.assert_allclose(shown, feature.shape.heights_above(4 * spacing, X, Y), atol=1e-15)
-
-
-def test_the_resolved_case_runs_from_its_directory_and_nowhere_else(tmp_path, case) -> None:
-    RunStore.create(tmp_path / "run", case)
     again = load_case(tmp_path / "run" / "case.toml")
     assert again == case and again.digest == case.digest
     (tmp_path / "case.toml").write_bytes((tmp_path / "run" / "case.toml").read_bytes())

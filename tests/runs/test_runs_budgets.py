@@ -128,6 +128,11 @@ def test_the_power_loss_is_that_of_sliding_and_of_the_pressure() -> None:
     assert float(d["mu_sliding"].min()) > 0 and float(d["mu_rolling"].min()) > 0
     assert rolling(load=0.3).summary["mu_sliding"] == float(d["mu_sliding"][-1])
     assert "mu_sliding_y" not in rolling(load=0.3).summary  # the waves run across: all is even in Y
+    data = rolling().dataset
+    assert data.attrs["energy_imbalance"] == imbalances(rolling())["energy"]
+    assert {"mass", "outflow", "elastic_energy", "dissipation", "outside_power"} <= set(data.data_vars)
+    assert float(data["dissipation"].min()) > 0
+    assert data["dissipation"].sizes == {"time": 20}
 
 
 def test_the_maps_are_those_of_their_film() -> None:
@@ -154,11 +159,3 @@ def test_an_impact_has_a_power_loss_and_no_traction(method: str) -> None:
     assert "mu_sliding" not in reached and "mu_rolling" not in reached
     near = float(np.interp(reached["T"], d["time"], d["power_loss"]))
     assert reached["power_loss"] == pytest.approx(near, rel=0.05)
-
-
-def test_the_dataset_has_the_history_and_says_the_imbalance() -> None:
-    data = rolling().dataset
-    assert data.attrs["energy_imbalance"] == imbalances(rolling())["energy"]
-    assert {"mass", "outflow", "elastic_energy", "dissipation", "outside_power"} <= set(data.data_vars)
-    assert float(data["dissipation"].min()) > 0
-    assert data["dissipation"].sizes == {"time": 20}

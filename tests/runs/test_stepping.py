@@ -72,23 +72,20 @@ def test_steps_end_on_the_knots_of_a_signal(name: str, step: float | None) -> No
         assert np.abs(T - knot).min() < 1e-12
 
 
-def test_no_very_short_step_goes_before_a_knot() -> None:
+def test_steps_are_fixed_never_very_short_and_feel_a_pulse() -> None:
     """The way to it is divided evenly instead."""
     T = times(rolling(Time(until=2.0), speed=Polyline(((0.0, 1.0), (1.0301, 1.0), (1.2, 0.9)))))
     assert np.abs(T - 1.0301).min() < 1e-12
     assert np.diff(T[T > 0.2]).min() > 0.04
-
-
-def test_a_pulse_is_felt() -> None:
     case = rolling(Time(until=2.0), load=PULSE)
     steps = steps_of(case, LikeTheLoad(case))
     assert max(step.record["w"] for step in steps) == 3.0
     assert 0 < sum(step.record["rejected"] for step in steps) < 20
     assert 1.0 < max(step.record["error"] for step in steps) <= bdf.REJECTED
-
-
-def test_a_fixed_step_is_fixed() -> None:
     np.testing.assert_allclose(np.diff(times(rolling(Time(until=1.5, step=0.05)))), 0.05, rtol=1e-9)
+    # Also where the steps would fall on the same phase of every period, so that the swing is not seen.
+    T = times(rolling(Time(until=1.0, tolerance=0.5), load=Oscillation(1.0, 0.5, 0.1)))
+    assert np.diff(T).max() <= 0.1 / 16 * (1 + 1e-9)
 
 
 class Unwilling(LikeTheLoad):
@@ -124,12 +121,6 @@ def test_an_error_that_is_no_number_is_not_accepted(lost: str) -> None:
     *_, last = steps_of(case, Lost(case, lost))
     assert last.status is Status.STEP_TOO_SMALL and 0.29 < last.state.levels[0].T < 0.3
     assert last.state.counts.rejected > 5
-
-
-def test_a_short_period_bounds_the_step() -> None:
-    """Also where the steps would fall on the same phase of every period, so that the swing is not seen."""
-    T = times(rolling(Time(until=1.0, tolerance=0.5), load=Oscillation(1.0, 0.5, 0.1)))
-    assert np.diff(T).max() <= 0.1 / 16 * (1 + 1e-9)
 
 
 @pytest.mark.parametrize("interval", [0.1, 0.25])

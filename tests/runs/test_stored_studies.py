@@ -97,6 +97,10 @@ def test_only_what_is_new_is_done(four):
     assert sorted((case.contact.speed, case.oil.eta0) for case in left.values()) == [(0.1, 0.03), (0.2, 0.03)]
     status = gathered(study, four).dataset["status"]
     assert status.values.tolist() == [["converged", "missing"], ["converged", "missing"]]
+    one, other = (program_of(case) for case in parse_study(study_of(eta0="10 mPa*s")).cases)
+    assert one == other
+    finer = parse_study({**study_of(eta0="10 mPa*s"), "solver": {"method": "radial", "nodes": 33}})
+    assert program_of(finer.cases[0]) != one
 
 
 def test_a_stopped_study_goes_on_to_the_same_numbers(tmp_path):
@@ -116,13 +120,6 @@ def test_a_stopped_study_goes_on_to_the_same_numbers(tmp_path):
     assert np.array_equal(found, wanted)
 
 
-def test_runs_of_one_program_differ_in_numbers_only():
-    one, other = (program_of(case) for case in parse_study(study_of(eta0="10 mPa*s")).cases)
-    assert one == other
-    finer = parse_study({**study_of(eta0="10 mPa*s"), "solver": {"method": "radial", "nodes": 33}})
-    assert program_of(finer.cases[0]) != one
-
-
 def test_a_run_that_was_killed_is_not_said_to_run(tmp_path):
     """Unless a process is at it: it holds the lock."""
     study = parse_study(study_of(eta0="10 mPa*s"))
@@ -132,9 +129,6 @@ def test_a_run_that_was_killed_is_not_said_to_run(tmp_path):
         found = gathered(study, tmp_path)
         assert list(found.dataset["status"].values) == ["running", "missing"]
     assert not found.failed and not found.complete
-
-
-# -- convergence series ------------------------------------------------------------------------------------------------
 
 
 def series_case(**changes: Any) -> Case:

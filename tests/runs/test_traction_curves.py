@@ -54,9 +54,6 @@ def test_the_power_is_that_of_the_forces(newtonian: Any) -> None:
     spent = data["power_loss"] - data["power_loss"].sel(slide_to_roll=0.0)
     F, u_m = 20.0, 1.0
     np.testing.assert_allclose(spent, data["mu_sliding"] * F * data["slide_to_roll"] * u_m, rtol=1e-6, atol=1e-12)
-
-
-def test_one_film_is_exact_for_a_newtonian_oil(newtonian: Any) -> None:
     assert "solved once" in newtonian.dataset.attrs["film"]
     each = traction(physical(), slide_to_roll=[-0.1, 0.2], film="each")
     once = newtonian.dataset.isel(slide_to_roll=[0, -1])

@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from cases import march, parse_case
+from cases import march, orders, parse_case
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
@@ -158,6 +158,14 @@ def film_reduction(r: float, nodes: int) -> float:
 def test_the_film_of_a_starved_contact(r: float, nodes: int) -> None:
     """Against an independent dense program on a spacing of 0.05; ours are 0.094 and 0.047."""
     assert film_reduction(r, nodes) == pytest.approx(STARVED[r], abs=0.07 if nodes == 65 else 0.008)
+
+
+@pytest.mark.slow
+def test_a_starved_film_is_of_second_order() -> None:
+    """From 65 to 257 nodes, where the inlet decides the film; one that is the layer hardly depends on the grid."""
+    solved = steady.steady_film(case_of("rolling", 0.1, method="steady", nodes=257)).solutions[1:]
+    for name in ("H_c", "H_min", "Delta"):
+        assert orders([s.measure()[name] for s in solved])[0] > 1.8, name
 
 
 # The whole plane of a track that is not symmetric, whose program it shares.  Newton's iteration would fill and empty

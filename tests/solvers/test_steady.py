@@ -4,6 +4,7 @@ The reference numbers are those of reference/rolling.json: "grids" (the exact so
 (extrapolated), H in units a^2/R.  They were made by a classical multigrid program and a dense Newton code.
 """
 
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -18,7 +19,7 @@ from ertel.case.sections import Drive
 from ertel.equations import contact, discretise
 from ertel.equations.approach import balanced
 from ertel.equations.flow import Rate, steady_rate
-from ertel.numerics import multigrid, stencils
+from ertel.numerics import multigrid, newton, stencils
 from ertel.physics.dry_contact import HERTZ_LOAD
 from ertel.physics.geometry import CIRCLE
 from ertel.physics.lubricant import Oil
@@ -315,6 +316,18 @@ def test_the_diagonal_knows_how_the_viscosity_changes() -> None:
     nothing[foot] = 1.0
     found = float(coefficients(problem, film.P, film.H, nothing)[2][foot])
     assert found == pytest.approx(faces[foot] + steepening[foot], rel=1e-9)
+
+
+def test_the_film_does_not_depend_on_the_preconditioner(monkeypatch) -> None:
+    """The identity in its place, with as many Krylov iterations as it takes, gives the same film."""
+    found = rolling(("roelands", 20, 10), 17).finest
+    options = replace(steady.OPTIONS, krylov_limit=300, first_reduction=1e-6)
+    plain = nonlinear.Algorithms(nonlinear.approach_as_unknown, lambda *_: newton.Inverse(lambda r: r), options)
+    monkeypatch.setattr(steady, "ALGORITHMS", plain)
+    same = steady.steady_film(case_of(("roelands", 20, 10), 17)).finest
+    assert found.status.ok and same.status.ok and same.krylov > 10 * found.krylov
+    for name in ("P", "H", "approach"):
+        np.testing.assert_allclose(getattr(same, name), getattr(found, name), atol=1e-6, err_msg=name)
 
 
 SHARP = [

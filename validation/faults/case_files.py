@@ -22,7 +22,7 @@ from types import FrameType
 from hypothesis import HealthCheck, Phase, given, seed, settings
 
 ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT / "tests" / "inputs"))
+sys.path[:0] = [str(ROOT / "tests" / "inputs"), str(ROOT / "tests")]
 import SurfaceTopography  # noqa: E402, F401 - now, and not when the first file with a measured surface is read
 from case_file_strategies import case_files, outcome  # noqa: E402
 

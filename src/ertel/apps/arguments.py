@@ -85,7 +85,7 @@ def path_argument(metavar: str, text: str, completes: Any = None) -> Any:
 
 
 def option(text: str, metavar: str | None = None, completes: Any = None, name: str = "", **more: Any) -> Any:
-    """An option that takes a value.  name: where it is not that of the parameter."""
+    """An option that takes a value.  name: of the option, if it differs from the parameter."""
     return typer.Option(*([name] if name else []), metavar=metavar, help=text, autocompletion=completes, **more)
 
 

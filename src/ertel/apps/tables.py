@@ -211,7 +211,7 @@ def film_rows(case: "Case", films: "Sequence[FormulaFilm]", computed: Mapping[st
     for f in films:
         name = f.name if f.inside else f"({f.name})"
         both_films = f.central, f.minimum
-        is_alike = case.layer is None or f.name.endswith("starved")  # flooded films are no measure of a starved one
+        is_alike = case.layer is None or f.name.endswith("starved")  # a flooded film says little of a starved one
         rows.append(row(name, both_films, map(_deviation, both_films, both) if is_alike else ["", ""]))
     return rows
 

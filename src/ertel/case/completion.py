@@ -47,7 +47,7 @@ def _put(case: Case, **values: Any) -> None:
 
 
 def _solver(case: Case, written: Collection[str]) -> Solver:
-    """The solver with what is not written filled in, an inlet of its default's share of the half width."""
+    """The solver with defaults for the keys that are not written; the inlet scales with the half width."""
     given = {key: getattr(case.solver, key) for key in written}
     _put(case, solver=Solver(given.get("method") or of_kind(case.kind)[0].name))
     rules.refuse(case, [rules.method_suits])

@@ -309,7 +309,7 @@ class Conditions:
 
     @property
     def _radii(self) -> tuple[float, float]:
-        """The reduced radii (m) of a physical contact along x and along y; what is left out of a pair is a plane."""
+        """The reduced radii (m) of a physical contact along x and along y; a missing radius means a plane."""
         if self.is_ball:
             R = materials.reduced_radius(self.radius or self.radius_1 or inf, self.radius_2 or inf)
             return R, R

@@ -165,7 +165,7 @@ def _complaint(value: Any, mark: Mark) -> str:
 
 
 def is_number(value: object) -> bool:
-    """Whether a value is one of Python's numbers; true and false are none."""
+    """Whether a value is one of Python's numbers; booleans do not count."""
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 

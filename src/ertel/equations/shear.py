@@ -20,7 +20,7 @@ where the stress at the walls just comes to the limit.  Nothing is claimed where
   S_2 g.  The nodes lie in pairs, so that a Newtonian oil gets exactly S_1 = 0.
 * tau_m comes from Newton's iteration in a variable in which the equations are nearly linear: Eyring's asinh.
 * Where the oil hardly thins, a series of two terms stands for phi, and the sums are exact integrals of it.  It is
-  checked against the law at every point: phi has an error of `SERIES_ERROR`.  So it is at nine of ten points.
+  checked against the law at every point: phi has an error of `SERIES_ERROR`.  This holds at about 90 % of the points.
 * The derivative is that of an implicit function, from the moments A, C, D = integrals of (1, zeta, zeta^2) d(phi
   tau)/dtau:  A dtau_m = ds - C dg,  dQ = C dtau_m + D dg.  These are symmetric, and D - C A^-1 C is positive definite.
 

@@ -139,7 +139,7 @@ def _lowest(field: Array) -> tuple[Array, Array]:
 
 
 def _beside(line: Array, node: Array, even: bool) -> Array:
-    """The sum of the values on either side of a node; zero beyond an end that is no axis of symmetry."""
+    """The sum of the values on either side of a node; zero beyond an end that is not an axis of symmetry."""
     p = jnp.pad(line, 1)
     before = p.at[0].set(p[2]) if even else p
     return before[node] + p[node + 2]

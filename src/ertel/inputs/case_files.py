@@ -159,7 +159,7 @@ LONG_KEY = re.compile(rf"(?<![\w-])(?:{_NAME}[ \t]*+\.[ \t]*+){{20}}")
 def read_toml(path: Path) -> dict[str, Any]:
     """The plain data of a TOML file of at most 1 MB, in UTF-8 with or without a byte order mark.
 
-    Raises ConfigError if it is missing, no regular file (a pipe may never end), too large or not valid TOML.
+    Raises ConfigError if it is missing, not a regular file (a pipe may never end), too large or not valid TOML.
     """
     name = f"the case file {path}"
     return parse_toml(read_text(path, name), name)

@@ -155,7 +155,7 @@ def _picture(path: Path) -> Array:
         if not fits:
             raise ValueError(f"has {columns} x {rows} pixels; must have 16 a side, and at most 50 million")
         if not np.isfinite(pixels).all():
-            raise ValueError("has pixels that are no finite numbers")
+            raise ValueError("has pixels that are not finite numbers")
         colours = pixels.reshape(*pixels.shape[:2], -1)[..., :3]
         grey: Array = colours[..., int(np.argmax(colours.std(axis=(0, 1))))]
         if not np.ptp(grey) > 0:

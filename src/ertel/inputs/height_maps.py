@@ -166,7 +166,7 @@ def _of_instrument(table: Mapping[str, Any], content: bytes) -> _Raw:
     with _reading():
         found = channel.topography(**sizes)
     if not found.is_uniform:
-        raise ValueError("its points are no regular profile; resample them first")
+        raise ValueError("its points are not a regular profile; resample them first")
     with _reading():
         found = found if channel.unit is None else found.to_unit("m")
         heights = np.ma.array(found.heights(), dtype=np.float64, copy=True).T

@@ -102,7 +102,7 @@ class RollingKeywords(_Keywords, total=False):
     thermal: Mapping[str, Any] | None
 
 
-SPECIAL: Mapping[str, Meaning] = {  # keywords that are no fields of a record
+SPECIAL: Mapping[str, Meaning] = {  # keywords that are not fields of a record
     "oil": Meaning(
         "an Oil, or the name of one (`ertel.oils`), which brings its law of shear thinning where it has one; needed by "
         "a physical contact, otherwise a typical mineral oil"

@@ -161,7 +161,7 @@ def _hashable(value: Any) -> Any:
         return dict, frozenset((key, _hashable(item)) for key, item in value.items())
     if isinstance(value, list):
         return list, *map(_hashable, value)
-    return value if isinstance(value, Hashable) else id(value)  # which is no value of a case, as will be said
+    return value if isinstance(value, Hashable) else id(value)  # invalid: the check of the case reports it
 
 
 def _values(given: Range) -> tuple[Any, ...]:
@@ -248,7 +248,7 @@ Coordinate = tuple[list[float] | list[str], dict[str, str]]  # values, and attri
 def coordinates(study: Study) -> dict[str, Coordinate]:
     """The values along each axis by its name: the last part of its key, more of it where two are alike.
 
-    What is no number, a law or the name of an oil, is a text.
+    Anything else than a number, such as a law or the name of an oil, is a text.
     """
     short = [str(axis.place[-1]) for axis in study.axes]
     by_name = {}

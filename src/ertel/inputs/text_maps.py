@@ -128,7 +128,7 @@ def map_of_points(text: Text) -> tuple[Numbers, tuple[float, ...], bool]:
         return z, (), bool(units[0])
     axes, numbers = zip(*(np.unique(each, return_inverse=True) for each in places), strict=True)
     if not all(map(_even, axes)):
-        raise ValueError(f"its points are no regular {'map' if len(axes) == 2 else 'profile'}; resample them first")
+        raise ValueError(f"its points are not a regular {'map' if len(axes) == 2 else 'profile'}; resample them first")
     shape, point = tuple(map(len, axes))[::-1], numbers[::-1]
     found, first, count = np.unique(np.ravel_multi_index(point, shape), return_index=True, return_counts=True)
     if count.max() > 1:

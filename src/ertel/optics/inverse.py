@@ -10,7 +10,7 @@ from ertel.optics.rig import Rig
 
 Array = NDArray[np.float64]
 ON_FRINGE = 0.57  # rad from the brightest or the darkest phase: 8 % of the contrast
-CERTAIN = 10.0  # log of the odds from which on a film is not doubtful; a film is no random walk, so they must be high
+CERTAIN = 10.0  # log of the odds from which on a film is not doubtful: high, because a film is not a random walk
 
 
 class DoubtfulFilm(UserWarning):

@@ -53,7 +53,7 @@ class Registry(Mapping[str, type]):
         if isinstance(record, Mapping):
             raise ValueError(f"{str(dict(record))[:60]}: a record takes a name or a law; tables are for cases")
         raise ValueError(
-            f"{kind}: is no registered {self.noun}, so it cannot be written down; put "
+            f"{kind}: is not a registered {self.noun}, so it cannot be written down; put "
             f'@ertel.{self.group.partition(".")[2]}.register("a-name") above its class'
         )
 

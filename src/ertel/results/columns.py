@@ -148,7 +148,7 @@ class _Table(NamedTuple):
             return [], []
         for line, cells in zip(numbers[number + 1 :], lines[number + 1 :], strict=True):
             if wrong := [cell for cell in cells if cell[:1].isdecimal() and cell != "1"]:
-                raise ValueError(f"line {line}: {wrong[0][:40]!r} is no unit, and the line is no row of numbers")
+                raise ValueError(f"line {line}: {wrong[0][:40]!r} is not a unit, and the line is not a row of numbers")
         below = lines[number + 1] if number + 1 < len(lines) else [""] * self.width
         return lines[number], [cell.strip("[]() ") for cell in below]
 
@@ -185,7 +185,7 @@ def _table(path: Path) -> _Table:
     for number, cells in rows.items():
         if len(cells) != len(first):
             sizes = f"line {number} has {len(cells)} columns and the first has {len(first)}"
-            raise ValueError(f"{path.name}: {sizes}; remove a line that is no row of numbers")
+            raise ValueError(f"{path.name}: {sizes}; remove a line that is not a row of numbers")
     return _Table(separator, above, list(rows), list(rows.values()))
 
 
@@ -196,7 +196,7 @@ def _cells(line: str, separator: str | None) -> list[str]:
 
 
 def _is_row(cells: Sequence[str]) -> bool:
-    """Whether most of the cells that are no gaps are numbers."""
+    """Whether most of the cells that are not gaps are numbers."""
     known = [not np.isnan(_number(cell)) for cell in cells if cell.lower() not in GAPS]
     return 2 * sum(known) > len(known)
 

@@ -185,7 +185,7 @@ def read_root(path: Path, advice: str) -> Root:
 
 
 def write_root(path: Path, root: Root) -> None:
-    """Replace the metadata: now readers see the rows that they count."""
+    """Replace the metadata: from here on readers see the new rows."""
     replace(path / ROOT, sealed(root, "attributes"))
 
 

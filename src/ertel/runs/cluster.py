@@ -159,7 +159,7 @@ class Cluster:
     def outcomes(self, tasks: Sequence[Task], should_stop: Condition = never) -> Iterator[tuple[str, Any]]:
         """See `Workers`.  Of tasks that need the same programs one goes ahead, so that not all compile the same.
 
-        Warns where no worker comes; then tasks have no outcome after a wish to stop, which nobody else would hear.
+        Warns where no worker comes.  A stop requested meanwhile ends the wait: waiting tasks yield nothing.
         """
         alike: dict[str, list[Task]] = {}
         for task in tasks:
@@ -200,7 +200,7 @@ class Cluster:
         try:
             return future.result()
         except KilledWorker:
-            return Failure("its process was killed again and again, perhaps for want of memory")
+            return Failure("its process was killed again and again (out of memory?)")
         except Exception as error:
             return LOST if self._is_lost else Failure.of(error)
 

@@ -60,7 +60,7 @@ CASE, DATA, CHECKPOINT, SUMMARY = "case.toml", "run.zarr", "checkpoint.npz", "su
 PROGRESS, STOP = "progress.json", "stop"
 OCCUPIED = (errno.ENOTEMPTY, errno.EEXIST, errno.ENOTDIR, errno.EISDIR)  # why a directory cannot be moved to a name
 INTERVAL = 1.0  # s between two versions of progress.json
-DEEPEST = 4  # levels of folders that are looked into for runs
+DEEPEST = 4  # levels of folders that are searched for runs
 LARGEST_PROCESS = 2**31  # numbers of processes are below it
 
 
@@ -334,7 +334,7 @@ def listed(folder: Path) -> list[Listed]:
 def find_runs(folder: Path, most_folders: float = inf) -> Iterator[Path]:
     """The run directories in a folder and below it, the nearest first; in a large tree not all.
 
-    A run directory is itself one, and is not looked into.
+    A run directory is returned and not searched further.
     """
     waiting, looked = deque([(folder, DEEPEST)]), 0
     while waiting:

@@ -262,7 +262,7 @@ class LogLines(rich.progress.Progress):
     def update(self, *task: Any, **changes: Any) -> None:
         """Take the progress of a task, and write a line if the last one is a minute old.
 
-        A file that refuses it stops no run.
+        Errors in writing the log are ignored.
         """
         super().update(*task, **changes)
         if self.get_time() >= self._next:

@@ -150,7 +150,7 @@ def with_checksum(content: bytes) -> bytes:
 
 
 def without_checksum(content: bytes) -> bytes:
-    """The content without its checksum.  Raises ValueError where they do not agree."""
+    """The content without its checksum.  Raises ValueError if the checksum differs."""
     body = content[:-LENGTH]
     if with_checksum(body) != content:
         raise ValueError("its checksum does not agree")
@@ -166,7 +166,7 @@ def sealed(content: Mapping[str, Any], section: str = "") -> bytes:
 
 
 def unsealed(text: bytes, section: str = "") -> dict[str, Any]:
-    """The plain data in JSON without their checksum.  Raises ValueError where they do not agree, or are no JSON."""
+    """The plain data in JSON without their checksum.  Raises ValueError if it differs or the text is not JSON."""
     try:
         content: dict[str, Any] = json.loads(text)
     except RecursionError as error:

@@ -10,7 +10,7 @@ number goes as a power of the unknown, and of the noise of the time steps over S
 method, 0.5 % and 0.03 % (contact times on 33 rings: 2 %), see `validation/fit/validate.py noise`.
 
 Each run is a run directory, runs/DIGEST of its case, as in a study.  The search has no randomness: the same call takes
-the same path, finds the runs that are done, and goes on where it was.  progress.json tells how far it is.
+the same path, finds the runs that are done, and goes on where it was.  progress.json records the progress.
 """
 
 import time

@@ -202,7 +202,7 @@ def _check_heard(source: WrittenCase, settings: Settings, unknowns: Sequence[Unk
     start = {unknown.field: unknown.in_case(unknown.start) for unknown in unknowns}
     for path, value in settings.items():
         rest = {other: settings[other] for other in settings if other != path}
-        with suppress(ConfigError):  # of a case that needs it, or that is refused with it, as will be said
+        with suppress(ConfigError):  # of a case that needs it, or is refused with it: its check reports that
             with_it, without = (with_settings(source.under(each), start).digest for each in (settings, rest))
             if with_it == without and not source.has(path, value):
                 break

@@ -160,7 +160,7 @@ class TransientRun:
     def _error(self, levels: Sequence[State], new: State) -> float:
         """Local error of Delta, V and the film in units of the tolerance, from the prediction (`bdf.error_factor`).
 
-        Without inertia V is no unknown of its own, and may jump.
+        Without inertia V is not an unknown of its own, and may jump.
         """
         if len(levels) < 3:
             return 1.0  # too little history; keep the step

@@ -202,7 +202,7 @@ def require_place(directory: str | Path, name: str = NAME, option: str = "direct
 
 
 def in_directory(directory: str | Path | None, name: str, do: Callable[[Path], AnyStudy]) -> AnyStudy:
-    """Return what `do` gives for the directory of a study, or for a temporary one, of which nothing remains.
+    """Return what `do` gives for the directory of a study, or for a temporary one, deleted afterwards.
 
     name: as in `require_place`.
     """

@@ -18,7 +18,7 @@ Condition = Callable[[], bool]
 
 
 def never() -> bool:
-    """Say no."""
+    """Return False: never stop."""
     return False
 
 
@@ -51,7 +51,7 @@ class Failure:
 
 
 class StopSignal:
-    """A wish to stop, true after it was asked for in this process; a file passes it on to all workers.
+    """A request to stop that was made in this process; a file shares it with all workers.
 
     A copy in another process, as pickle makes it, looks for the file only.
     """

@@ -346,7 +346,7 @@ def ring_account(eq: Equations, P: Array, H: Array, oil: Array, approach: float)
 
 
 def ring_friction(mesh: Mesh, P: Array, H: Array) -> account.Friction:
-    """The friction of a film in which nothing slides and nothing rolls: the heat of the pressure."""
+    """The friction of an impact: no sliding, only heating by pressure-driven flow."""
     eps = Pair(mesh.oil.mobility(P, H, mesh.lambda_bar))
     heat = mesh.disc.of_slopes(eps, P, mesh.oil.enthalpy(P))
     force = jnp.zeros(2)

@@ -190,7 +190,7 @@ def grids_of(case: Case) -> list[Grid]:
 
 
 def _judged(finest: GridSolution) -> GridSolution:
-    """The solution on the finest grid, which is none where the film vanishes; a coarser one is a first guess."""
+    """The solution on the finest grid; its status is FILM_VANISHED where H_min <= 0."""
     status = finest.status.of_film(finest.measure()["H_min"])
     if status.ok and finest.T is not None and finest.heat is not None and not finest.heat.converged:
         status = Status.NO_AGREEMENT
