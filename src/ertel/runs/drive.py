@@ -12,6 +12,7 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from importlib.util import find_spec
 from math import inf
 from typing import Any
 
@@ -233,10 +234,11 @@ LOG_INTERVAL = 60.0  # s between two lines in a log
 
 
 def bars(shown: bool) -> rich.progress.Progress:
-    """Bars on stderr, or lines where stderr is not a terminal; neither if they are not wanted."""
+    """Bars on stderr, or lines where it is a file or a notebook without ipywidgets; neither if they are not wanted."""
     console = Console(stderr=True)
-    if shown and not (console.is_terminal or console.is_jupyter):
-        return LogLines(console)
+    in_widgets = console.is_jupyter and find_spec("ipywidgets")
+    if shown and not (console.is_terminal or in_widgets):
+        return LogLines(Console(stderr=True, force_jupyter=False), at_end=console.is_jupyter)
     label, message = (TextColumn(text, markup=False) for text in ("{task.description}", "{task.fields[message]}"))
     columns = label, BarColumn(24), message, TimeElapsedColumn()
     return rich.progress.Progress(*columns, console=console, disable=not shown)
@@ -246,18 +248,20 @@ class LogLines(rich.progress.Progress):
     """Progress in a file, such as the log of a cluster: a line a minute in place of bars.
 
     The line is that of the newest run, or of a study as a whole, with the shares of its runs.  The rest is expected at
-    the pace since the first result; compiling came before it.
+    the pace since the first result; compiling came before it.  at_end: whether there is a line then, too.
     """
 
-    def __init__(self, console: Console, get_time: Callable[[], float] | None = None):
+    def __init__(self, console: Console, get_time: Callable[[], float] | None = None, at_end: bool = False):
         super().__init__(console=console, get_time=get_time, speed_estimate_period=inf)
-        self._next = self.get_time() + LOG_INTERVAL
+        self._next, self._at_end = self.get_time() + LOG_INTERVAL, at_end
 
     def start(self) -> None:
         """Show no bars."""
 
     def stop(self) -> None:
-        """No bars are shown."""
+        """Show no bars; in a notebook a line of the end."""
+        if self._at_end and self.tasks:
+            self.console.out(self._line(), highlight=False)
 
     def update(self, *task: Any, **changes: Any) -> None:
         """Take the progress of a task, and write a line if the last one is a minute old.
