@@ -119,11 +119,7 @@ def test_files_that_ertel_did_not_write_stay(runs, tmp_path):
     for command, file in ((("plot", "--what", "film"), photo), (("export",), table)):
         given_ = command[0], plane, *command[1:], "--out", str(tmp_path)
         before = file.read_bytes()
-        why = (
-            "ertel did not write this file"
-            if file is table
-            else "has no mark of ertel (a picture of an earlier version has none)"
-        )
+        why = "is another file" if file is table else "has no mark of ertel (a picture of an earlier version has none)"
         assert f"{file}: {why}; move it, or add --overwrite" in refused(*given_)
         assert file.read_bytes() == before
         ertel_(*given_, "--overwrite")
@@ -140,9 +136,10 @@ def test_files_that_ertel_did_not_write_stay(runs, tmp_path):
     own = tmp_path / "own.csv"
     table.rename(own)
     table.symlink_to(own)
-    before = own.read_bytes() + b"7"
+    before = own.read_bytes() + b"7"  # with the same columns
     own.write_bytes(before)
-    ertel_("export", plane, "--out", str(tmp_path))
+    assert f"{table}: is another file; move it, or add --overwrite" in refused("export", plane, "--out", str(tmp_path))
+    ertel_("export", plane, "--out", str(tmp_path), "--overwrite")
     assert own.read_bytes() == before and not table.is_symlink()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["film.png", "history.csv", "own.csv"]
 

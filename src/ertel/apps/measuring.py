@@ -41,7 +41,7 @@ def compare_measured(
     with bad_input():
         found = result.compare(measurement)
         if plot:
-            with placing(plot.parent, overwrite, may_be_link=named) as place:
+            with placing(plot.parent, overwrite, named, [plot.name]) as place:
                 plots.measured(result.dataset, found).savefig(place / plot.name)
     if as_json:
         columns = {name: getattr(found, name).tolist() for name in ("x", "measured", "computed", "difference")}
@@ -103,10 +103,9 @@ def report(
     from ertel.apps import reports
 
     file = out or directory / "report.pdf"
-    if file.suffix not in (".pdf", ".png", ".svg"):
+    if file.suffix.lower() not in (".pdf", ".png", ".svg"):
         leave(BAD_INPUT, f"--out {shown(file)}: must end with .pdf, .png or .svg")
-    with bad_input():
-        page = reports.drawn(reports.page_of(directory))
-        with placing(file.absolute().parent, overwrite, may_be_link=out is not None) as place:
-            page.savefig(place / file.name)
+    reports.require_content(directory)
+    with bad_input(), placing(file.absolute().parent, overwrite, out is not None, [file.name]) as place:
+        reports.drawn(reports.page_of(directory)).savefig(place / file.name)
     print_path(file)

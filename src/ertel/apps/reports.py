@@ -54,10 +54,14 @@ class Page(NamedTuple):
     source: str
 
 
-def page_of(directory: Path) -> Page:
-    """The page of the run or of the study in a directory.  Raises StoreError."""
+def require_content(directory: Path) -> None:
+    """Raise StoreError for a directory without a run or a study."""
     if not is_run(directory) and not any((directory / f"{name}.zarr").exists() for name in KINDS):
         raise StoreError(f"{directory} is not the directory of a run, a study or a fit")
+
+
+def page_of(directory: Path) -> Page:
+    """The page of the run or of the study in a directory.  Raises StoreError."""
     return _of_run(directory) if is_run(directory) else _of_study(directory)
 
 

@@ -243,9 +243,13 @@ def _with_thermal_data(data: Mapping[str, Any]) -> dict[str, Any]:
     library = _of_the_library(lubricant, contact, T)
     completed = {**{key: with_unit(value, units[key]) for key, value in library.items()}, **given}
     needed = {item.name for item in fields(Thermal) if item.default is MISSING}
-    for key, unit in units.items():
-        if key in needed and key not in completed:
-            raise ValueError(f"thermal.{key}: missing; {_advice(key, unit, lubricant, contact)}")
+    missing = [key for key in units if key in needed and key not in completed]
+    if T is None and "oil" in lubricant:  # which has these at a temperature
+        missing = [key for key in missing if key == "temperature" or key.endswith(("_1", "_2"))]
+    if missing:
+        more = f"; missing are also {', '.join(missing[1:])}" if missing[1:] else ""
+        advice = _advice(missing[0], units[missing[0]], lubricant, contact)
+        raise ValueError(f"thermal.{missing[0]}: missing; {advice}{more}")
     return {**data, "thermal": completed}
 
 
