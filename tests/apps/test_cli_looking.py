@@ -20,6 +20,8 @@ from PIL import Image
 import ertel
 from ertel.apps.reports import drawn, page_of
 from ertel.optics import Interferometer, Monochromatic, Rig
+from ertel.physics import hertz
+from ertel.physics.lubricant import DowsonHigginson
 from ertel.plots import interferograms as page
 from ertel.results.numbers import Number
 from ertel.results.study_table import StudyRun, study_dataset
@@ -206,10 +208,11 @@ def film(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     [("frame.png", "y", 0.0, (0.0, 0.0)), ("frame.tif", "120 deg", np.pi / 6, (-21.5, 12.0))],
 )
 def test_a_frame_gives_its_light_and_its_film(tmp_path, name, line, turn, shift):
-    """A frame with noise, turned and shifted: its centre within a pixel or two, and the film within its noise."""
+    """A frame with noise, turned and shifted, of oil that is compressed: its centre, and the film within its noise."""
     column, row = np.meshgrid(np.arange(400.0) - 199.5 - shift[0], np.arange(360.0) - 179.5 - shift[1])
     x, y = 1.2e-6 * (column * np.cos(turn) + row * np.sin(turn)), 1.2e-6 * (row * np.cos(turn) - column * np.sin(turn))
-    light = 40 + 500 * RIG.intensity(film(x, y), np.ones_like(x))
+    density = DowsonHigginson().density(5e8 * hertz.pressure(np.hypot(x, y) / 130e-6))
+    light = 40 + 500 * RIG.intensity(film(x, y), density)
     light += np.random.default_rng(0).normal(0, 3, light.shape)
     Image.fromarray(light.clip(0, 255).astype(np.uint8)).save(tmp_path / name)
     out, given_ = tmp_path / "line.csv", [str(tmp_path / name), "--pixel", "1.2 um", "--line", line]
@@ -218,7 +221,8 @@ def test_a_frame_gives_its_light_and_its_film(tmp_path, name, line, turn, shift)
     assert found == pytest.approx([199.5 + shift[0], 179.5 + shift[1]], abs=4.0)
     seen = ertel.Measurement.read(out, optics=RIG)
     assert seen.quantity == "intensity" and 0.7 < seen.sigma[0] < 3.0 and len(seen.x) > 200
-    ertel_("fringes", *given_, "--film", "235 nm", "--out", str(out), "--overwrite")
+    loaded = ["--hertz", "0.5 GPa, 130 um"]
+    ertel_("fringes", *given_, "--film", "235 nm", *loaded, "--out", str(out), "--overwrite")
     measured = ertel.Measurement.read(out)
     truth = film(0.0 * measured.x, measured.x)
     off = np.abs(measured.values - truth)
@@ -270,6 +274,10 @@ def test_a_profile_is_exported_and_compared_with_its_run(runs, tmp_path):
         ("fringes none.png --pixel 1um", 'frame = "none.png": cannot be read'),
         ("fringes nan.tif --pixel 1um", 'frame = "nan.tif": has pixels that are no finite numbers'),
         ("fringes bomb.png --pixel 1um", 'frame = "bomb.png": has too many pixels; must have at most 50 million'),
+        ("fringes two.tif --pixel 1um", 'frame = "two.tif": has 2 pages; page must be from 1 to 2'),
+        ("fringes two.tif --pixel 1um --page 3", "has 2 pages; page must be from 1 to 2"),
+        ("fringes noise.png --pixel 1um", "has no fringes that are symmetric about a point"),
+        ("fringes noise.png --pixel 1um --centre 90,70", "has no fringes along the line that stand out of its noise"),
         ("fringes film.csv --pixel 1kg", "is not a PNG or TIFF picture"),
         ("show plane --sigma 1nm,2nm,3nm", "--sigma 1nm,2nm,3nm: must be one"),
     ],
@@ -278,6 +286,9 @@ def test_refused(runs, monkeypatch, command, said):
     monkeypatch.chdir(runs)
     (runs / "film.csv").write_text("place,film\n1,2\n")
     Image.fromarray(np.full((20, 20), np.nan, np.float32)).save(runs / "nan.tif")
+    noise = Image.fromarray(np.random.default_rng(1).integers(0, 256, (150, 200), np.uint8))
+    noise.save(runs / "noise.png")
+    noise.save(runs / "two.tif", save_all=True, append_images=[noise])
     header = b"IHDR" + struct.pack(">IIBBBBB", 60000, 60000, 8, 0, 0, 0, 0)
     (runs / "bomb.png").write_bytes(
         b"\x89PNG\r\n\x1a\n\0\0\0\r" + header + struct.pack(">I", zlib.crc32(header)) + b"\0\0\0\0IDAT"

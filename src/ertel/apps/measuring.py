@@ -63,6 +63,10 @@ def fringes(
     wavelength: Annotated[str, option("Wavelength of the light.", "LENGTH")] = "532 nm",
     coatings: Annotated[str | None, option("Layers on the glass, as of ertel plot.", "LAYERS")] = None,
     index: Annotated[float | None, option("Index of the oil.", "NUMBER")] = None,
+    hertz: Annotated[
+        str, option("Hertz pressure and radius of the contact, for the index of the oil there.", "PRESSURE,LENGTH")
+    ] = "",
+    page: Annotated[int | None, option("Page of a TIFF with several, from 1.", min=1)] = None,
     out: Annotated[Path | None, path_option("File of columns; default FRAME.csv here.", "FILE")] = None,
     overwrite: Overwrite = False,
 ) -> None:
@@ -79,7 +83,7 @@ def fringes(
     file = out or Path(f"{frame.stem}.csv")
     with bad_input():
         rig = interferometer("mono", wavelength, coatings, index)
-        found = line_of_frame(frame, pixel, line, centre, rig, film)
+        found = line_of_frame(frame, pixel, line, centre, rig, film, hertz, page)
         header, columns = "x_m,intensity,sigma", (found.x, found.intensity, np.full_like(found.x, found.noise))
         if found.h is not None and found.sigma is not None:
             header, columns = "x_m,h_m,sigma_m", (found.x, found.h, found.sigma)

@@ -25,10 +25,9 @@ from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
 
 from ertel.case.case import Case
-from ertel.case.records import ConfigError
 from ertel.case.status import Status
 from ertel.equations.state import SteadySolver
-from ertel.inputs.case_files import CaseLike, as_case
+from ertel.inputs.case_files import CaseLike, as_case, require_laws
 from ertel.numerics.programs import double_precision
 from ertel.results.dataset import Frame, assemble_steady
 from ertel.results.numbers import duration
@@ -122,14 +121,9 @@ Run = TransientRun | SteadyRun
 
 
 def run_of(case: Case) -> Run:
-    """The run of a case.  Raises Forked, and ConfigError for a law of one's own that JAX cannot trace."""
+    """The run of a case.  Raises Forked, and ConfigError, see `require_laws`."""
     workers.check_fork()
-    for name in ("viscosity", "density"):
-        try:
-            jax.eval_shape(getattr(case.lubricant, name), np.zeros(1))
-        except jax.errors.TracerArrayConversionError as error:
-            why = "is computed by numpy, and the solver differentiates it: write jax.numpy in place of numpy"
-            raise ConfigError(f"lubricant.{name}: {why}") from error
+    require_laws(case)
     solver: Any = SOLVERS[case.solver.method](case)
     return SteadyRun(case, solver) if case.is_steady else TransientRun(case, solver)
 
@@ -280,7 +274,7 @@ class LogLines(rich.progress.Progress):
         total = whole.total or 1.0
         done = whole.completed + sum(part.completed for part in self.tasks if (part.total or 0.0) < total)
         left = whole.time_remaining
-        rest = "" if left is None else f", about {duration(left)} left"
+        rest = "" if not left else f", about {duration(left)} left"
         so_far = f"{duration(whole.elapsed or 0.0)} so far{rest}"
         return "  ".join(filter(None, (whole.description, f"{done / total:.0%}", whole.fields["message"], so_far)))
 
