@@ -7,7 +7,7 @@ from PIL import Image, ImageSequence
 
 from ertel import plots
 from ertel.case.spaces import radii
-from ertel.optics import Monochromatic, TwoBeams
+from ertel.optics import Monochromatic, TwoBeams, White
 from ertel.plots import interferograms as page
 from ertel.plots.view import View
 
@@ -86,6 +86,13 @@ def test_picture_is_the_film_of_the_run(ball, rolls, few_pixels):
     density = page.seen_on(view, page.pixels_around([view]), 1e-6)["density"]  # of oil under pressure
     assert density[0, 0] == 1.0
     assert density.max() == pytest.approx(1.24, abs=0.01)  # Dowson and Higginson's at 1.4 GPa
+
+
+@pytest.mark.parametrize(("film_scale", "is_said"), [(1e-6, False), (1e-4, True)])  # a film of 0.05 and 5 um
+def test_white_light_says_where_it_has_no_colours(ball, few_pixels, film_scale, is_said):
+    figure = plots.interferogram(ball, light=White(), film_scale=film_scale)
+    said = [text.get_text() for text in figure.axes[0].texts]
+    assert said == ["no colours here, try mono"] * is_said
 
 
 # -- where the gap is not full ----------------------------------------------------------------------------------------

@@ -148,3 +148,34 @@ def test_odd_runs_can_be_drawn(moes):
 def test_nothing_is_shown_and_pyplot_is_left_alone():
     code = "import sys, ertel.plots; ertel.plots.draw; print('matplotlib.pyplot' in sys.modules)"
     assert python("-c", code).stdout == "False\n"
+
+
+def test_a_long_run_has_its_time_in_milliseconds(ball):
+    slow = ball.copy()
+    for name in ("time", "frame"):
+        slow[name] = slow[name].assign_attrs(si_factor=100.0 * slow[name].attrs["si_factor"])
+    assert View(ball, 48).clock.endswith(" µs") and View(slow, 48).clock.endswith(" ms")
+    assert plots.history(slow).axes[0].get_xlabel() == "time $t$ (ms)"
+
+
+def test_a_contact_is_in_the_middle_of_its_panels_and_its_cavity_has_a_name():
+    """The grid of a rolling contact reaches further upstream."""
+    rolls = steady(BALL_ROLLS)
+    assert rolls["X"].values[-1] < -rolls["X"].values[0]
+    figure = plots.overview(rolls.assign(oil=np.minimum(rolls["H"], 0.3)))
+    for axes in figure.axes[:2]:
+        assert axes.get_xlim()[0] == pytest.approx(-axes.get_xlim()[1], rel=0.02)
+    assert "cavity" in [text.get_text() for text in figure.axes[0].texts]
+    assert "cavity" not in [text.get_text() for text in plots.film(rolls.assign(oil=rolls["H"])).axes[0].texts]
+
+
+@pytest.mark.parametrize("run", [steady(BALL_ROLLS), dry_impact(BALL_FALLS)], ids=["steady", "in time"])
+def test_the_overview_of_a_touching_contact_has_the_pressure_of_asperities(run):
+    about = {**run["P"].attrs, "long_name": "pressure of asperities"}
+    figure = plots.overview(run.assign(P_asperity=(0.5 * run["P"]).assign_attrs(about)))
+    assert any(axes.get_title().startswith("Pressure of asperities") for axes in figure.axes)
+
+
+def test_fonts_with_more_characters_are_asked_where_they_are(ball, monkeypatch):
+    monkeypatch.setattr("ertel.plots.drawing.EASTERN", {"STIXGeneral", "not here"})
+    assert plots.film(ball)._suptitle.get_fontfamily()[-1] == "STIXGeneral"

@@ -137,6 +137,11 @@ def test_heat_lowers_the_traction(newtonian: Any) -> None:
     assert len(panels) == 6
     shown = panels["temperature (°C)"].lines[0].get_ydata()
     np.testing.assert_allclose(shown, data["T_film_max"] - 273.15, rtol=1e-12)
+    with_names = [axes for axes in panels.values() if axes.get_legend()]
+    assert with_names
+    for axes in with_names:  # above all lines
+        names, highest = axes.get_legend().get_window_extent(), max(np.max(line.get_ydata()) for line in axes.lines)
+        assert axes.transData.transform((0.0, highest))[1] < names.y0
 
 
 IMPACT = parse_case({"contact": {"M": 20, "L": 10}, "solver": {"nodes": 33}})

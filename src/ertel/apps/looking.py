@@ -27,6 +27,7 @@ from ertel.apps.terminal import BAD_INPUT, bad_input, leave, placing, print_json
 if TYPE_CHECKING:  # these take long to import
     from ertel.runs.directory import Listed
 
+SIGMA_HELP = 'Rms roughness for the lambda ratio: "20 nm, 60 nm", one for both together, or "Ra 50 nm", times 1.25.'
 Along = Annotated[Literal["x", "y"], option("The direction of a profile.")]
 FOLDER_HELP = "Folder with runs, also in folders below it; default this one."
 Lighting = Literal["mono", "two-beam", "white"]
@@ -155,9 +156,7 @@ def _print_pairs(pairs: Sequence[Mapping[str, Any]], statuses: Sequence[str]) ->
 def show(
     directory: RunDirectory,
     as_json: Json = False,
-    sigma: Annotated[
-        str | None, option('Rms roughness of both surfaces, "20 nm, 60 nm", for the lambda ratio.', "LENGTHS")
-    ] = None,
+    sigma: Annotated[str | None, option(SIGMA_HELP, "LENGTHS")] = None,
     about: Annotated[
         bool, typer.Option("--about", help="Print the versions and the machine, and how it ended.")
     ] = False,

@@ -35,7 +35,7 @@ from ertel.inputs.layout import READER, DataSheet, Machines, Materials, NamedLub
 from ertel.inputs.quantities import parse_quantity, parse_temperature
 from ertel.physics.fluidity import Carreau, Limited
 from ertel.physics.materials import RHEOLOGY, NamedOil, Sourced
-from ertel.physics.units import DENSITY, LENGTH, STRESS, Unit, fields_of, marks
+from ertel.physics.units import DENSITY, LENGTH, RMS, STRESS, Unit, fields_of, in_si, marks
 
 OIL_KEYS, MATERIAL_KEYS = field_names(NamedLubricant), field_names(Materials)
 OF_PRESSURE = ("alpha", "z", "p0")  # a given one makes the law Roelands', unless the law is given too
@@ -62,14 +62,21 @@ def without_names(data: Mapping[str, Any], folder: Path = Path()) -> dict[str, A
     return resolved
 
 
+def rms_roughness(given: float | str) -> float:
+    """An rms roughness in m, given as such or, "Ra 50 nm", as the arithmetic mean of Gaussian heights."""
+    if isinstance(given, str) and given.startswith("Ra"):
+        return RMS_OVER_MEAN * parse_quantity(given.removeprefix("Ra"), LENGTH)
+    return in_si(given, RMS.in_si)
+
+
 def _with_rms(data: Mapping[str, Any]) -> Mapping[str, Any]:
     """The data with rms roughnesses in place of arithmetic means, sigma = "Ra 50 nm"."""
     (surfaces,) = _tables(data, "surfaces")
     rms = dict(surfaces)
     for key in ("sigma", "sigma_1", "sigma_2"):
-        if isinstance(text := surfaces.get(key), str) and text.startswith("Ra "):
+        if isinstance(text := surfaces.get(key), str) and text.startswith("Ra"):
             with refusing(f"surfaces.{key}", text):
-                rms[key] = with_unit(RMS_OVER_MEAN * parse_quantity(text.removeprefix("Ra "), LENGTH), LENGTH)
+                rms[key] = with_unit(rms_roughness(text), LENGTH)
     return {**data, "surfaces": rms} if rms != surfaces else data
 
 
