@@ -120,6 +120,8 @@ def _require_own(place: Path, overwrite: bool, new: Path | None = None) -> None:
     except OSError:  # a directory, a pipe, a link to nowhere
         content = b""
     is_marked = MADE_BY.encode() in content or (content[:3] == b"CDF" and b"ertel" in content)
+    if place.is_dir() and not place.is_symlink():
+        leave(BAD_INPUT, f"{shown(place)}: is a directory; move it, or choose another name")
     if not (is_marked or (content and new and content == new.read_bytes())):
         is_picture = place.suffix.lower() not in (".csv", ".nc", ".vti", ".pvd") and place.is_file()
         why = "has no mark of ertel (a picture of an earlier version has none)" if is_picture else "is another file"
