@@ -110,7 +110,7 @@ class PaletteWriter(PillowWriter):
         """Write the frames."""
         frames = [frame.convert("RGB") for frame in self._frames]  # type: ignore[has-type]
         some = np.concatenate([np.asarray(frame) for frame in frames[:: max(1, len(frames) // FOR_PALETTE)]])
-        palette = Image.fromarray(some).quantize(method=Image.Quantize.MEDIANCUT)
+        palette = Image.fromarray(some).quantize(method=Image.Quantize.FASTOCTREE)
         self._frames = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
         super().finish()
 
