@@ -154,9 +154,19 @@ SHEETS: Rows = [
 ]
 OILS += [({"oil": sheet, "temperature": "60 degC"}, said) for sheet, said in SHEETS]
 THERMAL: list[tuple[Data, Data, Data, list[str]]] = [
-    ({}, ROLLED, NAMED, ["density_1: missing; give it, ", '"7850 kg/m^3", or name ', "contact.material_1"]),
+    (
+        {},
+        ROLLED,
+        NAMED,
+        ["density_1: missing; give it, ", '"7850 kg/m^3", or name ', "contact.material_1", "missing are also heat_"],
+    ),
     ({}, BODIED, NUMBERS, ["temperature: missing; give that of the oil in the inlet, ", '"40 degC"']),
-    ({"temperature": "40 degC"}, BODIED, NUMBERS, ["conductivity: missing; give it, ", "lubricant.oil"]),
+    (
+        {"temperature": "40 degC"},
+        BODIED,
+        NUMBERS,
+        ["conductivity: missing; give it, ", "lubricant.oil; missing are also beta"],
+    ),
     ({}, BODIED, NAMED | {"oil": "pao-100"}, ["conductivity: missing; the library has none ", '"pao-100"']),
     ({"temperature": "80 degC"}, BODIED, NAMED, ['temperature = "80 degC": differs from lubricant.temperature = "4']),
     ({"temperature_1": 60}, BODIED, NAMED, ["temperature_1 = 60: must be a temperature with its unit"]),
