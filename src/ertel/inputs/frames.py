@@ -179,22 +179,26 @@ def _picture(path: Path, page: int | None) -> Array:
 
     with refusing("frame", path.name):
         content = regular_content(path, LARGEST_FILE)
-        pages = 1
+        several = False
         try:
             with warnings.catch_warnings(), Image.open(BytesIO(content), formats=("PNG", "TIFF")) as image:
                 warnings.simplefilter("ignore")  # that it is large: it is refused
-                pages = getattr(image, "n_frames", 1)
-                image.seek(min(max(page or 1, 1), pages) - 1)
+                with suppress(EOFError):
+                    image.seek(1)
+                    several = page is None
+                image.seek((page or 1) - 1)
                 columns, rows = image.size
                 fits = 16 <= min(columns, rows) and columns * rows <= MOST_PIXELS
                 if fits:
                     pixels = np.asarray(image.convert(PLAINER.get(image.mode, image.mode)), dtype=float)
         except Image.DecompressionBombError as error:
             raise ValueError("has too many pixels; must have at most 50 million") from error
+        except EOFError as error:
+            raise ValueError(f"has no page {page}") from error
         except Exception as error:  # of Pillow, for damaged files, too
             raise ValueError("is not a PNG or TIFF picture, or is damaged") from error
-        if not 1 <= (page or 1) <= pages or (page is None and pages > 1):
-            raise ValueError(f"has {pages} page{'s' * (pages > 1)}; page must be from 1 to {pages}")
+        if several:
+            raise ValueError("has several pages; page must name one, 1 for the first")
         if not fits:
             raise ValueError(f"has {columns} x {rows} pixels; must have 16 a side, and at most 50 million")
         if not np.isfinite(pixels).all():
@@ -210,7 +214,7 @@ def _symmetric(grey: Array) -> tuple[float, float]:
     """The point about which the picture is most like itself when it is turned by 180 degrees: column and row.
 
     That of its narrow fringes, which are outside of the contact: there the gap is symmetric, in rolling, too.  Raises
-    ValueError where it is not like itself: of pictures of noise, white or blurred, the likeness is below 0.15.
+    ValueError where it is not like itself: of 400 x 360 pixels of noise, white or blurred, the likeness is below 0.15.
     """
     from scipy.ndimage import gaussian_filter
     from scipy.signal import convolve
