@@ -11,8 +11,6 @@ from ertel.apps.terminal import BAD_INPUT, bad_input, leave, local_path, placing
 if TYPE_CHECKING:  # it takes long to import
     from ertel.results.measurements import Measurement
 
-PAGE_HELP = "The file, pdf, png or svg by its ending; default DIR/report.pdf."
-
 
 def measurement_in(file: Path, given: Measured, light: str = "mono", along: str = "x") -> "Measurement":
     """The measurement in a file.  light: of an intensity."""
