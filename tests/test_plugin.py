@@ -1,5 +1,9 @@
-"""The template of a package with a law and a shape: its entry points lead somewhere, and case files take its names."""
+"""Laws and shapes of others: the template of a package with them, and a first contribution, a law in its own file."""
 
+import os
+import shutil
+import subprocess
+import sys
 import tomllib
 from importlib.metadata import EntryPoint
 from pathlib import Path
@@ -56,3 +60,37 @@ def test_case_files_take_its_names_and_units() -> None:
     wrong = {**CASE["lubricant"], "viscosity": {"law": "mcewen", "alpha": "22 / GPa", "q": -1}}
     with pytest.raises(ertel.ConfigError, match=r"^lubricant\.viscosity\.q = -1: must be greater than 0"):
         ertel.parse_case({**CASE, "lubricant": wrong})
+
+
+FIRST_LAW = '''"""Murnaghan's density."""
+
+from dataclasses import dataclass
+
+from ertel.physics.registry import DENSITY_LAWS, OfAnyOil
+
+
+@DENSITY_LAWS.register("first")
+@dataclass(frozen=True)
+class First(OfAnyOil):
+    """rho/rho0 = (1 + 10 p/K0)^(1/10), K0 = 1.2 GPa."""
+
+    def density(self, p: object) -> object:
+        return (1.0 + p / 1.2e8) ** 0.1  # type: ignore[operator]
+'''
+USED = """
+RULES = "arrows or one_public_name or crumbs or budget or explained or what_it_is_for"
+import ertel
+case = ertel.parse_case({"contact": {"kind": "rolling", "M": 20, "L": 5}, "lubricant": {"density": "first"}})
+assert case.oil.density_law.density(1.2e8) == 2**0.1
+import pytest
+raise SystemExit(pytest.main(["-q", "-n", "0", "-p", "no:cacheprovider", "tests/test_architecture.py", "-k", RULES]))
+"""
+
+
+def test_a_law_in_a_file_of_its_own_passes_the_house_rules(tmp_path: Path) -> None:
+    root = Path(__file__).parents[1]
+    shutil.copytree(root / "src/ertel", tmp_path / "ertel", ignore=shutil.ignore_patterns("__pycache__"))
+    (tmp_path / "ertel/physics/laws/first.py").write_text(FIRST_LAW)
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
+    done = subprocess.run([sys.executable, "-c", USED], cwd=root, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr

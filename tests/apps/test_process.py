@@ -5,11 +5,13 @@ import signal
 import subprocess
 import sys
 import time
+import warnings
 from pathlib import Path
 
 import pytest
 from app_runs import CHILD, is_alive, until
 
+from ertel.apps.process import NO_GLYPH, warnings_as_sentences
 from ertel.runs.store import RunStore
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="no signals and no /dev/full")
@@ -41,6 +43,14 @@ def test_full_output_is_one_sentence_and_one_that_nobody_reads_is_no_error():
     with deaf() as stdout:
         ended = done(CHECK, stdout=stdout)
     assert (ended.returncode, ended.stderr) == (0, "")
+
+
+def test_characters_without_a_glyph_are_said_once(capsys):
+    with warnings_as_sentences():
+        for code in ("27833", "33180"):
+            warnings.warn(f"Glyph {code} missing from font(s) DejaVu Sans.", stacklevel=1)
+        warnings.warn("other", stacklevel=1)
+    assert capsys.readouterr().err == f"ertel: warning: {NO_GLYPH}\nertel: warning: other\n"
 
 
 @pytest.mark.slow

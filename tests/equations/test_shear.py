@@ -19,7 +19,8 @@ from ertel.equations import across
 from ertel.equations.across import Vector, series_of
 from ertel.equations.contact import traceable
 from ertel.equations.shear import LIMIT, Shear, shear
-from ertel.physics.fluidity import Carreau, CarreauYasuda, Fluidity, Limited, NewtonianOil, ReeEyring
+from ertel.physics.fluidity import Carreau, Fluidity, Limited, NewtonianOil, ReeEyring
+from ertel.physics.laws.carreau_yasuda import CarreauYasuda
 
 FLOW = jax.jit(shear)
 FLOW_BY_40_NODES = jax.jit(partial(shear, points=40))

@@ -13,7 +13,8 @@ from ertel.case.case import Case
 from ertel.inputs import oils
 from ertel.inputs.case_files import ConfigError, parse_case
 from ertel.inputs.python import Oil, impact, rolling
-from ertel.physics.fluidity import Carreau, CarreauYasuda, Fluidity, Limited, ReeEyring
+from ertel.physics.fluidity import Carreau, Fluidity, Limited, ReeEyring
+from ertel.physics.laws.carreau_yasuda import CarreauYasuda
 from ertel.physics.lubricant import Doolittle
 
 CONTACT = {"kind": "rolling", "radius": "10 mm", "load": "20 N", "mean_speed": "0.5 m/s"}

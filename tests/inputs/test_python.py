@@ -195,3 +195,23 @@ def test_roughness_as_numbers_in_every_way():
         surfaces(sigma="Ra 0.04")
     with pytest.raises(ConfigError, match="hurst"):
         surfaces(sigma=1e-7, asperities={**law, "hurst": "5 um"})
+
+
+ON_A_LAYER = {"M": 100, "L": 10, "oil": ertel.Oil(layer=3.0)}
+ROUGH = {"sigma": "2 um", "asperities": {"law": "persson", "longest": "50 um", "shortest": "1 um"}}
+
+
+@pytest.mark.parametrize(
+    ("given", "wide", "said"),
+    [
+        (ON_A_LAYER, {"half_width": 3.75, "inlet": 5.75}, r"use solver\.half_width = 3\.75, solver\.inlet = 5\.75$"),
+        ({**ROLLING, "oil": OIL, "surfaces": ROUGH}, {"half_width": 4.0}, r"use solver\.half_width = 4, or a smaller"),
+    ],
+)
+def test_a_grid_that_is_too_narrow_is_told_how_wide_it_has_to_be(given, wide, said):
+    with pytest.raises(ConfigError, match=said):
+        ertel.rolling(**given)
+    narrow = {name: width - 0.25 for name, width in wide.items()}
+    with pytest.raises(ConfigError, match="edge of the grid"):
+        ertel.rolling(**given, **narrow)
+    ertel.rolling(**given, **wide)

@@ -12,7 +12,8 @@ from numpy.testing import assert_allclose
 
 from ertel.equations.contact import traceable
 from ertel.equations.shear import shear
-from ertel.physics.fluidity import Carreau, CarreauYasuda, Fluidity, Limited, NewtonianOil, ReeEyring, cut_off
+from ertel.physics.fluidity import Carreau, Fluidity, Limited, NewtonianOil, ReeEyring, cut_off
+from ertel.physics.laws.carreau_yasuda import CarreauYasuda
 from ertel.physics.units import STRESS, marks
 
 TAU = np.array([1.0, 1e3, 1e6, 5e6, 2e7, 6e7])  # Pa

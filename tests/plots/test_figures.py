@@ -243,3 +243,34 @@ def test_a_measured_film_over_that_of_the_run(runs):
     assert below.containers[0].lines[0].get_ydata() == pytest.approx(there["p"].values[10:-10] * 1e-9)
     assert "59.85 µs" in ball.plot.profiles(measured=film).get_suptitle()
     assert "89.78 µs" in ball.plot.profiles(at="90 us", measured=replace(film, at=None)).get_suptitle()
+
+
+def test_a_long_run_has_its_time_in_milliseconds(runs):
+    ball, slow = runs["ball"], runs["ball"].copy()
+    for name in ("time", "frame"):
+        slow[name] = slow[name].assign_attrs(si_factor=100.0 * slow[name].attrs["si_factor"])
+    assert View(ball, 48).clock.endswith(" µs") and View(slow, 48).clock.endswith(" ms")
+    assert plots.history(slow).axes[0].get_xlabel() == "time $t$ (ms)"
+
+
+def test_a_contact_is_in_the_middle_of_its_panels_and_its_cavity_has_a_name():
+    """The grid of a rolling contact reaches further upstream."""
+    rolls = steady(BALL_ROLLS)
+    assert rolls["X"].values[-1] < -rolls["X"].values[0]
+    figure = plots.overview(rolls.assign(oil=np.minimum(rolls["H"], 0.3)))
+    for axes in figure.axes[:2]:
+        assert axes.get_xlim()[0] == pytest.approx(-axes.get_xlim()[1], rel=0.02)
+    assert "cavity" in [text.get_text() for text in figure.axes[0].texts]
+    assert "cavity" not in [text.get_text() for text in plots.film(rolls.assign(oil=rolls["H"])).axes[0].texts]
+
+
+@pytest.mark.parametrize("kind", ["steady", "ball"])
+def test_the_overview_of_a_touching_contact_has_the_pressure_of_asperities(runs, kind):
+    about = {**runs[kind]["P"].attrs, "long_name": "pressure of asperities"}
+    figure = plots.overview(runs[kind].assign(P_asperity=(0.5 * runs[kind]["P"]).assign_attrs(about)))
+    assert any(axes.get_title().startswith("Pressure of asperities") for axes in figure.axes)
+
+
+def test_fonts_with_more_characters_are_asked_where_they_are(runs, monkeypatch):
+    monkeypatch.setattr("ertel.plots.drawing.EASTERN", {"STIXGeneral", "not here"})
+    assert plots.film(runs["ball"])._suptitle.get_fontfamily()[-1] == "STIXGeneral"

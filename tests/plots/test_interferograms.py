@@ -7,7 +7,7 @@ from PIL import Image, ImageSequence
 
 from ertel import plots
 from ertel.case.spaces import radii
-from ertel.optics import Monochromatic, TwoBeams
+from ertel.optics import Monochromatic, TwoBeams, White
 from ertel.plots import interferograms as page
 from ertel.plots.view import View
 
@@ -80,6 +80,13 @@ def test_picture_is_the_film_of_the_run(ball, rolls, few_pixels):
     x = np.linspace(-1.3, 1.3, 27)
     seen = page._on_pixels(View.of(run), "H", x, np.zeros(1), smooth=True)
     np.testing.assert_allclose(seen[0], 0.1 + x**2 / 2, rtol=1e-9)
+
+
+@pytest.mark.parametrize(("film_scale", "is_said"), [(1e-6, False), (1e-4, True)])  # a film of 0.05 and 5 um
+def test_white_light_says_where_it_has_no_colours(ball, few_pixels, film_scale, is_said):
+    figure = plots.interferogram(ball, light=White(), film_scale=film_scale)
+    said = [text.get_text() for text in figure.axes[0].texts]
+    assert said == ["no colours here, try mono"] * is_said
 
 
 LAYER = 0.3  # a^2/R

@@ -3,8 +3,12 @@
 import numpy as np
 import pytest
 from made_up import BALL_FALLS, dry_impact
+from matplotlib.animation import FuncAnimation
+from matplotlib.figure import Figure
+from PIL import Image, ImageSequence
 
 from ertel import plots
+from ertel.plots.movies import save_movie
 from ertel.results.profiles import between
 
 
@@ -32,6 +36,23 @@ def test_frames_are_at_equal_times_and_alike(ball, what, name):
         one = 1e-9 if what == "film" else 1e9
         assert shown.reshape(shown.shape[-2:])[tuple(n // 2 for n in shown.shape[-2:])] == pytest.approx(middle / one)
     assert seen[0] == seen[1] == seen[2] and len(movie._fig.axes) == 2
+
+
+def test_a_gif_has_one_palette_and_half_the_bytes(tmp_path):
+    """Noise, in which no two frames are alike, and steps of brightness, which remain."""
+    figure = Figure(figsize=(2, 2), dpi=50)
+    image = figure.add_axes((0, 0, 1, 1)).imshow(np.zeros((50, 50)), vmin=0, vmax=1, cmap="viridis")
+    noise = np.random.default_rng(0).random((6, 50, 50)) * 0.1 + np.linspace(0, 0.9, 6)[:, None, None]
+    animation = FuncAnimation(figure, lambda values: image.set_data(values), frames=noise, cache_frame_data=False)
+    save_movie(animation, tmp_path / "own.gif", 10)
+    animation.save(tmp_path / "pillow.gif", writer="pillow", fps=10)
+    sizes = [(tmp_path / f"{name}.gif").stat().st_size for name in ("own", "pillow")]
+    assert sizes[0] < 0.75 * sizes[1]
+    with Image.open(tmp_path / "own.gif") as movie:
+        frames = [np.asarray(each.convert("RGB"), dtype=float) for each in ImageSequence.Iterator(movie)]
+    with Image.open(tmp_path / "pillow.gif") as movie:
+        wanted = [np.asarray(each.convert("RGB"), dtype=float) for each in ImageSequence.Iterator(movie)]
+    assert len(frames) == 6 and max(np.abs(a - b).mean() for a, b in zip(frames, wanted, strict=True)) < 6.0
 
 
 def test_between_two_maps_fields_are_interpolated_linearly(ball):

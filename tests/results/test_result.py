@@ -143,6 +143,7 @@ def test_the_line_has_what_the_run_has():
 def test_the_lambda_ratio():
     assert lambda_ratio(3.0, 1.0) == 3.0 and lambda_ratio(5.0, 3.0, 4.0) == 1.0
     assert rolled().lambda_ratio("60 nm", "80 nm") == pytest.approx(2.0)
+    assert rolled().lambda_ratio("Ra 48 nm", " Ra 64 nm") == pytest.approx(2.0)
     with pytest.raises(ValueError, match="sigma = -1: must not be negative"):
         lambda_ratio(1.0, -1.0)
     for sigma, case, message in (

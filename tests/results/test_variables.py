@@ -53,6 +53,7 @@ def test_the_rule_for_the_size_of_the_output_counts_all_maps():
         (0.1, "m/s", "0.1 m/s"),
         (0.0, "m", "0 m"),
         (98.5, "N", "98.5 N"),
+        (8.7e-10, "m2", "870 µm²"),
         (0.00123, "1", "0.00123"),
     ],
 )

@@ -15,8 +15,9 @@ import ertel
 from ertel.case.status import Status
 from ertel.equations.approach import ClosureLine, NewtonsLaw
 from ertel.physics.motion import constant
+from ertel.physics.registry import OIL_LAWS
 from ertel.results.summary import with_error
-from ertel.runs.drive import LogLines, drive, result_of, run_of, simulate
+from ertel.runs.drive import LogLines, bars, drive, result_of, run_of, simulate
 from ertel.runs.result import Result
 from ertel.runs.stepping import StepLimits, TransientRun
 from ertel.solvers.radial import RadialImpact
@@ -167,8 +168,48 @@ class OfNumpy:
         return np.exp(2e-8 * p)
 
 
-def test_a_law_that_numpy_computes_is_refused_in_words():
-    oil = ertel.Oil(viscosity=OfNumpy())
-    case = ertel.impact(M=20, L=5, method="radial", nodes=17, oil=oil)
-    with pytest.raises(ertel.ConfigError, match=r"lubricant.viscosity: is computed by numpy, .* write jax.numpy in"):
-        ertel.simulate(case)
+@dataclass(frozen=True)
+class OfARoot:
+    """A law with an infinite slope at p = 0."""
+
+    def density(self, p: Any) -> Any:
+        return 1.0 + 1e-6 * p**0.5
+
+
+@dataclass(frozen=True)
+class NumpyShear:
+    """A law of shear thinning that NumPy computes."""
+
+    def fluidity(self, stress: Any, pressure: Any) -> Any:
+        return np.cosh(stress / 5e6)
+
+    def stress(self, rate: Any, pressure: Any) -> Any:
+        return rate
+
+
+BY_NUMPY = "is computed by numpy, .* write jax.numpy in"
+
+
+@pytest.mark.parametrize(
+    ("laws", "said"),
+    [
+        ({"viscosity": OfNumpy()}, f"lubricant.viscosity: {BY_NUMPY}"),
+        ({"rheology": NumpyShear()}, f"lubricant.rheology: {BY_NUMPY}"),
+        ({"density": OfARoot()}, "lubricant.density: has the value 1 and the slope inf at p = 0; both must be finite"),
+    ],
+)
+def test_a_law_that_jax_cannot_differentiate_is_refused_when_its_case_is_made(monkeypatch, laws, said):
+    for name, law in laws.items():
+        monkeypatch.setitem(OIL_LAWS[name]._records, "own", type(law))
+    contact = {"radius": "10 mm", "load": "20 N", "mean_speed": "1 m/s", "E_prime": "220 GPa"}
+    with pytest.raises(ertel.ConfigError, match=said):
+        ertel.rolling(**contact, nodes=17, oil=ertel.Oil(eta0=0.04, alpha=2e-8, **laws))
+
+
+def test_a_notebook_without_widgets_has_a_line_and_no_warning(monkeypatch, capsys, recwarn):
+    monkeypatch.setattr("rich.console._is_jupyter", lambda: True)
+    monkeypatch.setattr("ertel.runs.drive.find_spec", lambda name: None)
+    with bars(True) as shown:
+        bar = shown.add_task("ball", total=1.0, message="compiling")
+        shown.update(bar, completed=1.0, message="grid 65")
+    assert capsys.readouterr().err == "ball  100%  grid 65  0 s so far\n" and not recwarn.list

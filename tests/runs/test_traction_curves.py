@@ -134,6 +134,11 @@ def test_heat_lowers_the_traction(newtonian: Any) -> None:
     assert len(panels) == 6
     shown = panels["temperature (°C)"].lines[0].get_ydata()
     np.testing.assert_allclose(shown, data["T_film_max"] - 273.15, rtol=1e-12)
+    with_names = [axes for axes in panels.values() if axes.get_legend()]
+    assert with_names
+    for axes in with_names:  # above all lines
+        names, highest = axes.get_legend().get_window_extent(), max(np.max(line.get_ydata()) for line in axes.lines)
+        assert axes.transData.transform((0.0, highest))[1] < names.y0
 
 
 IMPACT = parse_case({"contact": {"M": 20, "L": 10}, "solver": {"nodes": 33}})
@@ -147,6 +152,7 @@ DIMENSIONLESS = parse_case({"contact": {"kind": "rolling", "M": 20, "L": 10}, "s
         (physical(), {"slide_to_roll": [0], "load": [1]}, "got slide_to_roll and load"),
         (physical(), {"load": "1:5"}, "load = .*FIRST:LAST:NUMBER"),
         (physical(), {"mean_speed": "0:1:3"}, "contact.mean_speed = .* must not be zero"),
+        (physical(), {"mean_speed": [1.0, 900.0]}, 'at mean_speed = "900.0 m/s": solver.half_width .* give it there'),
         (physical(), {"mean_speed": [1.0], "film": "once"}, "film depends on mean_speed"),
         (physical(), {"slide_to_roll": [0.0], "film": "twice"}, "film = .twice.: allowed: each, once"),
         (IMPACT, {"slide_to_roll": [0.1]}, 'solver.method = "2d": .* steady contact'),

@@ -9,6 +9,7 @@ from typing import Any
 import ertel
 from ertel.apps.terminal import shown
 from ertel.case.status import Status
+from ertel.inputs.oils import own_file
 from ertel.runs.compile import NoDevice, cache_directory, jax_devices, wrong_version
 from ertel.runs.directory import read_progress
 from ertel.runs.store import RunStore
@@ -43,6 +44,7 @@ def about() -> dict[str, str]:
         "known faults": wrong_version(_version("jaxlib")) or "none in this version of JAX",
         "devices": _devices(),
         "compile cache": str(cache_directory() or "none: there is no home directory"),
+        "own oils": str(own_file()),
         "citation": CITATION.format(version=ertel.__version__),
     }
 

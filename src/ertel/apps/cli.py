@@ -7,6 +7,7 @@ Exit codes: 0 done; 1 failed, results so far are kept; 2 wrong input, nothing wr
 """
 
 import gc
+import logging
 import os
 import sys
 from pathlib import Path
@@ -48,6 +49,7 @@ def main() -> None:
     os.environ["MPLBACKEND"] = "agg"  # Jupyter names one of its own to all that it starts, which may not be there
     os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")  # or XLA calls code that it compiled itself an error
     sys.modules["dask.array"] = None  # type: ignore[assignment]  # or xarray imports it, for arrays that ertel never makes
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # of fonts; its warnings say the same
     process.keep_freed_memory()
     with process.safe_streams():
         app()

@@ -1,7 +1,6 @@
 """Commands that look at runs: `ertel ls` at many, `compare` at two, `show`, `plot` and `export` at one."""
 
-from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -28,12 +27,13 @@ from ertel.apps.terminal import BAD_INPUT, bad_input, leave, placing, print_json
 if TYPE_CHECKING:  # these take long to import
     from ertel.runs.directory import Listed
 
+SIGMA_HELP = 'Rms roughness for the lambda ratio: "20 nm, 60 nm", one for both together, or "Ra 50 nm", times 1.25.'
 Along = Annotated[Literal["x", "y"], option("The direction of a profile.")]
 FOLDER_HELP = "Folder with runs, also in folders below it; default this one."
 Lighting = Literal["mono", "two-beam", "white"]
 FRINGES_HELP = "Draw the interference fringes instead: monochromatic, of two beams only, or in white light."
-Format = Literal["png", "svg", "pdf", "gif", "webp", "mp4"]
-MOVIES = {"gif": "pillow", "webp": "pillow", "mp4": "ffmpeg"}  # format: matplotlib's name of its writer
+Format = Literal["png", "svg", "pdf", "webp", "gif", "mp4"]
+MOVIES = ("webp", "gif", "mp4")
 
 
 def ls(
@@ -124,7 +124,7 @@ def compare(
 
         data = [run.dataset() for run in (one, two)]
         short = [run.case.name or run.directory.name for run in (one, two)]
-        with bad_input(), placing(plot.parent, overwrite, may_be_link=named) as place:
+        with bad_input(), placing(plot.parent, overwrite, named, [plot.name]) as place:
             plots.comparison(data, names if short[0] == short[1] else short).savefig(place / plot.name)
         print_path(plot)
 
@@ -156,9 +156,7 @@ def _print_pairs(pairs: Sequence[Mapping[str, Any]], statuses: Sequence[str]) ->
 def show(
     directory: RunDirectory,
     as_json: Json = False,
-    sigma: Annotated[
-        str | None, option('Rms roughness of both surfaces, "20 nm, 60 nm", for the lambda ratio.', "LENGTHS")
-    ] = None,
+    sigma: Annotated[str | None, option(SIGMA_HELP, "LENGTHS")] = None,
     about: Annotated[
         bool, typer.Option("--about", help="Print the versions and the machine, and how it ended.")
     ] = False,
@@ -188,7 +186,7 @@ def plot(
         Path | None, path_option("Draw a measured profile too: film, pressure, or light of an interferogram.", "FILE")
     ] = None,
     format_: Annotated[
-        Format, option("File format; gif, webp and mp4 are movies of a run in time.", name="--format")
+        Format, option("File format; webp (the smallest), gif and mp4 are movies of a run in time.", name="--format")
     ] = "png",
     rate: Annotated[float | None, option("Frames a second of a movie, 1 to 50; default 12.", min=1.0, max=50.0)] = None,
     columns: Annotated[
@@ -204,14 +202,14 @@ def plot(
     can be chosen, see ertel.optics. A file of --measured is as that of `ertel compare`; it is drawn on the profiles,
     or with --interferogram beside its light.
 
-    --what film --format gif --rate 20 makes a movie of eight seconds, of the film or the pressure. That of an
+    --what film --format webp --rate 20 makes a movie of eight seconds, of the film or the pressure. That of an
     interferogram has a frame for each map.
     """
     if format_ in MOVIES and interferogram is None and what not in ("film", "pressure"):
         needed = "--what film, --what pressure or --interferogram mono"
         leave(BAD_INPUT, f"--format {format_}: needs {needed}; no other picture can be a movie")
     if rate is not None and format_ not in MOVIES:
-        leave(BAD_INPUT, f"--rate {rate:g}: only for movies; add --format gif")
+        leave(BAD_INPUT, f"--rate {rate:g}: only for movies; add --format webp")
     if format_ in MOVIES and given.at is not None:
         leave(BAD_INPUT, f"--at {given.at}: a movie shows all times; leave it out, or use --format png")
     if format_ in MOVIES and (columns or not title or measured):
@@ -226,34 +224,31 @@ def plot(
         _find_ffmpeg()
     from ertel import plots
     from ertel.inputs.fits import interferometer
-    from ertel.plots.movies import MARK, PER_SECOND
+    from ertel.plots.movies import PER_SECOND, save_movie
     from ertel.runs.store import RunStore
 
     data = RunStore.open(directory).dataset()
-    writers: dict[str, Callable[[Path], object]]
     sheet: Any = {"columns": columns, "title": title}
-    name, pace = f"interferogram-{interferogram}" if interferogram else str(what), rate or PER_SECOND
+    target, pace = out or directory / "plots", rate or PER_SECOND
     with bad_input():
         rig = interferometer(interferogram or "mono", given.wavelength, given.coatings, given.index)
         if measured is not None:
             sheet["measured"] = measurement_in(measured, given, interferogram or "mono")
-        if format_ in MOVIES:
-            seen = interferogram and plots.animation(data, rig.light, rig.rig, rate=pace)
-            writers = {name: partial((seen or plots.movie(data, name, pace)).save, writer=MOVIES[format_])}
-        elif interferogram:
-            writers = {name: plots.interferogram(data, given.at, rig.light, rig.rig, **sheet).savefig}
-        else:
-            overlaid = [each for each in plots.names_of(data) if measured and each in plots.OVERLAID]
-            names = [what] if what else overlaid or plots.names_of(data)
-            writers = {each: plots.draw(data, each, given.at, **sheet).savefig for each in names}
-    target = out or directory / "plots"
-    with placing(target, overwrite, may_be_link=out is not None) as place:
-        for name, write in writers.items():
-            write(file := place / f"{name}.{format_}")
-            if format_ in MOVIES:
-                file.write_bytes(file.read_bytes() + MARK)
-    for name in writers:
-        print_path(target / f"{name}.{format_}")
+        overlaid = [each for each in plots.names_of(data) if measured and each in plots.OVERLAID]
+        names = [what] if what else overlaid or plots.names_of(data)
+        names = [f"interferogram-{interferogram}"] if interferogram else names
+        files = [f"{name}.{format_}" for name in names]
+        with placing(target, overwrite, out is not None, files) as place:
+            for name, file in zip(names, files, strict=True):
+                if format_ in MOVIES:
+                    seen = interferogram and plots.animation(data, rig.light, rig.rig, rate=pace)
+                    save_movie(seen or plots.movie(data, name, pace), place / file, pace)
+                elif interferogram:
+                    plots.interferogram(data, given.at, rig.light, rig.rig, **sheet).savefig(place / file)
+                else:
+                    plots.draw(data, name, given.at, **sheet).savefig(place / file)
+    for file in files:
+        print_path(target / file)
 
 
 def _find_ffmpeg() -> None:
@@ -263,7 +258,7 @@ def _find_ffmpeg() -> None:
     try:
         from imageio_ffmpeg import get_ffmpeg_exe
     except ImportError:
-        leave(BAD_INPUT, "--format mp4: needs imageio-ffmpeg, pip install 'ertel[movie]'; gif and webp do not")
+        leave(BAD_INPUT, "--format mp4: needs imageio-ffmpeg, pip install 'ertel[movie]'; webp and gif do not")
     rcParams["animation.ffmpeg_path"] = get_ffmpeg_exe()
 
 

@@ -11,8 +11,6 @@ from ertel.apps.terminal import BAD_INPUT, bad_input, leave, local_path, placing
 if TYPE_CHECKING:  # it takes long to import
     from ertel.results.measurements import Measurement
 
-PAGE_HELP = "The file, pdf, png or svg by its ending; default DIR/report.pdf."
-
 
 def measurement_in(file: Path, given: Measured, light: str = "mono", along: str = "x") -> "Measurement":
     """The measurement in a file.  light: of an intensity."""
@@ -41,7 +39,7 @@ def compare_measured(
     with bad_input():
         found = result.compare(measurement)
         if plot:
-            with placing(plot.parent, overwrite, may_be_link=named) as place:
+            with placing(plot.parent, overwrite, named, [plot.name]) as place:
                 plots.measured(result.dataset, found).savefig(place / plot.name)
     if as_json:
         columns = {name: getattr(found, name).tolist() for name in ("x", "measured", "computed", "difference")}
@@ -63,6 +61,10 @@ def fringes(
     wavelength: Annotated[str, option("Wavelength of the light.", "LENGTH")] = "532 nm",
     coatings: Annotated[str | None, option("Layers on the glass, as of ertel plot.", "LAYERS")] = None,
     index: Annotated[float | None, option("Index of the oil.", "NUMBER")] = None,
+    hertz: Annotated[
+        str, option("Hertz pressure and radius of the contact, for the index of the oil there.", "PRESSURE,LENGTH")
+    ] = "",
+    page: Annotated[int | None, option("Page of a TIFF with several, from 1.", min=1)] = None,
     out: Annotated[Path | None, path_option("File of columns; default FRAME.csv here.", "FILE")] = None,
     overwrite: Overwrite = False,
 ) -> None:
@@ -79,7 +81,7 @@ def fringes(
     file = out or Path(f"{frame.stem}.csv")
     with bad_input():
         rig = interferometer("mono", wavelength, coatings, index)
-        found = line_of_frame(frame, pixel, line, centre, rig, film)
+        found = line_of_frame(frame, pixel, line, centre, rig, film, hertz, page)
         header, columns = "x_m,intensity,sigma", (found.x, found.intensity, np.full_like(found.x, found.noise))
         if found.h is not None and found.sigma is not None:
             header, columns = "x_m,h_m,sigma_m", (found.x, found.h, found.sigma)
@@ -103,10 +105,9 @@ def report(
     from ertel.apps import reports
 
     file = out or directory / "report.pdf"
-    if file.suffix not in (".pdf", ".png", ".svg"):
+    if file.suffix.lower() not in (".pdf", ".png", ".svg"):
         leave(BAD_INPUT, f"--out {shown(file)}: must end with .pdf, .png or .svg")
-    with bad_input():
-        page = reports.drawn(reports.page_of(directory))
-        with placing(file.absolute().parent, overwrite, may_be_link=out is not None) as place:
-            page.savefig(place / file.name)
+    reports.require_content(directory)
+    with bad_input(), placing(file.absolute().parent, overwrite, out is not None, [file.name]) as place:
+        reports.drawn(reports.page_of(directory)).savefig(place / file.name)
     print_path(file)

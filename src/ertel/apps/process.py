@@ -34,6 +34,7 @@ WrongUsage: Any = typer.BadParameter.__base__  # of all errors in flags and argu
 MALLOC = (("ARENA_MAX", -8, 1), ("MMAP_THRESHOLD_", -3, 2**30), ("TRIM_THRESHOLD_", -1, 2**31 - 1))
 SPELLED = {"µ": "u", "Δ": "Delta", "→": "->", "±": "+-", "²": "^2", "∞": "inf"}  # where a terminal cannot show them
 ERRORS = "ertel.spelled"
+NO_GLYPH = "some characters are boxes in pictures, because no font here has them; install one, such as Noto Sans CJK"
 UNHEARD = (errno.EPIPE, errno.EBADF)  # nobody reads any more: `ertel ... | head -1`
 SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 HEARD = "\x1b[?25h\nertel: stops after the current step, on a second Ctrl-C at once; "  # and shows the cursor
@@ -260,6 +261,7 @@ class Commands(TyperGroup):
 def warnings_as_sentences() -> Iterator[list[str]]:
     """Print Python's warnings in this block as sentences on stderr; those of pictures that are not drawn."""
     not_drawn: list[str] = []
+    said: set[str] = set()
 
     def show(message: str, category: type[Warning]) -> None:
         from ertel.runs.compile import is_of_cache
@@ -267,8 +269,11 @@ def warnings_as_sentences() -> Iterator[list[str]]:
 
         if issubclass(category, NotDrawn):
             not_drawn.append(message)
-        if not is_of_cache(message):
+        if " missing from font(s)" in message:
+            message = NO_GLYPH
+        if not (is_of_cache(message) or (message == NO_GLYPH and NO_GLYPH in said)):
             say(f"ertel: warning: {message}")
+        said.add(message)
 
     with warnings.catch_warnings():
         warnings.showwarning = lambda message, category, *_: show(str(message), category)

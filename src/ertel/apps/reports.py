@@ -22,7 +22,7 @@ from ertel.case.records import show
 from ertel.case.status import Status
 from ertel.inputs.quantities import split
 from ertel.physics.units import PREFIXED
-from ertel.plots.drawing import NoFigure, Picture
+from ertel.plots.drawing import NoFigure, Picture, families
 from ertel.results.numbers import aligned, differences, moment, more_lines, numbers, values_of
 from ertel.results.variables import in_celsius, with_prefix
 from ertel.runs.directory import is_run, read_case
@@ -54,10 +54,14 @@ class Page(NamedTuple):
     source: str
 
 
-def page_of(directory: Path) -> Page:
-    """The page of the run or of the study in a directory.  Raises StoreError."""
+def require_content(directory: Path) -> None:
+    """Raise StoreError for a directory without a run or a study."""
     if not is_run(directory) and not any((directory / f"{name}.zarr").exists() for name in KINDS):
         raise StoreError(f"{directory} is not the directory of a run, a study or a fit")
+
+
+def page_of(directory: Path) -> Page:
+    """The page of the run or of the study in a directory.  Raises StoreError."""
     return _of_run(directory) if is_run(directory) else _of_study(directory)
 
 
@@ -85,7 +89,8 @@ def _of_run(directory: Path) -> Page:
     source = f"ertel {versions['ertel']}, jax {versions['jax']}; case {case.digest}, begun {begun}"
     heading = f"{case.name or case.kind}: M = {summary['M']:.4g}, L = {summary['L']:.4g}"
     lines = ["case", *_case_lines(case)]
-    columns = [lines[:MOST_OF_CASE], [*computed, "", method, "", *lines[MOST_OF_CASE:]]]
+    rest = ["", "case, continued", *lines[MOST_OF_CASE:]] if lines[MOST_OF_CASE:] else []
+    columns = [lines[:MOST_OF_CASE], [*computed, "", method, *rest]]
     return Page(heading, capital(line), columns, picture, notes, source)
 
 
@@ -110,7 +115,7 @@ def _of_study(directory: Path) -> Page:
     ]
     lines += _case_lines(case, varied if first else ()) if case else []
     half = -(-len(lines) // 2)
-    table = ["", *(line if len(line) <= COLUMNS else f"{line[: COLUMNS - 1]}…" for line in rows)]
+    table = ["", *(_short(line, COLUMNS) for line in rows)]
     source = f"{data.attrs.get('source', '')}, {data.attrs.get('date_created', '')}".strip(", ")
     columns = [lines[:half] + table, lines[half:]] if case else [table]
     return Page(result.heading, "", columns, picture, result.remarks, source)
@@ -121,7 +126,11 @@ def _case_lines(case: Case, varied: Collection[str] = ()) -> list[str]:
     written = [(each["field"], each["first"]) for each in differences(case.to_data(), {})]
     kept = [each for each in written if each[1] is not None and each[0] not in varied]
     rows = [(key, _value(value)) for key, value in kept if not key.startswith(LEFT_OUT)]
-    return [line[:HALF] for line in aligned([*zip(*rows, strict=True)], left=2)]
+    return [_short(line, HALF - 2) for line in aligned([*zip(*rows, strict=True)], left=2)]
+
+
+def _short(line: str, most: int) -> str:
+    return line if len(line) <= most else f"{line[: most - 1]}…"
 
 
 def _value(value: Any) -> str:
@@ -140,7 +149,8 @@ def drawn(page: Page) -> Figure:
     top = PAPER[1] - MARGIN
 
     def write(lines: Sequence[str], height: float, left: float = MARGIN, **look: Any) -> float:
-        options: dict[str, Any] = {"family": "monospace", "fontsize": LETTER, "linespacing": 1.3, "va": "top", **look}
+        options: dict[str, Any] = {"fontsize": LETTER, "linespacing": 1.3, "va": "top", **look}
+        options["family"] = families(options.get("family", "monospace"))
         text = "\n".join(lines).replace("$", r"\$")
         figure.text(left / PAPER[0], height / PAPER[1], text, **options)
         return height - LINE * len(lines)

@@ -3,7 +3,7 @@
 import json
 import shlex
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from os.path import lexists
 from pathlib import Path
@@ -14,7 +14,7 @@ import typer
 
 LONGEST = 2000  # characters of a message
 FAILED, BAD_INPUT = 1, 2  # exit codes; and 128 + the number of a signal, see `process`
-LONGEST_LINE, LARGEST_OUTPUT = 10**5, 4 * 10**9  # bytes: of the first line of a file, and of a file
+LARGEST_OUTPUT = 4 * 10**9  # bytes of a file
 ASKED = 130  # stopped by a file, see `ertel.runs.directory`: as by Ctrl-C
 
 
@@ -78,25 +78,25 @@ def writing_to(directory: Path, advice: str) -> Iterator[None]:
 
 
 @contextmanager
-def placing(directory: Path, overwrite: bool = False, may_be_link: bool = True) -> Iterator[Path]:
+def placing(
+    directory: Path, overwrite: bool = False, may_be_link: bool = True, pictures: Iterable[str] = ()
+) -> Iterator[Path]:
     """Give a new directory for the files of this block; then move them into this one, also in place of ertel's own.
 
-    A file that is there already is taken for ertel's own where it begins as the new one does, see `_kind`.
+    pictures: names of those that will be among them, whose places are looked at before the work.
     """
     if not may_be_link and directory.is_symlink():
         leave(BAD_INPUT, f"{shown(directory)}: is a symbolic link; delete it, or name a directory with --out")
+    for name in pictures:
+        _require_own(directory / name, overwrite)
     made = [path for path in (directory, *directory.parents) if not path.exists()]
     directory.mkdir(parents=True, exist_ok=True)
     try:
         with TemporaryDirectory(prefix=".ertel-", dir=directory) as draft:
             yield Path(draft)
             new = sorted(Path(draft).iterdir())
-            for path, place in ((path, directory / path.name) for path in new):
-                is_other = not overwrite and _kind(path) != _kind(place)
-                if lexists(place) and (is_other or (place.is_dir() and not place.is_symlink())):
-                    no_mark = "has no mark of ertel (a picture of an earlier version has none)"
-                    why = no_mark if place.is_file() and _kind(path)[1] else "ertel did not write this file"
-                    leave(BAD_INPUT, f"{shown(place)}: {why}; move it, or add --overwrite")
+            for path in new:
+                _require_own(directory / path.name, overwrite, path)
             for path in new:
                 path.replace(directory / path.name)
     finally:
@@ -105,18 +105,27 @@ def placing(directory: Path, overwrite: bool = False, may_be_link: bool = True) 
                 path.rmdir()
 
 
-def _kind(path: Path) -> tuple[object, ...]:
-    """The beginning of a file, of text its first line, and whether it has the mark of pictures, and that of NetCDF."""
+def _require_own(place: Path, overwrite: bool, new: Path | None = None) -> None:
+    """Leave where there is a file without the mark of ertel's pictures or NetCDF, which is not the same as the new one.
+
+    A table has no mark, and may be the user's own with the same columns.
+    """
     from ertel.results.figures import MADE_BY
     from ertel.runs.files import content_of
 
+    if not lexists(place) or (overwrite and (place.is_symlink() or not place.is_dir())):
+        return
     try:
-        content = content_of(path, LARGEST_OUTPUT)
+        content = content_of(place, LARGEST_OUTPUT)
     except OSError:  # a directory, a pipe, a link to nowhere
-        return ()
-    line = content[:LONGEST_LINE].splitlines()[0] if content else b""
-    begin = line if line.decode(errors="replace").isprintable() else content[:4]
-    return begin, MADE_BY.encode() in content, b"ertel" in content
+        content = b""
+    is_marked = MADE_BY.encode() in content or (content[:3] == b"CDF" and b"ertel" in content)
+    if place.is_dir() and not place.is_symlink():
+        leave(BAD_INPUT, f"{shown(place)}: is a directory; move it, or choose another name")
+    if not (is_marked or (content and new and content == new.read_bytes())):
+        is_picture = place.suffix.lower() not in (".csv", ".nc", ".vti", ".pvd") and place.is_file()
+        why = "has no mark of ertel (a picture of an earlier version has none)" if is_picture else "is another file"
+        leave(BAD_INPUT, f"{shown(place)}: {why}; move it, or add --overwrite")
 
 
 # -- paths ------------------------------------------------------------------------------------------------------------

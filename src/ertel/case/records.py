@@ -14,6 +14,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+import ertel.physics.laws  # noqa: F401 - which have their names from here on
 from ertel.case.height_map import HeightMap
 from ertel.physics.fluidity import Fluidity
 from ertel.physics.lubricant import Oil

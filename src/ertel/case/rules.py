@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import is_dataclass
-from math import inf
+from math import ceil, inf
 
 import numpy as np
 
@@ -262,10 +262,16 @@ def _layer(case: Case) -> Complaints:
     X, Y = np.array([solver.inlet or solver.half_width, 0.0]), np.array([0.0, solver.half_width_y or solver.half_width])
     if case.geometry.is_line:
         X, Y = np.array([-solver.half_width, solver.half_width]), np.zeros(2)
-    film = float(far_film(X, Y, contact, case.geometry).min())
-    if thickest > film / 2:
-        wet = f"the oil would reach the edge of the grid, where the gap of the dry contact is {film:.4g}"
-        allowed = "must be at most half of that; leave it out (the gap is full) or use a wider solver.half_width"
+    widths = {key: getattr(solver, key) or 0.0 for key in ("half_width", "inlet", "half_width_y")}
+    wider = np.geomspace(1.0, WIDEST_HALF_WIDTH / max(widths.values()), 600)
+    films = far_film(np.outer(wider, X), np.outer(wider, Y), contact, case.geometry).min(axis=1)
+    if thickest > films[0] / 2:
+        wet = f"the oil would reach the edge of the grid, where the gap of the dry contact is {films[0]:.4g}"
+        allowed = "must be at most half of that; leave it out (the gap is full)"
+        if thickest <= films.max() / 2:
+            needed = 4 * wider[np.argmax(films >= 2 * thickest)]  # the first of them, in quarters
+            wide = [f"solver.{key} = {ceil(needed * width) / 4:g}" for key, width in widths.items() if width]
+            allowed += f" or use {', '.join(wide)}"
         yield f"lubricant.layer = {thickest:.4g} a^2/R", f"{wet}; {allowed}"
 
 

@@ -1,7 +1,7 @@
 """The rules for roughness, in the gap and as asperities: no wave counts twice, a steady film has none that moves."""
 
 from collections.abc import Iterator
-from math import exp, inf
+from math import ceil, exp, inf, sqrt
 
 import numpy as np
 
@@ -72,8 +72,10 @@ def _asperities(case: Case) -> Iterator[tuple[str, str]]:
     else:
         edge = case.geometry.gap(case.solver.half_width, 0.0) - case.geometry.dry_approach(1.0)
         if (gap := _gap(case, AT_EDGE)) > edge:
+            dry, width = case.geometry.dry_approach(1.0), case.solver.half_width
+            needed = ceil(4 * width * sqrt((gap + dry) / (edge + dry))) / 4  # of a parabola
             touch = f"asperities touch up to a gap of {gap:.3g} a^2/R, at the edge of the grid there are {edge:.3g}"
-            yield "solver.half_width", f"{touch}; must be larger, or the roughness smaller"
+            yield "surfaces", f"{touch}; use solver.half_width = {needed:g}, or a smaller roughness"
         if case.starts_apart and case.schedule.start_approach > -touching_gap(case):
             most = f"must be at most {-touching_gap(case):.4g}, where asperities do not touch yet"
             yield "time.start_approach", f"{most}; leave it out"

@@ -10,6 +10,8 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ertel.case.case import Case
 from ertel.case.conditions import Conditions
 from ertel.case.reading import regular_content
@@ -90,6 +92,7 @@ def case_in(data: Mapping[str, object], folder: Path = Path(), features: Sequenc
     except ValueError as error:
         raise ConfigError(_as_written(str(error), named["contact"])) from error
     require_rheology(case, data.get("lubricant"))
+    require_laws(case)
     return with_all_units(case)
 
 
@@ -107,6 +110,30 @@ def with_all_units(case: Case) -> Case:
                 needs = f'in a case in SI it needs its unit, such as "{mark.example}"'
                 raise ConfigError(f"{where} = {show(amount)}: is a plain number; {needs}")
     return case
+
+
+def require_laws(case: Case) -> None:
+    """Raise ConfigError for a law of the user's own that JAX cannot differentiate at p = 0, where the solver begins."""
+    laws: dict[str, Any] = {
+        "viscosity": case.oil.viscosity_law,
+        "density": case.oil.density_law,
+        "rheology": case.oil.fluidity_law,
+    }
+    for name, law in laws.items():
+        if type(law).__module__.startswith("ertel."):
+            continue
+        import jax  # here: most cases need none
+
+        along = getattr(case.lubricant, name, lambda stress: laws["rheology"].fluidity(stress, 0.0))
+        try:
+            with jax.debug_nans(False):
+                value, slope = jax.jvp(along, (np.zeros(1),), (np.ones(1),))
+        except jax.errors.TracerArrayConversionError as error:
+            why = "is computed by numpy, and the solver differentiates it: write jax.numpy in place of numpy"
+            raise ConfigError(f"lubricant.{name}: {why}") from error
+        if name != "rheology" and not (np.isfinite(value).all() and np.isfinite(slope).all()):
+            found = f"has the value {float(value[0]):g} and the slope {float(slope[0]):g} at p = 0"
+            raise ConfigError(f"lubricant.{name}: {found}; both must be finite, because the solver begins there")
 
 
 def as_case(given: CaseLike, name: str = "case") -> Case:

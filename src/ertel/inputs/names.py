@@ -35,7 +35,7 @@ from ertel.inputs.layout import READER, DataSheet, Machines, Materials, NamedLub
 from ertel.inputs.quantities import parse_quantity, parse_temperature
 from ertel.physics.fluidity import Carreau, Limited
 from ertel.physics.materials import RHEOLOGY, NamedOil, Sourced
-from ertel.physics.units import DENSITY, LENGTH, STRESS, Unit, fields_of, marks
+from ertel.physics.units import DENSITY, LENGTH, RMS, STRESS, Unit, fields_of, in_si, marks
 
 OIL_KEYS, MATERIAL_KEYS = field_names(NamedLubricant), field_names(Materials)
 OF_PRESSURE = ("alpha", "z", "p0")  # a given one makes the law Roelands', unless the law is given too
@@ -62,14 +62,21 @@ def without_names(data: Mapping[str, Any], folder: Path = Path()) -> dict[str, A
     return resolved
 
 
+def rms_roughness(given: float | str) -> float:
+    """An rms roughness in m, given as such or, "Ra 50 nm", as the arithmetic mean of Gaussian heights."""
+    if isinstance(given, str) and given.startswith("Ra"):
+        return RMS_OVER_MEAN * parse_quantity(given.removeprefix("Ra"), LENGTH)
+    return in_si(given, RMS.in_si)
+
+
 def _with_rms(data: Mapping[str, Any]) -> Mapping[str, Any]:
     """The data with rms roughnesses in place of arithmetic means, sigma = "Ra 50 nm"."""
     (surfaces,) = _tables(data, "surfaces")
     rms = dict(surfaces)
     for key in ("sigma", "sigma_1", "sigma_2"):
-        if isinstance(text := surfaces.get(key), str) and text.startswith("Ra "):
+        if isinstance(text := surfaces.get(key), str) and text.startswith("Ra"):
             with refusing(f"surfaces.{key}", text):
-                rms[key] = with_unit(RMS_OVER_MEAN * parse_quantity(text.removeprefix("Ra "), LENGTH), LENGTH)
+                rms[key] = with_unit(rms_roughness(text), LENGTH)
     return {**data, "surfaces": rms} if rms != surfaces else data
 
 
@@ -243,9 +250,13 @@ def _with_thermal_data(data: Mapping[str, Any]) -> dict[str, Any]:
     library = _of_the_library(lubricant, contact, T)
     completed = {**{key: with_unit(value, units[key]) for key, value in library.items()}, **given}
     needed = {item.name for item in fields(Thermal) if item.default is MISSING}
-    for key, unit in units.items():
-        if key in needed and key not in completed:
-            raise ValueError(f"thermal.{key}: missing; {_advice(key, unit, lubricant, contact)}")
+    missing = [key for key in units if key in needed and key not in completed]
+    if T is None and "oil" in lubricant:  # which has these at a temperature
+        missing = [key for key in missing if key == "temperature" or key.endswith(("_1", "_2"))]
+    if missing:
+        more = f"; missing are also {', '.join(missing[1:])}" if missing[1:] else ""
+        advice = _advice(missing[0], units[missing[0]], lubricant, contact)
+        raise ValueError(f"thermal.{missing[0]}: missing; {advice}{more}")
     return {**data, "thermal": completed}
 
 

@@ -23,11 +23,11 @@ sheet and its source as `reference`::
     nu100 = "8.7 mm^2/s"
     density = "880 kg/m^3"
 
-Those in ertel/oils.toml in the folder of a user's configuration (XDG_CONFIG_HOME, otherwise ~/.config) are in the
-library; a case may name another file, lubricant.oils.  The resolved case holds their numbers and not their names.
+Those in ertel/oils.toml in the folder of a user's configuration (`own_file`; on Linux ~/.config, or XDG_CONFIG_HOME)
+are in the library; a case may name another file, lubricant.oils.  The resolved case holds their numbers and not their
+names.
 """
 
-import os
 import tomllib
 import warnings
 from collections.abc import Callable, Iterable, Mapping
@@ -35,6 +35,8 @@ from dataclasses import MISSING, dataclass, fields, replace
 from functools import cache
 from pathlib import Path
 from typing import Annotated, Any
+
+from platformdirs import user_config_path
 
 from ertel.case.reading import Reader, check_keys, regular_content
 from ertel.case.records import ConfigError, refusing, show
@@ -132,7 +134,7 @@ def read_file(file: str | Path) -> dict[str, NamedOil]:
 
 def own_file() -> Path:
     """The file with a user's own oils, which need not be there."""
-    return Path(os.environ.get("XDG_CONFIG_HOME") or os.path.expanduser("~/.config")) / "ertel" / "oils.toml"
+    return user_config_path("ertel", appauthor=False) / "oils.toml"
 
 
 def _own() -> dict[str, NamedOil]:

@@ -80,14 +80,15 @@ def _overview_rows(view: View) -> Rows:
             [fields.draw_film_profiles, histories.draw_film_through_time, histories.draw_film_history],
             [fields.draw_pressure_profiles, histories.draw_pressure_history, histories.draw_motion],
         ]
+    touches = [fields.draw_asperity_map] if "P_asperity" in view.dataset else []  # in place of how it was computed
     if view.frame is None:
         return [
             [fields.draw_film_map, fields.draw_along_the_flow, histories.draw_grids],
-            [fields.draw_pressure_map, fields.draw_across_the_flow, histories.draw_convergence],
+            [fields.draw_pressure_map, fields.draw_across_the_flow, *(touches or [histories.draw_convergence])],
         ]
     return [
         [fields.draw_film_map, fields.draw_film_profiles, histories.draw_film_history],
-        [fields.draw_pressure_map, fields.draw_pressure_profiles, histories.draw_motion],
+        [fields.draw_pressure_map, fields.draw_pressure_profiles, *(touches or [histories.draw_motion])],
     ]
 
 

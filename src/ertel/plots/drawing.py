@@ -7,7 +7,6 @@ The colours can be told apart by everybody (Okabe and Ito; for ordered values, m
 
 import re
 from collections.abc import Callable, Sequence
-from contextlib import nullcontext
 from dataclasses import dataclass
 from io import BytesIO
 from typing import Any, Literal, TypedDict, TypeVar
@@ -19,6 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
+from matplotlib.font_manager import get_font_names
 from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 
@@ -39,11 +39,20 @@ IN_PRINT: Any = {  # letters of 7 to 9 pt, "small" ones of 7.1 pt
     "xtick.labelsize": 7.5, "ytick.labelsize": 7.5, "legend.fontsize": 7.5, "lines.linewidth": 1.2,
     "xtick.major.width": 0.6, "ytick.major.width": 0.6, "legend.borderpad": 0.3,
 }  # fmt: skip
+EASTERN = {
+    "Noto Sans CJK JP", "Noto Sans CJK SC", "Source Han Sans SC", "WenQuanYi Zen Hei", "IPAexGothic", "NanumGothic",
+    "Microsoft YaHei", "Yu Gothic", "Malgun Gothic", "PingFang SC", "Hiragino Sans", "Apple SD Gothic Neo",
+}  # fmt: skip
 EMBEDDED: Any = {"pdf.fonttype": 42, "ps.fonttype": 42}  # as TrueType, which journals ask for
 MARKED = {"png": "Software", "svg": "Creator", "pdf": "Creator"}  # where such a file says what drew it
 LONGEST_TITLE = 30  # letters of a panel's title in print, before it takes a second line
 MOST_HEIGHT = 0.8  # of a panel, as a share of its width
 FLAT = 0.5  # height over width of a map from which its colour bar lies below it
+
+
+def families(*names: str) -> list[str]:
+    """Families of fonts, and those here that have characters which these lack, such as of a Chinese name."""
+    return [*names, *sorted(EASTERN & set(get_font_names()))]
 
 
 class NoFigure(ValueError):
@@ -209,7 +218,7 @@ def compose(
             draw(axes, subject)
             axes.set_title(axes.get_title() if sheet.title else "")
         return places[0].get_figure(root=True)  # type: ignore[return-value]
-    with rc_context(IN_PRINT) if sheet.width else nullcontext():
+    with rc_context({**(IN_PRINT if sheet.width else {}), "font.family": families(*rcParams["font.family"])}):
         return _composed(subject, _arranged(rows, sheet.width), heading if sheet.title else [], sheet)
 
 

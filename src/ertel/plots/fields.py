@@ -171,7 +171,7 @@ def _draw_roughness(axes: Axes, view: View) -> list[Line2D]:
 
 
 def draw_edge_of_oil(axes: Axes, view: View, film: xr.DataArray, void: xr.DataArray) -> None:
-    """Draw a line where the gap stops being full, named at the line where there is a layer of oil.
+    """Draw a line where the gap stops being full, with its name.
 
     Nothing where all or nothing is full.  film, void: the gap and the part of it without oil, over the same places.
     """
@@ -184,6 +184,9 @@ def draw_edge_of_oil(axes: Axes, view: View, film: xr.DataArray, void: xr.DataAr
         edge = axes.contour(x[columns], y[rows], seen, levels=[0.0], colors=ORANGE, linewidths=1.0)
         if view.case.layer is not None:
             axes.clabel(edge, fmt="edge of the full film", fontsize="small")
+        else:
+            side, along = (0.02, "left") if view.flow < 0 else (0.98, "right")
+            axes.text(side, 0.03, "cavity", transform=axes.transAxes, ha=along, fontsize="small", color=ORANGE)
 
 
 def draw_legend(axes: Axes, lines: Sequence[Line2D], is_turned: bool = False) -> None:

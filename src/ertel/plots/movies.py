@@ -7,12 +7,14 @@ the part of the surface that is shown are the same in all frames.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.animation import FuncAnimation
+from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.axes import Axes
+from PIL import Image
 
 from ertel.plots.drawing import NoFigure, compose
 from ertel.plots.fields import draw_film_map, draw_pressure_map
@@ -23,6 +25,7 @@ from ertel.results.profiles import between
 PER_SECOND = 12.0  # frames
 SECONDS = 8.0  # of a movie
 MARK = (8 + len(MADE_BY)).to_bytes(4, "big") + b"free" + MADE_BY.encode()  # a box at the end of the file, passed over
+FOR_PALETTE = 8  # frames whose colours a GIF has
 FASTEST = 50.0  # frames a second that a GIF can have
 MOVIES: Mapping[str, Callable[..., None]] = {"film": draw_film_map, "pressure": draw_pressure_map}
 
@@ -98,3 +101,22 @@ def animated(
         return []
 
     return FuncAnimation(figure, update, frames=frames, interval=1000.0 / rate)
+
+
+class PaletteWriter(PillowWriter):
+    """A writer of GIF whose frames share 256 colours, those of some of them: half of the bytes of `PillowWriter`."""
+
+    def finish(self) -> None:
+        """Write the frames."""
+        frames = [frame.convert("RGB") for frame in self._frames]  # type: ignore[has-type]
+        some = np.concatenate([np.asarray(frame) for frame in frames[:: max(1, len(frames) // FOR_PALETTE)]])
+        palette = Image.fromarray(some).quantize(method=Image.Quantize.FASTOCTREE)
+        self._frames = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
+        super().finish()
+
+
+def save_movie(movie: FuncAnimation, file: Path, rate: float) -> None:
+    """Write an animation as GIF, WebP or MP4, by the ending of the file, with the mark of ertel's files."""
+    writer: Any = {".gif": PaletteWriter, ".webp": PillowWriter}.get(file.suffix)
+    movie.save(file, writer=writer(fps=rate) if writer else "ffmpeg")
+    file.write_bytes(file.read_bytes() + MARK)

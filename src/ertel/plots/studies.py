@@ -176,6 +176,7 @@ def _value_text(value: xr.DataArray) -> str:
 
 # -- traction curves --------------------------------------------------------------------------------------------------
 
+LINE_OF_LEGEND = 0.08  # of the height of a panel
 COLOURS = (BLUE, ORANGE, PURPLE, GREEN)  # of the numbers of a panel; those without heat are grey beside those with it
 
 
@@ -207,7 +208,10 @@ def _draw_curve(axes: Axes, dataset: xr.Dataset, title: str, names: Sequence[str
         above = axes.secondary_xaxis("top", functions=(lambda u: each * u, lambda h: h / each))
         above.set_xlabel(r"Hersey number $\eta_0 u_m/p_h$ (m)", fontsize="small")
     if len(variables) > 1:
-        axes.legend(frameon=False, fontsize="small")
+        low, high = axes.get_ylim()
+        share = LINE_OF_LEGEND * len(variables)  # above the lines, so that it never lies on one
+        axes.set_ylim(low, high + share / (1.0 - share) * (high - low))
+        axes.legend(loc="upper left", frameon=False, fontsize="small")
 
 
 def _heading(dataset: xr.Dataset) -> list[str]:

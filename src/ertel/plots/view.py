@@ -27,6 +27,7 @@ from ertel.results.variables import COEFFICIENT, FILMS, names_where, with_clock,
 
 MARGIN, WIDEST = 1.3, 2.0  # of what is shown round the contact, at most so many half widths from its centre
 LOADED = 0.02  # of the maximum pressure or load: with less the film carries nothing
+CROPPED = 0.1  # of the maximum pressure: as much may lie where the inlet is cut, so that the contact is in the middle
 LONG = 2.0  # ratio of the sides from which a contact is long
 THINNER = 0.9  # of the film at the ends of a run: a thinner film between them is worth the picture
 NOTHING = 1e-6  # of the scale of a load or a speed
@@ -150,8 +151,8 @@ class View:
     # -- scales and words ---------------------------------------------------------------------------------------------
 
     def scale(self, name: str, largest: float | None = None) -> Scale:
-        """The scale of a variable whose largest value, as stored, is given; where it is not, that of 1."""
-        largest = self.largest(name, lambda _: 1.0) if largest is None else largest
+        """The scale of a variable whose largest value, as stored, is given; left out, that of 1, or of all times."""
+        largest = self.largest(name, _longest if name == "time" else lambda _: 1.0) if largest is None else largest
         return Scale.of(self.variable(name), largest, self.dataset.attrs["kind"])
 
     def largest(self, name: str, of: "Callable[[View], float] | None" = None) -> float:
@@ -309,7 +310,9 @@ class View:
 
     def extent(self, x: Values, P: Values, margin: float = MARGIN) -> float:
         """The distance from the centre up to which a profile along x is shown."""
-        return min(margin * reach(x, P), WIDEST * self.geometry.extent[0])
+        side, end = min(margin * reach(x, P), WIDEST * self.geometry.extent[0]), min(-float(x[0]), float(x[-1]))
+        hidden = P[np.abs(x) > end].max(initial=0.0) if margin == MARGIN else P.max()
+        return min(side, end) if hidden < CROPPED * P.max() else side  # as far to both sides
 
     def film_inside(self) -> float:
         """The maximum film thickness well inside the contact, along the mid-line."""
@@ -340,6 +343,12 @@ def _thinnest(dataset: xr.Dataset) -> int | None:
     films = np.asarray(np.interp(dataset["frame"], dataset["time"], dataset["H_min"]))
     thin = dataset.attrs["kind"] == "rolling" and films.min() < THINNER * min(films[0], films[-1])
     return int(films.argmin()) if thin else None
+
+
+def _longest(view: View) -> float:
+    """The time of a run that is the farthest from t = 0."""
+    times = view.dataset["time"]
+    return float(np.abs(times - times.attrs.get("si_zero", 0.0)).max())
 
 
 def reach(x: Values, P: Values) -> float:

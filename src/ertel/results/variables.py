@@ -381,7 +381,8 @@ def prefixed(unit: str, largest: float) -> tuple[float, str]:
     power, times = 0, {"m2": 2, "m3": 3}.get(unit, 1)  # a prefix of an area counts twice
     if abs(largest) > 0 and "/" not in unit and unit not in ("1", KELVIN, CELSIUS):
         power = min(max(3 * floor(log10(abs(largest)) / (3 * times) + 0.1), min(PREFIXES)), max(PREFIXES))
-    return 10.0 ** (power * times), "" if unit == "1" else PREFIXES[power] + unit
+    written = unit.replace("m2", "m²").replace("m3", "m³")
+    return 10.0 ** (power * times), "" if unit == "1" else PREFIXES[power] + written
 
 
 def in_celsius(values: Any, unit: str) -> tuple[Any, str]:

@@ -19,6 +19,8 @@ from pathlib import Path
 from stat import S_ISVTX
 from typing import TYPE_CHECKING, Any
 
+from platformdirs import user_cache_path
+
 from ertel.version import own_sources
 
 if TYPE_CHECKING:
@@ -200,15 +202,12 @@ def cache_directory() -> Path | None:
     """The directory of compiled programs: JAX_COMPILATION_CACHE_DIR, or one per processor type and jaxlib version.
 
     XLA compiles for the instructions of one processor type, and a home directory may be shared between machines.
-    None for a user without a home directory.
+    It lies in the system's folder for caches, or in XDG_CACHE_HOME; None for a user without a home directory.
     """
     if wanted := os.environ.get("JAX_COMPILATION_CACHE_DIR"):
         return Path(wanted)
-    try:
-        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    except RuntimeError:
-        return None
-    return base / "ertel" / "jax" / f"{_processor()}-jaxlib-{version('jaxlib')}"
+    base = user_cache_path("ertel", appauthor=False)
+    return base / "jax" / f"{_processor()}-jaxlib-{version('jaxlib')}" if base.is_absolute() else None
 
 
 def _jax_directory() -> str | None:

@@ -12,6 +12,7 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from importlib.util import find_spec
 from math import inf
 from typing import Any
 
@@ -24,10 +25,9 @@ from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
 
 from ertel.case.case import Case
-from ertel.case.records import ConfigError
 from ertel.case.status import Status
 from ertel.equations.state import SteadySolver
-from ertel.inputs.case_files import CaseLike, as_case
+from ertel.inputs.case_files import CaseLike, as_case, require_laws
 from ertel.numerics.programs import double_precision
 from ertel.results.dataset import Frame, assemble_steady
 from ertel.results.numbers import duration
@@ -121,14 +121,9 @@ Run = TransientRun | SteadyRun
 
 
 def run_of(case: Case) -> Run:
-    """The run of a case.  Raises Forked, and ConfigError for a law of one's own that JAX cannot trace."""
+    """The run of a case.  Raises Forked, and ConfigError, see `require_laws`."""
     workers.check_fork()
-    for name in ("viscosity", "density"):
-        try:
-            jax.eval_shape(getattr(case.lubricant, name), np.zeros(1))
-        except jax.errors.TracerArrayConversionError as error:
-            why = "is computed by numpy, and the solver differentiates it: write jax.numpy in place of numpy"
-            raise ConfigError(f"lubricant.{name}: {why}") from error
+    require_laws(case)
     solver: Any = SOLVERS[case.solver.method](case)
     return SteadyRun(case, solver) if case.is_steady else TransientRun(case, solver)
 
@@ -233,10 +228,11 @@ LOG_INTERVAL = 60.0  # s between two lines in a log
 
 
 def bars(shown: bool) -> rich.progress.Progress:
-    """Bars on stderr, or lines where stderr is not a terminal; neither if they are not wanted."""
+    """Bars on stderr, or lines where it is a file or a notebook without ipywidgets; neither if they are not wanted."""
     console = Console(stderr=True)
-    if shown and not (console.is_terminal or console.is_jupyter):
-        return LogLines(console)
+    in_widgets = console.is_jupyter and find_spec("ipywidgets")
+    if shown and not (console.is_terminal or in_widgets):
+        return LogLines(Console(stderr=True, force_jupyter=False), at_end=console.is_jupyter)
     label, message = (TextColumn(text, markup=False) for text in ("{task.description}", "{task.fields[message]}"))
     columns = label, BarColumn(24), message, TimeElapsedColumn()
     return rich.progress.Progress(*columns, console=console, disable=not shown)
@@ -246,18 +242,20 @@ class LogLines(rich.progress.Progress):
     """Progress in a file, such as the log of a cluster: a line a minute in place of bars.
 
     The line is that of the newest run, or of a study as a whole, with the shares of its runs.  The rest is expected at
-    the pace since the first result; compiling came before it.
+    the pace since the first result; compiling came before it.  at_end: whether there is a line then, too.
     """
 
-    def __init__(self, console: Console, get_time: Callable[[], float] | None = None):
+    def __init__(self, console: Console, get_time: Callable[[], float] | None = None, at_end: bool = False):
         super().__init__(console=console, get_time=get_time, speed_estimate_period=inf)
-        self._next = self.get_time() + LOG_INTERVAL
+        self._next, self._at_end = self.get_time() + LOG_INTERVAL, at_end
 
     def start(self) -> None:
         """Show no bars."""
 
     def stop(self) -> None:
-        """No bars are shown."""
+        """Show no bars; in a notebook a line of the end."""
+        if self._at_end and self.tasks:
+            self.console.out(self._line(), highlight=False)
 
     def update(self, *task: Any, **changes: Any) -> None:
         """Take the progress of a task, and write a line if the last one is a minute old.
@@ -276,7 +274,7 @@ class LogLines(rich.progress.Progress):
         total = whole.total or 1.0
         done = whole.completed + sum(part.completed for part in self.tasks if (part.total or 0.0) < total)
         left = whole.time_remaining
-        rest = "" if left is None else f", about {duration(left)} left"
+        rest = "" if not left else f", about {duration(left)} left"
         so_far = f"{duration(whole.elapsed or 0.0)} so far{rest}"
         return "  ".join(filter(None, (whole.description, f"{done / total:.0%}", whole.fields["message"], so_far)))
 

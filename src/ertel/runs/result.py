@@ -12,8 +12,9 @@ import xarray as xr
 
 from ertel.case.case import Case
 from ertel.case.status import Status
+from ertel.inputs.names import rms_roughness
 from ertel.physics.amplitude_reduction import lambda_ratio
-from ertel.physics.units import RMS, in_si, plain
+from ertel.physics.units import plain
 from ertel.results.alignment import Comparison
 from ertel.results.figures import FIGURES_IN_TIME, FIGURES_STEADY, figures_of, is_line
 from ertel.results.measurements import Measurement
@@ -196,7 +197,7 @@ class Result:
         Parameters
         ----------
         sigma_1, sigma_2 : float or str, optional
-            Rms roughness of the surfaces, in m or with a unit, "20 nm"; one that is left out is smooth.
+            Rms roughness of the surfaces, in m or with a unit, "20 nm", or "Ra 16 nm"; one that is left out is smooth.
 
         Returns
         -------
@@ -280,9 +281,9 @@ def verdict(result: Result, *sigma: Sigma) -> str:
     return ", ".join(parts)
 
 
-def _sigma(given: Sigma) -> float:
+def _sigma(given: float | str) -> float:
     try:
-        return in_si(given, RMS.in_si)
+        return rms_roughness(given.strip() if isinstance(given, str) else given)
     except ValueError as error:
         raise ValueError(f"sigma = {str(given)!r}: {error}") from error
 

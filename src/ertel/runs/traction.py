@@ -21,7 +21,7 @@ import numpy as np
 from ertel.case.case import Case
 from ertel.case.conditions import Conditions
 from ertel.case.estimates import newtonian_stress
-from ertel.case.records import ConfigError, show
+from ertel.case.records import ConfigError, show, with_unit
 from ertel.case.sections import Drive
 from ertel.case.status import Status
 from ertel.inputs.case_files import CaseLike, as_case
@@ -207,8 +207,15 @@ def curve_of(case: Case, given: Mapping[str, Given | None], film: str | None = N
     if axis != "slide_to_roll" and not case.scales:
         raise ConfigError(f"{axis} = {show(values)}: a dimensionless case has none; give the contact in SI")
     _check_factors(case, axis)
-    in_si = parse_values(axis, values, marks(Conditions)[axis])
-    return Curve(case, axis, in_si, tuple(_at(case, axis, value) for value in in_si), _film(case, axis, film))
+    in_si = parse_values(axis, values, mark := marks(Conditions)[axis])
+    cases = []
+    for value in in_si:
+        try:
+            cases.append(_at(case, axis, value))
+        except ConfigError as error:
+            grid = "; all points have the grid of the case, so give it there" if "solver." in str(error) else ""
+            raise ConfigError(f"at {axis} = {show(with_unit(value, mark))}: {error}{grid}") from error
+    return Curve(case, axis, in_si, tuple(cases), _film(case, axis, film))
 
 
 def _film(case: Case, axis: str, film: str | None) -> FilmChoice:
