@@ -125,7 +125,6 @@ def test_a_file_with_overrides(tmp_path):
         ({"M": "1:2:1"}, '^contact.M = "1:2:1": .*a whole number from 2 to 1000$'),
         ({"M": "1:inf:3"}, '"inf" must be a finite number, with or without a unit'),
         ({"M": "1:2:1000", "L": "1:2:11"}, "has 11000 cases"),
-        ({"M": {"from": 1, "to": "2", "number": 3, "spacing": "log"}}, '^contact.M = .*: write a range as "1:2:3:log"'),
     ],
 )
 def test_wrong_values_are_named(contact, message):
