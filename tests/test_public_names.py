@@ -13,7 +13,7 @@ SHOWN = """
     impact rolling Oil quantity load_case Case Solver Time Output ConfigError simulate run open
     sweep converge fit traction stribeck cache respond respond_linearly respond_in_rolling Result Measurement to_si
     plots fronts
-    waves formulas hertz gears cams materials oils optics Feature Spot Waviness RingWaviness Measured SelfAffine
+    formulas hertz gears cams materials oils optics Feature Spot Waviness RingWaviness Measured SelfAffine
 """
 FOR_EXPERTS = """
     parse_case to_toml sampled Status Lubricant Motion Parameters Scales viscosity_laws density_laws fluidity_laws

@@ -17,7 +17,7 @@ from matplotlib.ticker import FixedLocator, NullLocator
 from pandas import DataFrame
 from scipy.optimize import least_squares
 
-from boundary_layers import reduction
+from boundary_layers import reduction, theory
 from boundary_layers.pages import Drawn, new_figure, texts
 from boundary_layers.plans import Plan
 from boundary_layers.runs import HEIGHT, LAYERS, OILS, USUAL, wave_name
@@ -25,7 +25,7 @@ from ertel import amplitude_reduction, formulas, fronts, plots
 
 CURVES: Mapping[str, reduction.Curve] = {
     "(15), isotropic": amplitude_reduction.ratio_left,
-    "line contact": amplitude_reduction.in_line_contact,
+    "line contact": theory.in_line_contact,
     "(15), longitudinal": partial(amplitude_reduction.ratio_left, ratio=inf),
 }
 OF_SHAPES = {"transverse": ("o", plots.BLUE), "rings": ("D", plots.GREEN), "longitudinal": ("^", plots.ORANGE)}

@@ -9,20 +9,20 @@ from matplotlib.figure import Figure
 from pandas import DataFrame
 from scipy.interpolate import CubicSpline
 
-from boundary_layers import front, reduction
+from boundary_layers import front, reduction, theory, waves
 from boundary_layers.line_runs import HIGH, SHAPE, line_case
 from boundary_layers.lines import SPEED, dry_speed, profile
 from boundary_layers.pages import Drawn, new_figure, texts
 from boundary_layers.plans import SHOWN_LINE, Moes, Plan
 from boundary_layers.reduction import FORMED
 from boundary_layers.runs import HEIGHT, USUAL
-from ertel import amplitude_reduction, fronts, plots, waves
+from ertel import fronts, plots
 
 Contact = tuple[float, float, str]  # M, L, oil
 
 CURVES: Mapping[str, waves.Reduction] = {
-    "the curve of 1997": waves.Reduction(*amplitude_reduction.LINE_1997),
-    "the later fit": waves.Reduction(*amplitude_reduction.LINE_REFIT),
+    "the curve of 1997": waves.Reduction(*theory.LINE_1997),
+    "the later fit": waves.Reduction(*theory.LINE_REFIT),
 }
 RANGE = np.geomspace(0.3, 30.0, 200)  # nabla1 of the curves
 

@@ -18,11 +18,11 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 from pandas import DataFrame, concat
 
-from boundary_layers import runs
+from boundary_layers import runs, theory, waves
 from boundary_layers.pages import Drawn, new_figure, texts
 from boundary_layers.plans import Moes, Plan
 from boundary_layers.runs import HEIGHT, wave_name
-from ertel import Parameters, amplitude_reduction, fronts, hertz, plots, waves
+from ertel import Parameters, amplitude_reduction, fronts, hertz, plots
 
 Values = NDArray[np.float64]
 Curve = Callable[[ArrayLike], Values]  # A_d/A_i of nabla2
@@ -31,10 +31,8 @@ Results = Mapping[str, Any]  # of the runs of a figure
 
 
 LINE_CONTACT: Mapping[str, Curve] = {
-    "line contact (1997)": amplitude_reduction.in_line_contact,
-    "line contact (later fit)": partial(
-        amplitude_reduction.in_line_contact, coefficients=amplitude_reduction.LINE_REFIT
-    ),
+    "line contact (1997)": theory.in_line_contact,
+    "line contact (later fit)": partial(theory.in_line_contact, coefficients=theory.LINE_REFIT),
 }
 RANGE = np.geomspace(0.3, 30, 200)  # nabla2 of the curves
 FORMED = 0.4  # a*: at smaller radii there is a bell of pressure and no front yet

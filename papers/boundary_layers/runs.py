@@ -15,9 +15,10 @@ import xarray as xr
 from scipy.interpolate import CubicSpline
 
 import ertel
+from boundary_layers import waves
 from boundary_layers.plans import LOADS, SHOWN_LOAD, L, Moes, Plan, Wavelengths
 from boundary_layers.tasks import Task
-from ertel import Case, RingWaviness, Waviness, fronts, parse_case, waves
+from ertel import Case, RingWaviness, Waviness, fronts, parse_case
 
 Wave = tuple[str, float, float]  # key of SHAPES, height A_i in units of the trapped film, wavelength (a*)
 

@@ -13,7 +13,7 @@ from ertel.physics.film_formulas import FormulaFilm, dowson_higginson_minimum, d
 from ertel.physics.line_scales import LineParameters
 from ertel.physics.lubricant import Lubricant
 from ertel.physics.registry import DENSITY_LAWS, VISCOSITY_LAWS
-from ertel.physics.scales import HamrockDowson
+from ertel.physics.scales import HamrockDowson, Parameters
 
 MOES = "Moes H. Lubrication and beyond. University of Twente; 2000"
 SOURCES = {
@@ -70,7 +70,7 @@ def moes_line(M: float, L: float) -> float:
     return float((isoviscous**s + piezoviscous**s) ** (1.0 / s))
 
 
-def expected_line_film(parameters: LineParameters) -> float:
+def expected_line_film(parameters: Parameters) -> float:
     """A central film thickness to be expected in rolling, in b^2/R: that of Moes' fit."""
     return moes_line(parameters.M, parameters.L) * pi / (8.0 * parameters.M)
 
