@@ -55,13 +55,13 @@ def test_an_impact_through_time(runs: dict[str, ertel.Result]) -> None:
     dry, load = line(pressure, "dry contact").get_ydata(), run.summary["F"]
     assert dry.max() == pytest.approx(np.sqrt(load), rel=1e-3)
     edge = line(through_time, "edge of the dry contact")
-    touch, most = 1.0, run.case.parameters.ellipse.contact_time / 2  # T at both: it starts at Delta = -1
+    touch, most = 1.0, run.case.parameters.hertz.contact_time / 2  # T at both: it starts at Delta = -1
     A, T = edge.get_xdata(), edge.get_ydata()
     assert np.nanmax(A) == pytest.approx(1.0, abs=1e-3) and T[np.nanargmax(A)] == pytest.approx(touch + most, abs=0.1)
     assert np.isnan(A[touch > T]).all() and np.isfinite(A[(touch + 0.01 < T) & (touch + 2 * most - 0.01 > T)]).all()
     speed = np.gradient(A, T)
     steady = (A > 0.5) & (touch + most - 0.5 > T)
-    expected = [run.case.parameters.ellipse.front_speed(a) for a in A[steady]]
+    expected = [run.case.parameters.hertz.front_speed(a) for a in A[steady]]
     np.testing.assert_allclose(speed[steady], expected, rtol=0.02)
     for figure in ("profiles", "history", "front", "friction"):
         assert panels(ertel.plots.draw(run.dataset, figure))

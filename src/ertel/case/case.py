@@ -258,7 +258,7 @@ class Case:
 
     def _inertia(self, drive: Drive) -> float:
         if self.starts_apart:
-            return self.geometry.free_inertia
+            return self.geometry.hertz.inertia
         s = self.scales
         return self.contact.ball_mass * s.film / (s.load * s.t0**2) if s else drive.inertia or 0.0
 

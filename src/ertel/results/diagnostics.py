@@ -152,7 +152,7 @@ def sweep_length(case: Case, speed: float = 0.0) -> float:
     p = case.parameters
     if not case.starts_apart:
         return float((max(p.alpha_bar, SWEEP_ALPHA_BAR) * p.lambda_bar * abs(speed)) ** 0.5)
-    viscous = p.lambda_bar * p.ellipse.front_speed(FRONT_POSITION)
+    viscous = p.lambda_bar * p.hertz.front_speed(FRONT_POSITION)
     return float(max(np.sqrt(p.alpha_bar * viscous), ISOVISCOUS_SWEEP * viscous**0.4))
 
 

@@ -167,9 +167,8 @@ def scales_in(summary: Outcome) -> Scales | None:
     si = summary.get("si")
     if si is None:
         return None
-    radius_ratio = summary.get("radius_ratio", 1.0)
-    sizes = si["R_m"], si["E_prime_Pa"], si["a_m"], si["p_h_Pa"], si["t0_s"]
-    return Scales(*sizes, radius_ratio) if radius_ratio else LineScales(*sizes, length=2 * si["a_y_m"])
+    hertz, scales = geometry_of(summary).hertz, LineScales if is_line(summary) else Scales
+    return scales(si["R_m"], si["E_prime_Pa"], si["a_m"], si["p_h_Pa"], si["t0_s"], hertz)
 
 
 def moment(summary: Outcome) -> str:
