@@ -50,6 +50,7 @@ KEYS = (
     "thermal",
 )
 
+
 # What completes and checks a case in its constructor: `completion`, which knows the rules, puts its function here.
 completions: list[Callable[["Case", Collection[str] | None], None]] = []
 
@@ -328,20 +329,11 @@ class Case:
             solver = replace(solver, inlet=solver.half_width)  # a centred grid is not the default of rolling
         shapes = enumerate(self.roughness, 1)
         roughness = [records.named(f"roughness[{n}]", records.feature_data, shape) for n, shape in shapes]
-        data: dict[str, Any] = {
-            "schema": SCHEMA,
-            "name": self.name,
-            "contact": records.data_of(self.contact),
-            "lubricant": records.named("lubricant", records.oil_data, self.oil),
-            "solver": records.data_of(solver),
-            "motion": self.drive and records.data_of(self.drive),
-            "roughness": roughness,
-            "surfaces": self.surfaces and records.data_of(self.surfaces),
-            "time": self.time and records.data_of(self.time),
-            "output": self.output and records.data_of(self.output),
-            "thermal": self.thermal and records.data_of(self.thermal),
-        }
-        return {name: section for name, section in data.items() if section not in (None, [], "")}
+        data: dict[str, Any] = {"schema": SCHEMA, "name": self.name, "roughness": roughness}
+        data |= {"lubricant": records.named("lubricant", records.oil_data, self.oil), "solver": records.data_of(solver)}
+        given = {name: getattr(self, section.field) for name, section in SECTIONS.items() if name not in data}
+        data |= {name: records.data_of(record) for name, record in given.items() if record is not None}
+        return {name: data[name] for name in KEYS if data.get(name) not in (None, [], "")}
 
     @classmethod
     def from_data(
