@@ -14,7 +14,7 @@ from ertel.case.case import Case
 from ertel.inputs.studies import convergence_series, coordinates, parse_study
 from ertel.results.numbers import aligned
 from ertel.runs import files, studies
-from ertel.runs.ahead import program_of
+from ertel.runs.drive import program_of
 from ertel.runs.store import RunStore
 from ertel.runs.studies import gather as gathered
 from ertel.runs.studies import left_of, run_directory, run_study, write_study

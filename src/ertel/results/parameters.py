@@ -131,13 +131,10 @@ def formula_films(case: Case, load: float = 1.0, entrainment: float = 1.0, curva
     if case.starts_apart or load <= 0 or speed == 0:
         return []
     at, (size, pressure) = case.parameters.at(load, speed, curvature), case.geometry.grown(load, curvature)
-    ugw = _ugw(case, case.scales) if case.scales else None
-    if isinstance(at, LineParameters):
-        ugw = ugw and HamrockDowson(ugw.U * speed * curvature, ugw.G, ugw.W * load * curvature)
-        formulas = line_films.line_films(at, case.lubricant, ugw)
-    else:
-        ugw = ugw and HamrockDowson(ugw.U * speed * curvature, ugw.G, ugw.W * load * curvature**2)
-        formulas = film_formulas.films(at, ugw, case.contact.angle)
+    ugw, is_line = _ugw(case, case.scales) if case.scales else None, case.geometry.is_line
+    ugw = ugw and HamrockDowson(ugw.U * speed * curvature, ugw.G, ugw.W * load * curvature ** (1 if is_line else 2))
+    lines = line_films.line_films(at, case.lubricant, ugw) if is_line else None
+    formulas = lines or film_formulas.films(at, ugw, case.contact.angle)
     unit = curvature * size**2  # the formulas' a^2/R is that of the moment
     flooded = [
         film._replace(central=film.central and film.central * unit, minimum=film.minimum and film.minimum * unit)
@@ -145,7 +142,7 @@ def formula_films(case: Case, load: float = 1.0, entrainment: float = 1.0, curva
     ]
     if case.layer is None:
         return flooded
-    oil, is_line = case.layer / float(case.lubricant.density(pressure)), case.geometry.is_line
+    oil = case.layer / float(case.lubricant.density(pressure))
     starved: Callable[[FormulaFilm, float], FormulaFilm] = line_films.starved if is_line else FormulaFilm.starved
     return [*flooded, *(starved(film, oil) for film in flooded if film.central and (film.inside or is_line))]
 

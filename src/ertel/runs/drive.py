@@ -24,8 +24,10 @@ from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
 
 from ertel.case.case import Case
+from ertel.case.estimates import grid_of
 from ertel.case.records import ConfigError
 from ertel.case.status import Status
+from ertel.equations.contact import traceable
 from ertel.equations.state import SteadySolver
 from ertel.inputs.case_files import CaseLike, as_case
 from ertel.numerics.programs import double_precision
@@ -219,6 +221,51 @@ def simulate(case: CaseLike, progress: bool = False, observers: Sequence[Observe
         result = result_of(run, [watch(shown, run), *observers])
     warn([sentence for sentence in result.warnings if sentence not in before])
     return result
+
+
+# -- compiled programs ahead of a run --------------------------------------------------------------------------------
+
+
+def program_of(case: Case) -> str:
+    """A text that is the same for runs that need the same compiled programs.
+
+    They depend on the kind of run, the number of nodes, the axes of symmetry and the laws of the oil; not on M, L, the
+    constants of the oil, tolerances, times or how far the grid reaches.
+    """
+    grid, oil = grid_of(case), traceable(case.lubricant)
+    laws = [_structure(law) for law in (oil.viscosity_law, oil.density_law, traceable(case.oil.fluidity_law))]
+    shape = (grid.nodes, grid.nodes_y, case.contact.ratio, tuple(grid.even))
+    moves = (case.motion.flows, case.motion.inertia > 0)
+    return repr(
+        (case.kind, case.solver.method, shape, laws, moves, case.thermal and case.thermal.is_solved, case.touches)
+    )
+
+
+def _structure(law: object) -> tuple[str, object, list[tuple[int, ...]]]:
+    leaves, structure = jax.tree.flatten(law)
+    return type(law).__name__, structure, [np.shape(leaf) for leaf in leaves]
+
+
+STEPS = 4  # the first three have histories of different length
+
+
+@double_precision()
+def warm_up(case: Case) -> None:
+    """Compile what a run of the case needs.
+
+    A steady case is run to its end, a run in time for a few steps.
+    """
+    run: Any = run_of(case)
+    steps = iter(range(STEPS))
+
+    def enough(result: Any) -> bool:
+        if case.is_steady or next(steps, None) is not None:
+            return False
+        run.method.measure(result.state.levels[0])  # as at the moments of which maps are kept
+        run.method.friction(result.state.levels[0])
+        return True
+
+    result_of(run, [enough])
 
 
 def warn(sentences: Sequence[str], frames: int = 2) -> None:

@@ -23,6 +23,7 @@ from ertel.physics.motion import Track
 from ertel.physics.surfaces import CELLS_KEPT
 from ertel.physics.units import plain
 from ertel.results import diagnostics
+from ertel.results.friction import friction_warnings
 from ertel.results.numbers import numbers
 from ertel.results.parameters import formula_films, parameter_summary, regime, rheology_of
 from ertel.results.variables import names_where, with_prefix
@@ -67,7 +68,7 @@ def outlook(case: Case) -> dict[str, Any]:
     shortage = memory_shortage(case) if 0 < available < needed else ""
     some = 1e-9 if case.motion.slides else 0.0  # of friction it is enough to know whether the surfaces slide
     resolution = diagnostics.resolution(case, case.motion.entrainment(0.0))
-    sentences = [shortage, *resolution, *warnings_of(case), *diagnostics.friction_warnings(case, some)]
+    sentences = [shortage, *resolution, *warnings_of(case), *friction_warnings(case, some)]
     return {
         "name": case.name,
         "kind": case.kind,

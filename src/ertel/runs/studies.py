@@ -36,10 +36,9 @@ from ertel.numerics.programs import double_precision
 from ertel.results.convergence import with_limits
 from ertel.results.numbers import scalars
 from ertel.results.study_table import MISSING, StudyRun, grouped, study_dataset
-from ertel.runs.ahead import STEPS, program_of
 from ertel.runs.compile import check_jax
 from ertel.runs.directory import CASE, PROGRESS, STOP, Taken, heeding_stop, is_asked_to_stop, read_progress, status_of
-from ertel.runs.drive import bars
+from ertel.runs.drive import STEPS, bars, program_of
 from ertel.runs.engine import Engine
 from ertel.runs.files import NotDrawn, StoreError, delete, locked, require_no_links
 from ertel.runs.store import RunStore, compute
