@@ -14,7 +14,6 @@ from ertel.case.case import Case
 from ertel.inputs.studies import convergence_series, coordinates, parse_study
 from ertel.results.numbers import aligned
 from ertel.runs import files, studies
-from ertel.runs.drive import program_of
 from ertel.runs.store import RunStore
 from ertel.runs.studies import gather as gathered
 from ertel.runs.studies import left_of, run_directory, run_study, write_study
@@ -114,13 +113,6 @@ def test_a_stopped_study_goes_on_to_the_same_numbers(tmp_path):
     assert again == whole and set(whole.values()) == {"converged"}
     found, wanted = (gathered(study, tmp_path / name).dataset["h_min_extreme"].values for name in "ab")
     assert np.array_equal(found, wanted)
-
-
-def test_runs_of_one_program_differ_in_numbers_only():
-    one, other = (program_of(case) for case in parse_study(study_of(eta0="10 mPa*s")).cases)
-    assert one == other
-    finer = parse_study({**study_of(eta0="10 mPa*s"), "solver": {"method": "radial", "nodes": 33}})
-    assert program_of(finer.cases[0]) != one
 
 
 def test_a_run_that_was_killed_is_not_said_to_run(tmp_path):

@@ -24,10 +24,8 @@ from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
 
 from ertel.case.case import Case
-from ertel.case.estimates import grid_of
 from ertel.case.records import ConfigError
 from ertel.case.status import Status
-from ertel.equations.contact import traceable
 from ertel.equations.state import SteadySolver
 from ertel.inputs.case_files import CaseLike, as_case
 from ertel.numerics.programs import double_precision
@@ -223,27 +221,7 @@ def simulate(case: CaseLike, progress: bool = False, observers: Sequence[Observe
     return result
 
 
-# -- compiled programs ahead of a run --------------------------------------------------------------------------------
-
-
-def program_of(case: Case) -> str:
-    """A text that is the same for runs that need the same compiled programs.
-
-    They depend on the kind of run, the number of nodes, the axes of symmetry and the laws of the oil; not on M, L, the
-    constants of the oil, tolerances, times or how far the grid reaches.
-    """
-    grid, oil = grid_of(case), traceable(case.lubricant)
-    laws = [_structure(law) for law in (oil.viscosity_law, oil.density_law, traceable(case.oil.fluidity_law))]
-    shape = (grid.nodes, grid.nodes_y, case.contact.ratio, tuple(grid.even))
-    moves = (case.motion.flows, case.motion.inertia > 0)
-    return repr(
-        (case.kind, case.solver.method, shape, laws, moves, case.thermal and case.thermal.is_solved, case.touches)
-    )
-
-
-def _structure(law: object) -> tuple[str, object, list[tuple[int, ...]]]:
-    leaves, structure = jax.tree.flatten(law)
-    return type(law).__name__, structure, [np.shape(leaf) for leaf in leaves]
+# -- compiling ahead --------------------------------------------------------------------------------
 
 
 STEPS = 4  # the first three have histories of different length
