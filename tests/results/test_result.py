@@ -69,20 +69,16 @@ def test_a_steady_contact_as_text_as_plain_data_in_si_and_for_a_notebook(tmp_pat
     assert json.loads(json.dumps(result.summary)) == {**result.summary} and isinstance(result.summary, dict)
     assert repr(result.summary).startswith("Summary: converged")
     assert len(repr(result.summary).splitlines()) < 13
-    assert "central film thickness" in result.summary._repr_html_()
     html = result._repr_html_()
-    for part in ("<b>steel_ball</b>", "<td>H_min</td>", "<th>in SI</th>", "<th>error</th>"):
-        assert part in html
-    assert 'src="data:image/png;base64,iVBOR' in html
+    assert html.startswith("<pre>Result: steel_ball, converged") and 'src="data:image/png;base64,iVBOR' in html
     np.testing.assert_allclose(result.si["h_c"].values, result.dataset["H_c"].values * C1.film)
 
 
 def test_a_dimensionless_run_in_time_has_no_column_in_si():
     data, case = in_time(MOES_ROLLS), replace(MOES_ROLLS, solver=replace(MOES_ROLLS.solver, method="transient"))
     result = Result(case, data, rolling_summary(case, data, WORK, Status.CONVERGED), Status.CONVERGED)
-    text, html = repr(result), result._repr_html_()
+    text = repr(result)
     assert "at T = 4" in text and "0.08486 a^2/R" in text and "nm" not in text
-    assert "<th>in SI</th>" not in html and "<th>error</th>" not in html
     with pytest.raises(ValueError, match="dimensionless and has no SI scales"):
         _ = result.si
 

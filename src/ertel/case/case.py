@@ -9,7 +9,6 @@ import json
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import InitVar, dataclass, field, fields, replace
 from functools import cached_property
-from html import escape
 from typing import Any
 
 import numpy as np
@@ -117,23 +116,13 @@ class Case:
         complete(self, written)
 
     def __repr__(self) -> str:
-        title, data = self._described
-        return "\n".join([f"Case: {title}", *(f"  {name:<10} {content}" for name, content in records.described(data))])
-
-    def _repr_html_(self) -> str:
-        title, data = self._described
-        rows = (f"<tr><th>{escape(name)}</th><td>{escape(text)}</td></tr>" for name, text in records.described(data))
-        return f"<div>Case: {escape(title)}<table>{''.join(rows)}</table></div>"
-
-    @property
-    def _described(self) -> tuple[str, dict[str, Any]]:
-        """A title, and the sections; the fields themselves where a law cannot be written."""
         p, name = self.parameters, f"{self.name}, " if self.name else ""
         title = f"{name}{self.kind} ({self.method.in_words}), M = {p.M:.4g}, L = {p.L:.4g}"
         try:
-            return title, self.to_data()
-        except ValueError:
-            return title, {f.name: repr(getattr(self, f.name)) for f in fields(self) if getattr(self, f.name)}
+            data = self.to_data()
+        except ValueError:  # of a law that cannot be written
+            data = {f.name: repr(getattr(self, f.name)) for f in fields(self) if getattr(self, f.name)}
+        return "\n".join([f"Case: {title}", *(f"  {name:<10} {content}" for name, content in records.described(data))])
 
     def on_half_grid(self) -> "Case":
         """The same case with twice the grid spacing, for the discretisation error estimate."""

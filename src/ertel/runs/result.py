@@ -17,7 +17,7 @@ from ertel.physics.units import RMS, in_si, plain
 from ertel.results.alignment import Comparison
 from ertel.results.figures import FIGURES_IN_TIME, FIGURES_STEADY, figures_of, is_line
 from ertel.results.measurements import Measurement
-from ertel.results.numbers import Number, html_image, html_table, lines, numbers, plus_minus, values_of
+from ertel.results.numbers import Number, html_image, lines, numbers, plus_minus, values_of
 from ertel.results.profiles import At, moment_of, profile
 from ertel.results.stress import stress
 from ertel.results.variables import prefixed, to_si
@@ -89,9 +89,6 @@ class Summary(dict[str, Any]):
 
     def __repr__(self) -> str:
         return "\n".join([f"Summary: {self['status']}", *lines(self)])
-
-    def _repr_html_(self) -> str:
-        return html_table(self)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -250,8 +247,7 @@ class Result:
         return "\n".join([f"Result: {title}{self.status.value}", *lines(self.summary), *stored])
 
     def _repr_html_(self) -> str:
-        heading = f"<b>{escape(self.case.name)}</b> " if self.case.name else ""
-        return html_table(self.summary, heading) + html_image(self.plot.overview, "overview")
+        return f"<pre>{escape(repr(self))}</pre>{html_image(self.plot.overview, 'overview')}"
 
 
 # -- in one line -------------------------------------------------------------------------------------------------------
