@@ -17,7 +17,7 @@ from ertel import Parameters, fronts, hertz, plots
 Curve = tuple[Values, str, str]  # values, colour and style of a line
 
 TOUCH = 1.0  # t0: the ball starts one delta* above the surface
-FRONTS: Mapping[fronts.FrontDefinition, str] = {
+FRONTS: Mapping[theory.FrontDefinition, str] = {
     "film": "minimum film",
     "slope": "steepest pressure",
     "half-hertz": "half the Hertz pressure",
@@ -78,24 +78,24 @@ def _draw_laws(left: Axes, right: Axes, T: Values, laws: Mapping[str, Curve]) ->
     right.text(0.03, 0.03, "colours as on the left", transform=right.transAxes, fontsize="small")
 
 
-def half_base(run: xr.Dataset, by: fronts.FrontDefinition) -> float:
+def half_base(run: xr.Dataset, by: theory.FrontDefinition) -> float:
     """t* of the parabola (22), fitted to the front, its place over the last one."""
-    front = fronts.front(run, by)
+    front = theory.front(run, by)
     maximum = float(fronts.at_max_approach(run)["frame"])
     return theory.fit_half_base(front.T - maximum, front.A / front.A[-1])
 
 
 # -- Fig. 2 -----------------------------------------------------------------------------------------------------------
 
-Fronts = Mapping[float, Mapping[fronts.FrontDefinition, fronts.Front]]  # M, definition -> front
+Fronts = Mapping[float, Mapping[theory.FrontDefinition, fronts.Front]]  # M, definition -> front
 Speed = Callable[[Values], Values]  # speed of the dry contact's edge (a*/t0) where it is at A (a*)
 
 
 def front_speed(results: Mapping[str, Any], plan: Plan) -> Drawn:
     """Fig. 2: speed of the front in the lubricated impact for six M, by three definitions of the front."""
-    all_fronts: Fronts = {M: {by: fronts.front(run, by) for by in FRONTS} for M, run in results["radial"].items()}
+    all_fronts: Fronts = {M: {by: theory.front(run, by) for by in FRONTS} for M, run in results["radial"].items()}
     figure, (left, right) = new_figure(1, 2)
-    _draw_speed(left, all_fronts, fronts.front(results["plane"]))
+    _draw_speed(left, all_fronts, theory.front(results["plane"]))
     draw_share(right, all_fronts, hertz.front_speed)
     caption = (
         f"Speed of the front for M = {LOADS[0]} to {LOADS[-1]}, L = {L:g}, up to maximum approach.  Left: front "
@@ -128,7 +128,7 @@ def _draw_speed(axes: Axes, all_fronts: Fronts, plane: fronts.Front) -> None:
     linear = theory.linear_front_speed(T - hertz.HALF_CONTACT_TIME)
     axes.plot(T, linear, color=plots.GREY, linestyle=":", label="linear (24), $t^*$ = 1.35")
     for (M, by_definition), colour in zip(all_fronts.items(), shades(len(LOADS)), strict=True):
-        labels: Mapping[fronts.FrontDefinition, str | None] = {"film": f"$M$ = {M}", "half-hertz": None}
+        labels: Mapping[theory.FrontDefinition, str | None] = {"film": f"$M$ = {M}", "half-hertz": None}
         for by, label in labels.items():
             front = by_definition[by]
             late = front.A > FORMED
@@ -175,7 +175,7 @@ def film_and_speed(results: Mapping[str, Any], plan: Plan) -> Drawn:
     plane = fronts.at_max_approach(results["plane"])["H"].sel(Y=0.0, method="nearest")
     X, H = _profile(radial)
     dry = theory.parabola_front_speed(np.where((X > 0) & (X < 1), X, np.nan))
-    computed, by_parabola = (fitted_power(X, H, speed) for speed in (fronts.front(radial).speed_at(X), dry))
+    computed, by_parabola = (fitted_power(X, H, speed) for speed in (theory.front(radial).speed_at(X), dry))
     fitted: dict[str, Curve] = {
         "$C v^{0.67}$, $v$ of the computed front": (computed, plots.ORANGE, "--"),
         "$C v^{0.67}$, $v$ of the parabola (23)": (by_parabola, plots.BLUE, "--"),
@@ -248,7 +248,7 @@ def _draw_film(axes: Axes, M: int, run: xr.Dataset) -> dict[str, Values]:
     """Draw the panel of one M and return its data."""
     r, H = _profile(run)
     near = (r > 0.6) & (r < 1.02)
-    p, speed = Parameters.from_moes(M, L), fronts.front(run).speed_at(r[near])
+    p, speed = Parameters.from_moes(M, L), theory.front(run).speed_at(r[near])
     curves: dict[str, Curve] = {
         "$C v^{0.67}$": (fitted_power(r[near], H[near], speed), plots.ORANGE, "-"),
         "formula at $\\bar\\lambda v$": (_predicted(p, speed, np.ones_like(speed)), plots.BLUE, "--"),
@@ -273,7 +273,7 @@ def _deviations(M: int, run: xr.Dataset) -> Iterator[dict[str, str]]:
     """Rows of the table: deviation of C v^0.67 and of the formula from the film, for each speed of the front."""
     p, H = Parameters.from_moes(M, L), np.interp(FITTED_ON, *_profile(run))
     traces = {
-        **{name: theory.film_behind_front(run, fronts.front(run, by), FITTED_ON) for by, name in FRONTS.items()},
+        **{name: theory.film_behind_front(run, theory.front(run, by), FITTED_ON) for by, name in FRONTS.items()},
         "none: exact dry law": theory.Trace(FITTED_ON, H, hertz.front_speed(FITTED_ON)),
         "none: parabola (23)": theory.Trace(FITTED_ON, H, theory.parabola_front_speed(FITTED_ON)),
     }

@@ -121,7 +121,7 @@ def dry_speed(A: ArrayLike) -> Values:
 
 def front_speed(results: Mapping[float, xr.Dataset], plan: Plan) -> Drawn:
     """Fig. 2: the speed of the front by three definitions, and of the dry contact."""
-    every = {M: {by: fronts.front(run, by) for by in FRONTS} for M, run in results.items()}
+    every = {M: {by: theory.front(run, by) for by in FRONTS} for M, run in results.items()}
     figure, (left, right) = new_figure(1, 2)
     _draw_speed(left, every)
     front.draw_share(right, every, dry_speed)
@@ -153,7 +153,7 @@ def _draw_speed(axes: Axes, every: front.Fronts) -> None:
     T, A = dry_impact(100.0)
     axes.plot((T - T[0])[1:], dry_speed(A[1:]), color="black", label="dry, exact")
     for (M, by_definition), colour in zip(every.items(), front.shades(len(every)), strict=True):
-        labels: Mapping[fronts.FrontDefinition, str | None] = {"film": f"$M$ = {M}", "half-hertz": None}
+        labels: Mapping[theory.FrontDefinition, str | None] = {"film": f"$M$ = {M}", "half-hertz": None}
         for by, label in labels.items():
             each = by_definition[by]
             late = each.A > FORMED
@@ -189,7 +189,7 @@ def film_and_speed(results: Mapping[float, xr.Dataset], plan: Plan) -> Drawn:
     """Fig. 3: the film at maximum impact for one M, and what the speed of the front makes of it."""
     run = results[SHOWN_LINE]
     X, H = profile(run)
-    speed, dry = fronts.front(run).speed_at(X), _dry_speed_inside(X)
+    speed, dry = theory.front(run).speed_at(X), _dry_speed_inside(X)
     fitted: dict[str, Curve] = {
         "$C v^{0.67}$, $v$ of the computed front": (front.fitted_power(X, H, speed), plots.ORANGE, "--"),
         "$C v^{0.67}$, $v$ of the dry contact": (front.fitted_power(X, H, dry), plots.BLUE, "--"),

@@ -4,8 +4,8 @@ The asymptotes measure time from maximum approach.  The paper uses t* for three 
 the contact time in (20) and half the base of the parabola in (14), (22)-(24).
 """
 
-from collections.abc import Callable
-from typing import NamedTuple
+from collections.abc import Callable, Mapping
+from typing import Literal, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from ertel import Parameters, formulas, fronts, hertz, line_formulas
 
 Values = NDArray[np.float64]
+FrontDefinition = Literal["film", "slope", "half-hertz"]
 
 HALF_BASE = 1.35  # half the base of the parabola (22) that fits the impact best; the paper's t* = 2.7 is the full base
 SPEED_EXPONENT = 0.67  # of the film in the speed: Hamrock and Dowson's, and the paper's
@@ -44,6 +45,58 @@ def parabola_front_speed(A: ArrayLike, t_star: float = HALF_BASE) -> Values:
 def linear_front_speed(T: ArrayLike, t_star: float = HALF_BASE) -> Values:
     """Speed dA/dT of the edge near maximum approach, eq. (24): v/v* = t_star dA/dT = -T/t_star, T from the maximum."""
     return -np.asarray(T, dtype=float) / t_star**2
+
+
+def front(data: xr.Dataset, by: FrontDefinition = "film") -> fronts.Front:
+    """Position and speed of the front of an impact, see `ertel.fronts.front`.
+
+    by: its definition.  "film": the place of the minimum film thickness, at every step.  "slope": where the pressure
+    falls most steeply outwards, on every map.  "half-hertz": from the place where the pressure is half of the Hertz
+    maximum at the same approach, sqrt(Delta), of a line contact under the same load, sqrt(F), as the Hertz pressure is
+    at sqrt(3)/2 of its radius; on every map.  The definitions on maps need an interval of 0.05 t0 or less.
+    """
+    return fronts.front(data, None if by == "film" else _by_pressure(data, _FALLS[by]))
+
+
+def _by_pressure(data: xr.Dataset, fall: Callable[[Values, Values, float], float]) -> tuple[Values, Values]:
+    if "frame" not in data.dims:
+        raise ValueError('dataset: has one map only; by = "film" needs none')
+    T = data["frame"].values
+    squares = np.interp(T, data["time"].values, data["F" if data.attrs.get("radius_ratio") == 0 else "Delta"].values)
+    r, P = outwards(data["P"])
+    return T, np.array([fall(r, *each) for each in zip(P, np.sqrt(np.maximum(squares, 0.0)), strict=True)])
+
+
+def outwards(field: xr.DataArray) -> tuple[Values, Values]:
+    """Radius (n,) and field (..., n) along a radius: of a 2-D run and a line contact X >= 0, there on Y = 0."""
+    if "r" in field.dims:
+        return np.asarray(field["r"].values), np.asarray(field.values)
+    middle = field.sel(Y=0.0, method="nearest") if "Y" in field.dims else field
+    half = middle.isel(X=field["X"].values >= 0)
+    return np.asarray(half["X"].values), np.asarray(half.values)
+
+
+def _steepest_fall(r: Values, P: Values, highest: float) -> float:
+    slope, middle = np.diff(P) / np.diff(r), (r[1:] + r[:-1]) / 2
+    i = int(np.argmin(slope))
+    if i in (0, len(slope) - 1):
+        return np.nan
+    (a, b), (c, d) = np.diff(middle[i - 1 : i + 2]), np.diff(slope[i - 1 : i + 2])  # of the parabola through three
+    curvature, rise = (d / b - c / a) / (a + b), c / a
+    return float(middle[i - 1] + a / 2 - rise / (2 * curvature)) if curvature else float(middle[i])
+
+
+def _half_hertz(r: Values, P: Values, highest: float) -> float:
+    half = highest / 2
+    above = np.flatnonzero(P > half)
+    if half == 0.0 or above.size == 0 or above[-1] == len(r) - 1:
+        return np.nan
+    i = int(above[-1])
+    place = np.interp(half, P[[i + 1, i]], r[[i + 1, i]])
+    return float(place * 2 / np.sqrt(3))
+
+
+_FALLS: Mapping[str, Callable[[Values, Values, float], float]] = {"slope": _steepest_fall, "half-hertz": _half_hertz}
 
 
 def fit_half_base(T: ArrayLike, A: ArrayLike, smallest: float = 0.5) -> float:
@@ -77,12 +130,12 @@ def film_behind_front(data: xr.Dataset, front: fronts.Front, X: ArrayLike) -> Tr
     data : xarray.Dataset
         An impact, or its map at maximum approach.
     front : Front
-        Its front, see `ertel.fronts.front`.
+        Its front, see `front`.
     X : array_like, shape (n,)
         Places (a*); those that the front did not pass are left out of the result.
     """
     X = np.asarray(X, dtype=float)
-    r, H = fronts.outwards((fronts.at_max_approach(data) if "frame" in data.dims else data)["H"])
+    r, H = outwards((fronts.at_max_approach(data) if "frame" in data.dims else data)["H"])
     speed = front.speed_at(X)
     passed = np.isfinite(speed)
     return Trace(X[passed], np.interp(X[passed], r, H), speed[passed])

@@ -6,6 +6,7 @@ import xarray as xr
 from boundary_layers import theory, waves
 from hypothesis import given
 from hypothesis import strategies as st
+from made_up import FIRST_TOUCH, dry_front
 from numpy.testing import assert_allclose
 
 import ertel
@@ -139,3 +140,26 @@ def test_amplitude_of_waves_that_fade_outwards():
     X = np.linspace(0.0, 1.2, 961)
     found = waves.waves(X, (1 - X) * np.cos(2 * np.pi * X / 0.1))
     np.testing.assert_allclose([w.amplitude for w in found], [1 - w.X for w in found], rtol=0.05)
+
+
+# -- the front by the pressure -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("two_dimensional", [False, True])
+@pytest.mark.parametrize("by", ["film", "slope", "half-hertz"])
+def test_front_of_the_dry_impact_follows_the_exact_law(by, two_dimensional):
+    front = theory.front(dry_front(two_dimensional=two_dimensional), by)
+    assert_allclose(front.A, hertz.contact_radius(front.T - FIRST_TOUCH), atol=0.008)
+    inside = (front.A > 0.3) & (front.A < 0.98)
+    assert_allclose(front.speed[inside], hertz.front_speed(front.A[inside]), rtol=0.1, atol=0.02)
+
+
+@pytest.mark.parametrize("by", ["slope", "half-hertz"])
+def test_the_front_by_the_pressure_of_a_dry_line_contact_is_its_edge(by):
+    """Under a load F its half width is sqrt(F)."""
+    data = dry_front(two_dimensional=True).isel(Y=1, drop=True).assign_attrs(radius_ratio=0.0)
+    load = np.linspace(0.05, 1.0, data.sizes["frame"])
+    P = np.sqrt(np.maximum(load[:, None] - data["X"].values ** 2, 0.0))
+    data = data.assign(P=(("frame", "X"), P), F=("time", load))
+    front = theory.front(data, by)
+    assert_allclose(front.A, np.sqrt(np.interp(front.T, data["frame"], load)), atol=0.008)

@@ -1,18 +1,15 @@
 """The contact front of an impact, and the film that it leaves behind."""
 
-from collections.abc import Callable, Mapping
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from ertel.results.figures import is_line
 from ertel.results.parameters import geometry_of
 from ertel.results.profiles import events_of
 
 Values = NDArray[np.float64]
-FrontDefinition = Literal["film", "slope", "half-hertz"]
 
 SMALLEST_FRONT = 0.1  # a*: before, there is a bell of pressure and no contact yet
 LOADED_FRONT = 0.02  # of the maximum pressure: where there is less, the film is only a gap
@@ -49,7 +46,7 @@ class Front(NamedTuple):
         return np.interp(self.passed(X), self.T, self.speed)
 
 
-def front(data: xr.Dataset, by: FrontDefinition = "film") -> Front:
+def front(data: xr.Dataset, places: tuple[Values, Values] | None = None) -> Front:
     """Position and speed of the front of an impact up to maximum approach.
 
     The speed is that of a parabola for A^2, which behaves as Delta, fitted to the neighbours in time.
@@ -57,13 +54,10 @@ def front(data: xr.Dataset, by: FrontDefinition = "film") -> Front:
     Parameters
     ----------
     data : xarray.Dataset
-        An impact, radial, of a line contact, or in the plane (there the front along Y = 0 is found).
-    by : {"film", "slope", "half-hertz"}
-        Definition of the front.  "film": the place of the minimum film thickness, at every step.  "slope": where the
-        pressure falls most steeply outwards, on every map.  "half-hertz": from the place where the pressure is half of
-        the Hertz maximum at the same approach, sqrt(Delta), of a line contact under the same load, sqrt(F), as the
-        Hertz pressure is at sqrt(3)/2 of its radius; on every map.  The definitions on maps need an interval (`Output`)
-        of 0.05 t0 or less.
+        An impact, radial, of a line contact, or in the plane.
+    places : pair of arrays (n,), optional
+        Times and positions of the front by a definition of one's own, nan where there is none; left out: the place of
+        the minimum film thickness, at every step.
 
     Raises
     ------
@@ -71,13 +65,13 @@ def front(data: xr.Dataset, by: FrontDefinition = "film") -> Front:
         If there are too few times, for example because too few maps were kept.
     """
     turning = float(at_max_approach(data)["frame"]) if "frame" in data.dims else float(data["frame"])
-    T, A = _front_by_film(data) if by == "film" else _front_by_pressure(data, _FALLS[by])
+    T, A = places or _front_by_film(data)
     advancing = (T <= turning) & np.isfinite(A) & (A > SMALLEST_FRONT)
     T, A = T[advancing], A[advancing]
     first = int(np.argmin(A)) if len(A) else 0  # before, the pressure only gathers
     T, A = T[first:], A[first:]
     if len(T) < 4:
-        raise ValueError(f'dataset: has too few times to see its front by "{by}"; keep maps more often')
+        raise ValueError("dataset: has too few times to see its front; keep maps more often")
     window = FRONT_WINDOW * geometry_of(data.attrs).dry_approach(1.0)
     squares, rates = np.transpose([_parabola(T, A**2, t, window) for t in T])
     radius = np.sqrt(squares)
@@ -92,47 +86,6 @@ def _front_by_film(data: xr.Dataset) -> tuple[Values, Values]:
 def distance_of_minimum(data: xr.Dataset) -> Values:
     """The distance of the minimum film thickness from the centre (a*) at every step, (n,)."""
     return np.hypot(data["X_min"].values, data["Y_min"].values if "Y_min" in data else 0.0)
-
-
-def _front_by_pressure(data: xr.Dataset, fall: Callable[[Values, Values, float], float]) -> tuple[Values, Values]:
-    if "frame" not in data.dims:
-        raise ValueError('dataset: has one map only; by = "film" needs none')
-    T = data["frame"].values
-    squares = np.interp(T, data["time"].values, data["F" if is_line(data.attrs) else "Delta"].values)
-    r, P = outwards(data["P"])
-    return T, np.array([fall(r, *each) for each in zip(P, np.sqrt(np.maximum(squares, 0.0)), strict=True)])
-
-
-def outwards(field: xr.DataArray) -> tuple[Values, Values]:
-    """Radius (n,) and field (..., n) along a radius: of a 2-D run and a line contact X >= 0, there on Y = 0."""
-    if "r" in field.dims:
-        return np.asarray(field["r"].values), np.asarray(field.values)
-    middle = field.sel(Y=0.0, method="nearest") if "Y" in field.dims else field
-    half = middle.isel(X=field["X"].values >= 0)
-    return np.asarray(half["X"].values), np.asarray(half.values)
-
-
-def _steepest_fall(r: Values, P: Values, highest: float) -> float:
-    slope, middle = np.diff(P) / np.diff(r), (r[1:] + r[:-1]) / 2
-    i = int(np.argmin(slope))
-    if i in (0, len(slope) - 1):
-        return np.nan
-    (a, b), (c, d) = np.diff(middle[i - 1 : i + 2]), np.diff(slope[i - 1 : i + 2])  # of the parabola through three
-    curvature, rise = (d / b - c / a) / (a + b), c / a
-    return float(middle[i - 1] + a / 2 - rise / (2 * curvature)) if curvature else float(middle[i])
-
-
-def _half_hertz(r: Values, P: Values, highest: float) -> float:
-    half = highest / 2
-    above = np.flatnonzero(P > half)
-    if half == 0.0 or above.size == 0 or above[-1] == len(r) - 1:
-        return np.nan
-    i = int(above[-1])
-    place = np.interp(half, P[[i + 1, i]], r[[i + 1, i]])
-    return float(place * 2 / np.sqrt(3))
-
-
-_FALLS: Mapping[str, Callable[[Values, Values, float], float]] = {"slope": _steepest_fall, "half-hertz": _half_hertz}
 
 
 def _parabola(T: Values, values: Values, t: float, window: float) -> tuple[float, float]:
