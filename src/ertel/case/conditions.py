@@ -261,10 +261,7 @@ class Conditions:
                 kind = "line" if self.is_line else "point"
                 sum_is_positive = f"the curvatures 1/{keys[0]} + 1/{keys[1]} must add up to more than zero"
                 place = " and ".join(map(self.entry, given)) or f"contact.{keys[0]}: missing"
-                yield (
-                    place,
-                    f"{sum_is_positive}, otherwise the bodies do not form a {kind} contact",
-                )
+                yield place, f"{sum_is_positive}, otherwise the bodies do not form a {kind} contact"
         if not self.is_line and not LEAST_RATIO <= R_x / R_y <= LARGEST_RATIO:
             ratio = f"the reduced radii {R_x:g} m along x and {R_y:g} m along y have the ratio {R_x / R_y:g}"
             yield "contact", f"{ratio}; allowed: from 1/100 to 100"

@@ -134,10 +134,8 @@ METHODS: dict[str, Method] = {}
 
 def with_a_line(method: Method, widening: Widening, cost: Cost, **other: Any) -> Method:
     """The method with its form for line contacts: one row of nodes, which is solved directly."""
-    defaults, supports = (
-        replace(method.defaults, nodes=LINE_NODES, half_width=3.0),
-        method.supports._replace(track=False),
-    )
+    defaults = replace(method.defaults, nodes=LINE_NODES, half_width=3.0)
+    supports = method.supports._replace(track=False)
     changed = {"space": AlongX(), "defaults": defaults, "supports": supports, "new_nodes": LINE_NODES, **other}
     return replace(method, on_a_line=replace(method, widening=widening, cost=cost, **changed))
 

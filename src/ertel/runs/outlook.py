@@ -195,10 +195,8 @@ def with_case_warnings(case: Case, summary: Mapping[str, Any]) -> dict[str, Any]
     minimum = numbers(summary).get("H_min")
     computed = minimum.value * minimum.factor if minimum and minimum.factor is not None else None
     stress = (summary.get("si") or {}).get("von_mises_max_Pa")
-    yielding = (
-        next((each.strength for each in _materials((case.contact.E1, case.contact.nu1))), None) if stress else None
-    )
-    ratio = {"yield_ratio": stress / yielding.data.yield_stress} if yielding else {}
+    hard = next(_materials((case.contact.E1, case.contact.nu1)), None) if stress else None
+    ratio = {"yield_ratio": stress / hard.strength.data.yield_stress} if hard else {}
     return {**summary, **ratio, "warnings": [*beyond(case, computed), *summary["warnings"]]}
 
 

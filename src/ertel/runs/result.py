@@ -218,10 +218,8 @@ class Result:
             return lambda_ratio(minimum.in_si.value, *(_sigma(sigma) for sigma in given))
         own = _rms(self.case)
         if not own:
-            what = (
-                "the roughness of the case has no rms" if self.case.features else "the surfaces of the case are smooth"
-            )
-            raise ValueError(f"sigma_1: missing; {what}")
+            why = "the roughness of the case has no rms" if self.case.features else "the surfaces are smooth"
+            raise ValueError(f"sigma_1: missing; {why}")
         data = self.dataset[["H", "P"]]
         data = data if self.case.is_steady else data.isel(frame=moment_of(self.dataset).frame)
         return lambda_ratio(self.summary.get("phi_T", 1.0) * float(np.average(data["H"], weights=data["P"])), *own)
