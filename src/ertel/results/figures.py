@@ -17,7 +17,10 @@ FIGURES_STEADY = ("overview", *FIGURES_OF_MAPS, "midlines", "convergence", "fric
 
 
 def is_line(about: Mapping[str, Any]) -> bool:
-    """Whether a summary, or the attributes of a Dataset, are those of a line contact."""
+    """Whether a run is one of a line contact.
+
+    about: its summary, or the attributes of its Dataset; they have no radius_ratio of a circle.
+    """
     return about.get("radius_ratio") == 0
 
 

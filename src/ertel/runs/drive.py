@@ -86,7 +86,7 @@ class SteadyRun:
         return Progress(None, len(result.solutions), (grid.nodes / self.case.solver.nodes) ** 2, message)
 
     def to_arrays(self, result: GridStep) -> dict[str, NDArray[Any]]:
-        """What a solution has beside its case and its grid, by name and number of the grid."""
+        """The fields of the solutions beside case and grid, by name and number of the grid."""
         arrays: dict[str, Any] = {"status": result.status.value}
         for i, s in enumerate(result.solutions):
             stored = {field.name: getattr(s, field.name) for field in fields(s) if field.name not in ("case", "grid")}
