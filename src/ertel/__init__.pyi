@@ -71,14 +71,12 @@ from ertel.physics.motion import Motion as Motion
 from ertel.physics.registry import ASPERITY_LAWS, DENSITY_LAWS, FLUIDITY_LAWS, SHAPES, VISCOSITY_LAWS
 from ertel.physics.scales import Parameters as Parameters
 from ertel.physics.scales import Scales as Scales
-from ertel.runs import result
 from ertel.runs.contact_law import ContactLaw as ContactLaw
 from ertel.runs.fit_result import FitResult as FitResult
 from ertel.runs.study_result import ConvergenceResult as ConvergenceResult
 from ertel.runs.study_result import StudyResult as StudyResult
 from ertel.runs.study_result import TractionCurve as TractionCurve
 
-accessor = result
 asperity_laws = ASPERITY_LAWS
 density_laws = DENSITY_LAWS
 fluidity_laws = FLUIDITY_LAWS

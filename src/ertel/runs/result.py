@@ -57,33 +57,6 @@ class Plot:
         return "Plot: " + ", ".join(f"{name}()" for name in self._names())
 
 
-@xr.register_dataset_accessor("ertel")  # type: ignore[no-untyped-call]
-class RunAccessor:
-    """Pictures and SI values of a run that xarray alone has opened: `dataset.ertel.plot` and `.si()`.
-
-    >>> import xarray as xr
-    >>> from ertel import accessor  # registers it, as does all that makes or opens a run
-    >>> run = xr.open_zarr("runs/ball/run.zarr")  # doctest: +SKIP
-    >>> run.ertel.plot.film(at="max-approach")  # doctest: +SKIP
-    >>> run.ertel.si()["h_c"]  # doctest: +SKIP
-    """
-
-    def __init__(self, dataset: xr.Dataset):
-        self._dataset = dataset
-
-    @property
-    def plot(self) -> Plot:
-        """The pictures of the run: `dataset.ertel.plot.film(at="max-approach")`, ..."""
-        return Plot(self._dataset)
-
-    def si(self) -> xr.Dataset:
-        """The Dataset in SI units under SI names (h_c for H_c, t for time).  Raises ValueError if dimensionless."""
-        return to_si(self._dataset)
-
-    def __repr__(self) -> str:
-        return f"{self.plot}; also si()"
-
-
 class Summary(dict[str, Any]):
     """A summary: a plain dict with all results; its text shows only the key numbers."""
 
