@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from jax.tree_util import register_dataclass
 
+from ertel.numerics import programs
 from ertel.numerics.programs import Program
+from ertel.runs import exported
 from ertel.runs.exported import ExportedPrograms
 
 X = np.array([[2.0, 1.0], [0.0, 4.0]])
@@ -81,3 +83,20 @@ def test_another_stamp_or_a_damaged_file_is_exported_again(process):
 def test_code_from_outside_is_not_kept_because_its_changes_go_unnoticed(process):
     assert_right(process(Outside(3.0), X))
     assert process.files() == []
+
+
+def test_a_program_compiled_in_a_hurry_is_kept_optimised(process, monkeypatch):
+    levels, told, compiled_at = [], [], exported.compiled_at
+
+    def note(level, lowered):
+        levels.append(level)
+        return compiled_at(level, lowered)
+
+    monkeypatch.setattr(exported, "compiled_at", note)
+    with process.exports.in_a_hurry(lambda: told.append(len(levels))):
+        assert_right(process(3.0, X))
+        assert (levels, process.files()) == ([programs.LEVEL_OF_SMALL], [])
+    assert (levels, told) == ([programs.LEVEL_OF_SMALL, programs.LEVEL], [1])
+    with process.exports.in_a_hurry(lambda: told.append(len(levels))):
+        assert_right(process(3.0, X))
+    assert levels[2:] == [programs.LEVEL] and told == [1] and traced == ["scaled"]

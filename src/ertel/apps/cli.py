@@ -87,13 +87,18 @@ def run(
     """Run a case and store the results."""
     gc.set_threshold(100_000)  # JAX makes many objects that stay, and looking through them takes time
     from ertel.inputs.case_files import load_case
-    from ertel.runs.compile import prepare_jax_for
+    from ertel.runs.compile import jax_prepared
 
     case = load_case(case_file, [*(set_ or []), *cases.on_track_of(after)])
-    prepare_jax_for(case)
-    from ertel.apps import running  # while programs are loaded
 
-    running.run(case, out, options)
+    def before_compiling() -> None:
+        if not options.quiet:
+            say("The run is done; compiling faster programs for later runs, which Ctrl-C ends")
+
+    with jax_prepared(case, before_compiling):
+        from ertel.apps import running  # while programs are loaded
+
+        running.run(case, out, options)
 
 
 @app.command()

@@ -8,8 +8,8 @@ import hashlib
 import os
 import platform
 import warnings
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from functools import cache as once
 from glob import escape
 from importlib.metadata import entry_points, version
@@ -178,14 +178,22 @@ def prepare_jax() -> Path | None:
     return start_at_once()
 
 
-def prepare_jax_for(case: "Case") -> None:
-    """The same for one case: the programs of a steady one are loaded, or compiled, in the background."""
-    prepare_jax()
-    if case.is_steady and _exports is not None:
-        from ertel.solvers import SOLVERS
+@contextmanager
+def jax_prepared(case: "Case", tell: Callable[[], object] = lambda: None) -> Iterator[None]:
+    """In this block one case is run.  What a steady one needs is loaded, or compiled in a hurry, in the background.
 
-        solver: Any = SOLVERS[case.solver.method](case)
+    tell: what is called after the run where programs are then compiled for later ones.  Raises NoDevice.
+    """
+    prepare_jax()
+    if not case.is_steady or _exports is None:
+        yield
+        return
+    from ertel.solvers import SOLVERS
+
+    solver: Any = SOLVERS[case.solver.method](case)
+    with _exports.in_a_hurry(tell):
         solver.compile_ahead()
+        yield
 
 
 def cache_directory() -> Path | None:

@@ -8,7 +8,8 @@ A file holds the stamp on a line, what `jax.export` writes, and a checksum.  Not
 """
 
 import hashlib
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import fields, is_dataclass
 from functools import partial
 from pathlib import Path
@@ -19,9 +20,10 @@ import jax
 import numpy as np
 from jax import export, tree
 
-from ertel.numerics.programs import Compiled, Program, build, compiled_at
+from ertel.numerics.programs import LEVEL, LEVEL_OF_SMALL, Compiled, Program, build, compiled_at, largest
 from ertel.runs.files import content_of, delete_drafts, replace, with_checksum, without_checksum
 
+HURRIED = 2 * 513 * 513  # entries of the largest array, up to which a film is solved sooner than its program optimised
 KNOWN = ("ertel", "jax", "jaxlib", "numpy", "functools", "builtins")  # the stamp covers the code of these packages
 
 
@@ -39,6 +41,8 @@ class ExportedPrograms:
 
     def __init__(self, directory: Path, stamp: str):
         self.directory, self.stamp = directory, stamp
+        self._hurried = 0  # entries up to which programs are compiled in a hurry
+        self._later: list[tuple[Path, bytes, Any]] = []  # programs to compile then: file, content, and lowered by JAX
 
     def build(self, program: Program, arguments: Any) -> Compiled:
         """The compiled program for arguments of this kind: loaded if it is kept, else kept from now on."""
@@ -49,10 +53,34 @@ class ExportedPrograms:
         except ValueError:  # code from outside ertel, or something that JAX does not export
             return build(program, arguments)
         lowered = _lowered(content)  # also of a new program, so that JAX finds its machine code next time
-        compiled = compiled_at(program.level(arguments), lowered)
-        if not kept:
+        level = program.level(arguments)
+        in_a_hurry = not kept and level == LEVEL and largest(arguments) <= self._hurried
+        compiled = compiled_at(LEVEL_OF_SMALL if in_a_hurry else level, lowered)
+        if in_a_hurry:
+            self._later.append((file, content, lowered))
+        elif not kept:
             self._write(file, content)
         return lambda *arguments: compiled(*tree.leaves(arguments))
+
+    @contextmanager
+    def in_a_hurry(self, tell: Callable[[], object] = lambda: None) -> Iterator[None]:
+        """In this block new programs are first compiled without optimising them, up to `HURRIED` entries.
+
+        After it they are compiled for later processes.  So one steady film is there sooner.
+        tell: called before that.
+        """
+        self._hurried = HURRIED
+        try:
+            yield
+            if self._later:
+                tell()
+            with suppress(KeyboardInterrupt):  # the run itself is done
+                for file, content, lowered in self._later:
+                    compiled_at(LEVEL, lowered)  # JAX keeps the machine code
+                    self._write(file, content)
+        finally:
+            self._hurried = 0
+            self._later.clear()
 
     def _file(self, program: Program, arguments: Any) -> Path:
         """The file of a program.  Raises ValueError where its arguments hold code that the stamp does not cover."""
