@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ertel.physics.dry_contact import hertz_ellipse
 from ertel.physics.scales import Parameters
 from ertel.physics.thermal import Solid, response
 
@@ -118,4 +119,4 @@ def nahme(number: float) -> Nahme:
 
 def parameters_from_ugw(U: float, G: float, W: float, radius_ratio: float = 1.0) -> Parameters:
     """lambda_bar and alpha_bar from Hamrock and Dowson's parameters by Moes' M = W (2U)^{-3/4}, L = G (2U)^{1/4}."""
-    return Parameters.from_moes(W * (2 * U) ** -0.75, G * (2 * U) ** 0.25, radius_ratio)
+    return Parameters.from_moes(W * (2 * U) ** -0.75, G * (2 * U) ** 0.25, hertz_ellipse(radius_ratio))

@@ -21,6 +21,7 @@ from ertel.results import variables
 from ertel.results.dataset import Frame, assemble, assemble_steady
 from ertel.solvers.grid_solution import GridSolution
 
+FIRST_TOUCH = 1.0  # t0: of `dry_front`
 every_symmetry = pytest.mark.parametrize(
     "even", [NO_SYMMETRY, Symmetry(y=True), Symmetry(x=True), Symmetry(True, True)], ids=str
 )
@@ -139,3 +140,21 @@ def in_time(case: Case, flow: float = 1.0) -> xr.Dataset:
         records.append({**dict.fromkeys(variables.STEPS, 0.0), **known})
         frames.append(Frame(float(T), maps(P, H), "end" if T == 4 else ""))
     return assemble(case, records, frames, {"Y": Y, "X": X})
+
+
+def dry_front(interval: float = 0.02, two_dimensional: bool = False) -> xr.Dataset:
+    """The dry impact as if it were a run: Hertz' pressure, and a film that is least at the contact's edge."""
+    end = FIRST_TOUCH + hertz.HALF_CONTACT_TIME
+    frames = np.append(np.arange(0.5, end, interval), end)
+    A = hertz.contact_radius(frames - FIRST_TOUCH)[:, None]
+    X = np.linspace(-1.5, 1.5, 601) if two_dimensional else np.linspace(0.0, 1.5, 301)
+    fields = {"P": np.sqrt(np.maximum(A**2 - X**2, 0.0)), "H": 0.01 + (np.abs(X) - A) ** 2}
+    dims, axes = ("frame", "r"), {"r": X}
+    if two_dimensional:
+        dims, axes = ("frame", "Y", "X"), {"Y": np.array([-0.5, 0.0, 0.5]), "X": X}
+        fields = {name: np.stack([0.3 * f, f, 0.3 * f], axis=1) for name, f in fields.items()}
+    scalars = {"Delta": hertz.approach(frames - FIRST_TOUCH), "X_min": A[:, 0], "Y_min": 0 * A[:, 0], "P_max": A[:, 0]}
+    variables = {name: ("time", values) for name, values in scalars.items()}
+    variables |= {name: (dims, f) for name, f in fields.items()}
+    variables["event"] = "frame", (frames == end).astype(int)
+    return xr.Dataset(variables, {"time": frames, "frame": frames, **axes})

@@ -13,11 +13,11 @@ SHOWN = """
     impact rolling Oil quantity load_case Case Solver Time Output ConfigError simulate run open
     sweep converge fit traction stribeck cache respond respond_linearly respond_in_rolling Result Measurement to_si
     plots fronts
-    waves formulas hertz gears cams materials oils optics Feature Spot Waviness RingWaviness Measured SelfAffine
+    formulas hertz gears cams materials oils optics Feature Spot Waviness RingWaviness Measured SelfAffine
 """
 FOR_EXPERTS = """
     parse_case to_toml sampled Status Lubricant Motion Parameters Scales viscosity_laws density_laws fluidity_laws
-    shapes units accessor amplitude_reduction physics numerics case equations inputs results solvers runs apps
+    shapes units amplitude_reduction physics numerics case equations inputs results solvers runs apps
 """
 
 
@@ -48,13 +48,6 @@ sizes = {"radius": "10 mm", "load": "20 N", "mean_speed": "800 mm/s", "E_prime":
 case = ertel.rolling(**sizes, oil=ertel.Oil(eta0="40 mPa*s", alpha="22 / GPa"), nodes=33)
 assert assemble_steady(case, grid_of(case), ()).sel(X=0.1, method="nearest").X.size == 1
 """
-ACCESSOR = """
-import xarray, ertel
-assert not hasattr(xarray.Dataset, "ertel")
-ertel.simulate
-import ertel.runs.result
-assert "film" in dir(xarray.Dataset({"H": 0.1}).ertel.plot)
-"""
 
 
 @pytest.mark.parametrize(
@@ -67,7 +60,6 @@ assert "film" in dir(xarray.Dataset({"H": 0.1}).ertel.plot)
         # an estimate of memory and time
         (CHECK.format("rolling", "steady") + CHECK.format("impact", "radial"), "jax xarray matplotlib zarr"),
         (USUAL_UNITS, "jax matplotlib zarr pint"),
-        (ACCESSOR, "matplotlib"),  # `dataset.ertel` is there with whatever makes or opens a run
     ],
 )
 def test_what_takes_long_to_import_comes_when_it_is_needed(code, heavy, tmp_path):

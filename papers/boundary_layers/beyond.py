@@ -17,15 +17,15 @@ from matplotlib.ticker import FixedLocator, NullLocator
 from pandas import DataFrame
 from scipy.optimize import least_squares
 
-from boundary_layers import reduction
+from boundary_layers import reduction, theory
 from boundary_layers.pages import Drawn, new_figure, texts
 from boundary_layers.plans import Plan
 from boundary_layers.runs import HEIGHT, LAYERS, OILS, USUAL, wave_name
-from ertel import amplitude_reduction, formulas, fronts, plots
+from ertel import amplitude_reduction, formulas, plots
 
 CURVES: Mapping[str, reduction.Curve] = {
     "(15), isotropic": amplitude_reduction.ratio_left,
-    "line contact": amplitude_reduction.in_line_contact,
+    "line contact": theory.in_line_contact,
     "(15), longitudinal": partial(amplitude_reduction.ratio_left, ratio=inf),
 }
 OF_SHAPES = {"transverse": ("o", plots.BLUE), "rings": ("D", plots.GREEN), "longitudinal": ("^", plots.ORANGE)}
@@ -54,7 +54,7 @@ def impacts_on_shapes(results: reduction.Results, plan: Plan) -> Iterator[reduct
             yield reduction.last_wave("rings", case, "rings", wavelength, grids)
             X, name = across["X"], wave_name("transverse", HEIGHT, wavelength)
             along = [float(np.interp(X, grid["X"], grid["along"].sel(wave=name))) for grid in grids]
-            yield reduction.mark("longitudinal", case, wavelength, along, X, fronts.front(grids[-1]))
+            yield reduction.mark("longitudinal", case, wavelength, along, X, theory.front(grids[-1]))
 
 
 def other_waves(results: reduction.Results, plan: Plan) -> Drawn:

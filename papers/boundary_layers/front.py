@@ -8,6 +8,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from pandas import DataFrame
 
+from boundary_layers import theory
 from boundary_layers.pages import Drawn, new_figure, side_by_side
 from boundary_layers.plans import LOADS, SHOWN_LOAD, L, Plan
 from boundary_layers.reduction import FORMED, Values
@@ -16,7 +17,7 @@ from ertel import Parameters, fronts, hertz, plots
 Curve = tuple[Values, str, str]  # values, colour and style of a line
 
 TOUCH = 1.0  # t0: the ball starts one delta* above the surface
-FRONTS: Mapping[fronts.FrontDefinition, str] = {
+FRONTS: Mapping[theory.FrontDefinition, str] = {
     "film": "minimum film",
     "slope": "steepest pressure",
     "half-hertz": "half the Hertz pressure",
@@ -34,12 +35,12 @@ def dry_impact(results: Mapping[str, Any], plan: Plan) -> Drawn:
     """Fig. 1: contact radius of the dry impact and its rate, exact and by the asymptotes; t* fitted to them."""
     T = np.linspace(-hertz.HALF_CONTACT_TIME, hertz.HALF_CONTACT_TIME, 1201)
     exact = hertz.contact_radius(T + hertz.HALF_CONTACT_TIME)
-    fitted = fronts.fit_half_base(T, exact)
+    fitted = theory.fit_half_base(T, exact)
     laws: dict[str, Curve] = {
         "exact": (exact, "black", "-"),
-        "Johnson (20)": (hertz.johnson_radius(T), plots.BLUE, "--"),
-        "parabola (22), t* = 1.35": (hertz.parabola_radius(T), plots.ORANGE, "-"),
-        f"parabola, t* = {fitted:.3f} fitted": (hertz.parabola_radius(T, fitted), plots.GREEN, ":"),
+        "Johnson (20)": (theory.johnson_radius(T), plots.BLUE, "--"),
+        "parabola (22), t* = 1.35": (theory.parabola_radius(T), plots.ORANGE, "-"),
+        f"parabola, t* = {fitted:.3f} fitted": (theory.parabola_radius(T, fitted), plots.GREEN, ":"),
     }
     figure, (left, right) = new_figure(1, 2)
     _draw_laws(left, right, T, laws)
@@ -68,8 +69,8 @@ def _draw_laws(left: Axes, right: Axes, T: Values, laws: Mapping[str, Curve]) ->
         with np.errstate(divide="ignore", invalid="ignore"):
             speed = np.where((A > 0.02) & (A < 1.01), np.gradient(A, T), np.nan)
         left.plot(T, A, color=colour, linestyle=line, label=name)
-        right.plot(T, speed * hertz.HALF_BASE, color=colour, linestyle=line)
-    right.plot(T, hertz.linear_front_speed(T) * hertz.HALF_BASE, color=plots.GREY, linewidth=0.8, label="linear (24)")
+        right.plot(T, speed * theory.HALF_BASE, color=colour, linestyle=line)
+    right.plot(T, theory.linear_front_speed(T) * theory.HALF_BASE, color=plots.GREY, linewidth=0.8, label="linear (24)")
     left.set(xlabel="time from the maximum $T$ ($t_0$)", ylabel="$a/a^*$", ylim=(0, 1.05))
     right.set(xlabel="time from the maximum $T$ ($t_0$)", ylabel="$v/v^*$, $v^* = a^*/(1.35\\,t_0)$", ylim=(-3, 3))
     left.legend(loc="lower center", frameon=False, fontsize="small")
@@ -77,24 +78,24 @@ def _draw_laws(left: Axes, right: Axes, T: Values, laws: Mapping[str, Curve]) ->
     right.text(0.03, 0.03, "colours as on the left", transform=right.transAxes, fontsize="small")
 
 
-def half_base(run: xr.Dataset, by: fronts.FrontDefinition) -> float:
+def half_base(run: xr.Dataset, by: theory.FrontDefinition) -> float:
     """t* of the parabola (22), fitted to the front, its place over the last one."""
-    front = fronts.front(run, by)
+    front = theory.front(run, by)
     maximum = float(fronts.at_max_approach(run)["frame"])
-    return fronts.fit_half_base(front.T - maximum, front.A / front.A[-1])
+    return theory.fit_half_base(front.T - maximum, front.A / front.A[-1])
 
 
 # -- Fig. 2 -----------------------------------------------------------------------------------------------------------
 
-Fronts = Mapping[float, Mapping[fronts.FrontDefinition, fronts.Front]]  # M, definition -> front
+Fronts = Mapping[float, Mapping[theory.FrontDefinition, fronts.Front]]  # M, definition -> front
 Speed = Callable[[Values], Values]  # speed of the dry contact's edge (a*/t0) where it is at A (a*)
 
 
 def front_speed(results: Mapping[str, Any], plan: Plan) -> Drawn:
     """Fig. 2: speed of the front in the lubricated impact for six M, by three definitions of the front."""
-    all_fronts: Fronts = {M: {by: fronts.front(run, by) for by in FRONTS} for M, run in results["radial"].items()}
+    all_fronts: Fronts = {M: {by: theory.front(run, by) for by in FRONTS} for M, run in results["radial"].items()}
     figure, (left, right) = new_figure(1, 2)
-    _draw_speed(left, all_fronts, fronts.front(results["plane"]))
+    _draw_speed(left, all_fronts, theory.front(results["plane"]))
     draw_share(right, all_fronts, hertz.front_speed)
     caption = (
         f"Speed of the front for M = {LOADS[0]} to {LOADS[-1]}, L = {L:g}, up to maximum approach.  Left: front "
@@ -124,10 +125,10 @@ def front_speed(results: Mapping[str, Any], plan: Plan) -> Drawn:
 def _draw_speed(axes: Axes, all_fronts: Fronts, plane: fronts.Front) -> None:
     T = np.linspace(0.01, hertz.HALF_CONTACT_TIME, 600)
     axes.plot(T, hertz.front_speed(hertz.contact_radius(T)), color="black", label="dry, exact")
-    linear = hertz.linear_front_speed(T - hertz.HALF_CONTACT_TIME)
+    linear = theory.linear_front_speed(T - hertz.HALF_CONTACT_TIME)
     axes.plot(T, linear, color=plots.GREY, linestyle=":", label="linear (24), $t^*$ = 1.35")
     for (M, by_definition), colour in zip(all_fronts.items(), shades(len(LOADS)), strict=True):
-        labels: Mapping[fronts.FrontDefinition, str | None] = {"film": f"$M$ = {M}", "half-hertz": None}
+        labels: Mapping[theory.FrontDefinition, str | None] = {"film": f"$M$ = {M}", "half-hertz": None}
         for by, label in labels.items():
             front = by_definition[by]
             late = front.A > FORMED
@@ -173,8 +174,8 @@ def film_and_speed(results: Mapping[str, Any], plan: Plan) -> Drawn:
     radial = results["radial"][SHOWN_LOAD]
     plane = fronts.at_max_approach(results["plane"])["H"].sel(Y=0.0, method="nearest")
     X, H = _profile(radial)
-    dry = hertz.parabola_front_speed_at(np.where((X > 0) & (X < 1), X, np.nan))
-    computed, by_parabola = (fitted_power(X, H, speed) for speed in (fronts.front(radial).speed_at(X), dry))
+    dry = theory.parabola_front_speed(np.where((X > 0) & (X < 1), X, np.nan))
+    computed, by_parabola = (fitted_power(X, H, speed) for speed in (theory.front(radial).speed_at(X), dry))
     fitted: dict[str, Curve] = {
         "$C v^{0.67}$, $v$ of the computed front": (computed, plots.ORANGE, "--"),
         "$C v^{0.67}$, $v$ of the parabola (23)": (by_parabola, plots.BLUE, "--"),
@@ -211,8 +212,8 @@ def _profile(run: xr.Dataset) -> tuple[Values, Values]:
 def fitted_power(X: Values, H: Values, speed: Values) -> Values:
     """C v^0.67 with C fitted on the range of the paper."""
     near = (X > INNER) & (X < OUTER) & np.isfinite(speed) & (speed > 0)
-    C = fronts.fit_power(fronts.Trace(X[near], H[near], speed[near]))
-    return np.asarray(C * speed**fronts.SPEED_EXPONENT)
+    C = theory.fit_power(theory.Trace(X[near], H[near], speed[near]))
+    return np.asarray(C * speed**theory.SPEED_EXPONENT)
 
 
 # -- Fig. 4 -----------------------------------------------------------------------------------------------------------
@@ -247,7 +248,7 @@ def _draw_film(axes: Axes, M: int, run: xr.Dataset) -> dict[str, Values]:
     """Draw the panel of one M and return its data."""
     r, H = _profile(run)
     near = (r > 0.6) & (r < 1.02)
-    p, speed = Parameters.from_moes(M, L), fronts.front(run).speed_at(r[near])
+    p, speed = Parameters.from_moes(M, L), theory.front(run).speed_at(r[near])
     curves: dict[str, Curve] = {
         "$C v^{0.67}$": (fitted_power(r[near], H[near], speed), plots.ORANGE, "-"),
         "formula at $\\bar\\lambda v$": (_predicted(p, speed, np.ones_like(speed)), plots.BLUE, "--"),
@@ -264,7 +265,7 @@ def _predicted(p: Parameters, speed: Values, A: Values) -> Values:
     """The film of the formula where the speed of the front is known, nan elsewhere."""
     curve = np.full_like(speed, np.nan)
     moves = np.isfinite(speed) & (speed > 0)
-    curve[moves] = fronts.film_from_speed(p, speed[moves], A[moves])
+    curve[moves] = theory.film_from_speed(p, speed[moves], A[moves])
     return curve
 
 
@@ -272,19 +273,19 @@ def _deviations(M: int, run: xr.Dataset) -> Iterator[dict[str, str]]:
     """Rows of the table: deviation of C v^0.67 and of the formula from the film, for each speed of the front."""
     p, H = Parameters.from_moes(M, L), np.interp(FITTED_ON, *_profile(run))
     traces = {
-        **{name: fronts.film_behind_front(run, fronts.front(run, by), FITTED_ON) for by, name in FRONTS.items()},
-        "none: exact dry law": fronts.Trace(FITTED_ON, H, hertz.front_speed(FITTED_ON)),
-        "none: parabola (23)": fronts.Trace(FITTED_ON, H, hertz.parabola_front_speed_at(FITTED_ON)),
+        **{name: theory.film_behind_front(run, theory.front(run, by), FITTED_ON) for by, name in FRONTS.items()},
+        "none: exact dry law": theory.Trace(FITTED_ON, H, hertz.front_speed(FITTED_ON)),
+        "none: parabola (23)": theory.Trace(FITTED_ON, H, theory.parabola_front_speed(FITTED_ON)),
     }
     for name, trace in traces.items():
         if len(trace.X) < 3:
             continue
-        C = fronts.fit_power(trace)
+        C = theory.fit_power(trace)
         films = {
-            "C v^0.67": C * trace.speed**fronts.SPEED_EXPONENT,
-            "formula": fronts.film_from_speed(p, trace.speed),
-            "formula, local Hertz": fronts.film_from_speed(p, trace.speed, trace.X),
+            "C v^0.67": C * trace.speed**theory.SPEED_EXPONENT,
+            "formula": theory.film_from_speed(p, trace.speed),
+            "formula, local Hertz": theory.film_from_speed(p, trace.speed, trace.X),
         }
-        deviations = {title: fronts.deviation(film, trace.H) for title, film in films.items()}
+        deviations = {title: theory.deviation(film, trace.H) for title, film in films.items()}
         cells = {title: f"{off.rms:.1%} ({off.mean:+.1%})" for title, off in deviations.items()}
         yield {"M": str(M), "front": name, "C": f"{C:.5f}", **cells, "X up to": f"{trace.X[-1]:.2f}"}

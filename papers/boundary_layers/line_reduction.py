@@ -9,20 +9,20 @@ from matplotlib.figure import Figure
 from pandas import DataFrame
 from scipy.interpolate import CubicSpline
 
-from boundary_layers import front, reduction
+from boundary_layers import front, reduction, theory, waves
 from boundary_layers.line_runs import HIGH, SHAPE, line_case
 from boundary_layers.lines import SPEED, dry_speed, profile
 from boundary_layers.pages import Drawn, new_figure, texts
 from boundary_layers.plans import SHOWN_LINE, Moes, Plan
 from boundary_layers.reduction import FORMED
 from boundary_layers.runs import HEIGHT, USUAL
-from ertel import amplitude_reduction, fronts, plots, waves
+from ertel import plots
 
 Contact = tuple[float, float, str]  # M, L, oil
 
 CURVES: Mapping[str, waves.Reduction] = {
-    "the curve of 1997": waves.Reduction(*amplitude_reduction.LINE_1997),
-    "the later fit": waves.Reduction(*amplitude_reduction.LINE_REFIT),
+    "the curve of 1997": waves.Reduction(*theory.LINE_1997),
+    "the later fit": waves.Reduction(*theory.LINE_REFIT),
 }
 RANGE = np.geomspace(0.3, 30.0, 200)  # nabla1 of the curves
 
@@ -34,7 +34,7 @@ def deformed_waves(results: Mapping[Moes, Sequence[xr.Dataset]], plan: Plan) -> 
     """Fig. 5: dH/A_i of transverse waves at maximum impact."""
     M, L = next(case for case in plan.lines.waves if case[0] == SHOWN_LINE)
     _, fine = results[M, L]
-    edge, nodes = float(fronts.front(fine).A[-1]), plan.lines.impact_grids[1]
+    edge, nodes = float(theory.front(fine).A[-1]), plan.lines.impact_grids[1]
     caption = (
         f"dH(X)/A_i of a cylinder at maximum impact, M = {M:g}, L = {L:g}, waves A_i cos(2 pi X/Lambda) across the "
         f"motion of the front with a crest at the centre, A_i = {HEIGHT} of the trapped film, {nodes} nodes.  The "
@@ -47,7 +47,7 @@ def _marks(results: Mapping[str, Any], plan: Plan) -> Iterator[dict[str, Any]]:
     """A row for each wave inside the impact, with rolling at the same place where that is within the places."""
     for case, grids in results["waves"].items():
         p, places = line_case("impact", *case).parameters, plan.lines.wave_places
-        edge = float(fronts.front(grids[-1]).A[-1])
+        edge = float(theory.front(grids[-1]).A[-1])
         rolled = np.array([results["rolling"][case][A] for A in places])  # (place, grid, wavelength)
         for number, wavelength in enumerate(plan.lines.waves[case]):
             inside = [waves.waves(*reduction.response(grid, SHAPE, wavelength), edge) for grid in grids]
@@ -194,7 +194,7 @@ def _left(results: Mapping[str, Any], plan: Plan) -> Iterator[dict[str, Any]]:
     for contact, grids in results["impacts"].items():
         rolled = np.array(results["rolled"][contact])
         coarse, fine = (CubicSpline(*profile(grid, "left"))(places) for grid in grids)
-        speed = fronts.front(grids[-1], "half-hertz").speed_at(places)
+        speed = theory.front(grids[-1], "half-hertz").speed_at(places)
         found = reduction.extrapolated(coarse, fine)
         ratio = found["limit"] / rolled
         columns = {"X": places, "rolling": rolled, **found, "ratio": ratio}

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 from pandas import DataFrame
 
-from boundary_layers import front
+from boundary_layers import front, theory
 from boundary_layers.front import FITTED_ON, FRONTS, INNER, LINES, OUTER, Curve
 from boundary_layers.line_runs import line_case
 from boundary_layers.pages import Drawn, new_figure, side_by_side
@@ -76,7 +76,7 @@ def _of_length(length: float, T: Values, A: Values) -> dict[str, str]:
     cells = {
         "duration (t0)": duration,
         "over kappa": duration / kappa,
-        "full base of (22), over the duration": 2 * fronts.fit_half_base(T, A) / duration,
+        "full base of (22), over the duration": 2 * theory.fit_half_base(T, A) / duration,
         "largest error of (20)": np.abs(_spring(2 * T / duration) - A)[A > 0.5].max(),
     }
     return {"length (b*)": f"{length:g}", **{name: f"{value:.4f}" for name, value in cells.items()}}
@@ -91,7 +91,7 @@ def _draw_dry_impacts(impacts: Mapping[float, tuple[Values, Values]]) -> Figure:
     figure, (left, right) = new_figure(1, 2)
     for (length, (T, A)), colour in zip(impacts.items(), front.shades(len(impacts)), strict=True):
         _draw_dry(left, right, T / -T[0], A, {"color": colour, "label": f"exact, $\\Lambda$ = {length:g}"})
-    limit, base = np.linspace(-1.0, 0.0, 401), fronts.fit_half_base(T / -T[0], A)
+    limit, base = np.linspace(-1.0, 0.0, 401), theory.fit_half_base(T / -T[0], A)
     parabola = np.sqrt(np.maximum(1 - (limit / base) ** 2, 0.0))
     laws = {"spring, (20)": (_spring(limit), "black", ":"), "parabola (22), fitted": (parabola, plots.ORANGE, "--")}
     for label, (values, colour, line) in laws.items():
@@ -121,7 +121,7 @@ def dry_speed(A: ArrayLike) -> Values:
 
 def front_speed(results: Mapping[float, xr.Dataset], plan: Plan) -> Drawn:
     """Fig. 2: the speed of the front by three definitions, and of the dry contact."""
-    every = {M: {by: fronts.front(run, by) for by in FRONTS} for M, run in results.items()}
+    every = {M: {by: theory.front(run, by) for by in FRONTS} for M, run in results.items()}
     figure, (left, right) = new_figure(1, 2)
     _draw_speed(left, every)
     front.draw_share(right, every, dry_speed)
@@ -153,7 +153,7 @@ def _draw_speed(axes: Axes, every: front.Fronts) -> None:
     T, A = dry_impact(100.0)
     axes.plot((T - T[0])[1:], dry_speed(A[1:]), color="black", label="dry, exact")
     for (M, by_definition), colour in zip(every.items(), front.shades(len(every)), strict=True):
-        labels: Mapping[fronts.FrontDefinition, str | None] = {"film": f"$M$ = {M}", "half-hertz": None}
+        labels: Mapping[theory.FrontDefinition, str | None] = {"film": f"$M$ = {M}", "half-hertz": None}
         for by, label in labels.items():
             each = by_definition[by]
             late = each.A > FORMED
@@ -189,7 +189,7 @@ def film_and_speed(results: Mapping[float, xr.Dataset], plan: Plan) -> Drawn:
     """Fig. 3: the film at maximum impact for one M, and what the speed of the front makes of it."""
     run = results[SHOWN_LINE]
     X, H = profile(run)
-    speed, dry = fronts.front(run).speed_at(X), _dry_speed_inside(X)
+    speed, dry = theory.front(run).speed_at(X), _dry_speed_inside(X)
     fitted: dict[str, Curve] = {
         "$C v^{0.67}$, $v$ of the computed front": (front.fitted_power(X, H, speed), plots.ORANGE, "--"),
         "$C v^{0.67}$, $v$ of the dry contact": (front.fitted_power(X, H, dry), plots.BLUE, "--"),
@@ -240,7 +240,7 @@ def _laws(M: float, X: Values, H: Values) -> dict[str, Values]:
     speed = _dry_speed_inside(X)
     p, known = line_case("impact", M, LINE_L).parameters, np.isfinite(speed)
     moes = np.full_like(speed, np.nan)
-    moes[known] = fronts.film_from_speed(p, speed[known], X[known])
+    moes[known] = theory.film_from_speed(p, speed[known], X[known])
     return {
         "C v^0.67": front.fitted_power(X, H, speed),
         "C v^0.7 A^-0.26": _fitted_with_size(X, H, speed),
@@ -262,7 +262,7 @@ def _draw_film(axes: Axes, M: float, run: xr.Dataset) -> dict[str, Values]:
 
 def _deviations(M: float, run: xr.Dataset) -> dict[str, str]:
     X, H = FITTED_ON, np.interp(FITTED_ON, *profile(run))
-    off = {name: fronts.deviation(film, H) for name, film in _laws(M, X, H).items()}
+    off = {name: theory.deviation(film, H) for name, film in _laws(M, X, H).items()}
     slope = np.polyfit(np.log(dry_speed(X)), np.log(H), 1)[0]
     cells = {name: f"{each.rms:.1%} ({each.mean:+.1%})" for name, each in off.items()}
     return {"M": str(M), **cells, "exponent of v alone": f"{slope:.2f}"}

@@ -18,11 +18,11 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 from pandas import DataFrame, concat
 
-from boundary_layers import runs
+from boundary_layers import runs, theory, waves
 from boundary_layers.pages import Drawn, new_figure, texts
 from boundary_layers.plans import Moes, Plan
 from boundary_layers.runs import HEIGHT, wave_name
-from ertel import Parameters, amplitude_reduction, fronts, hertz, plots, waves
+from ertel import Parameters, amplitude_reduction, fronts, hertz, plots
 
 Values = NDArray[np.float64]
 Curve = Callable[[ArrayLike], Values]  # A_d/A_i of nabla2
@@ -31,10 +31,8 @@ Results = Mapping[str, Any]  # of the runs of a figure
 
 
 LINE_CONTACT: Mapping[str, Curve] = {
-    "line contact (1997)": amplitude_reduction.in_line_contact,
-    "line contact (later fit)": partial(
-        amplitude_reduction.in_line_contact, coefficients=amplitude_reduction.LINE_REFIT
-    ),
+    "line contact (1997)": theory.in_line_contact,
+    "line contact (later fit)": partial(theory.in_line_contact, coefficients=theory.LINE_REFIT),
 }
 RANGE = np.geomspace(0.3, 30, 200)  # nabla2 of the curves
 FORMED = 0.4  # a*: at smaller radii there is a bell of pressure and no front yet
@@ -110,7 +108,7 @@ def response(run: xr.Dataset, shape: str, wavelength: float, height: float = HEI
 
 def last_wave(kind: str, case: Moes, shape: str, wavelength: float, grids: Sequence[xr.Dataset]) -> Mark:
     """The mark of the last complete wave inside the contact.  grids: the impact on both."""
-    front = fronts.front(grids[-1])
+    front = theory.front(grids[-1])
     coarse, fine = (waves.last_wave(*response(grid, shape, wavelength), float(front.A[-1])) for grid in grids)
     return mark(kind, case, wavelength, (coarse.amplitude, fine.amplitude), fine.X, front)
 
@@ -148,7 +146,7 @@ def deformed_waves(results: Results, plan: Plan) -> Drawn:
     (M, L), nodes = plan.shown, plan.impact_grids[1]
     wavelengths = plan.impacts[M, L]
     _, fine = results["waves"][M, L]
-    edge = float(fronts.front(results["smooth"][M, L]).A[-1])
+    edge = float(theory.front(results["smooth"][M, L]).A[-1])
     caption = (
         f"dH(X, 0)/A_i at maximum impact, M = {M:g}, L = {L:g}, roughness A_i cos(2 pi X/Lambda) cos(2 pi Y/Lambda) "
         f"with a crest at the centre, A_i = {HEIGHT} sqrt(L/M), {nodes} nodes per side.  The vertical lines mark the "
@@ -192,7 +190,7 @@ def _impacts(results: Results, plan: Plan) -> Iterator[Mark]:
     """Each complete wave inside the contact, from the centre outwards, with nabla2 by other speeds of the front."""
     for case, grids in results["waves"].items():
         p, run = Parameters.from_moes(*case), results["smooth"][case]
-        front, by_pressure = fronts.front(run), fronts.front(run, "half-hertz")
+        front, by_pressure = theory.front(run), theory.front(run, "half-hertz")
         for wavelength in plan.impacts[case]:
             inside = [waves.waves(*response(grid, "isotropic", wavelength), float(front.A[-1])) for grid in grids]
             pairs = list(zip(*(on_a_grid[::-1] for on_a_grid in inside), strict=False))  # from the edge inwards

@@ -15,9 +15,10 @@ import xarray as xr
 from scipy.interpolate import CubicSpline
 
 import ertel
+from boundary_layers import theory, waves
 from boundary_layers.plans import LOADS, SHOWN_LOAD, L, Moes, Plan, Wavelengths
 from boundary_layers.tasks import Task
-from ertel import Case, RingWaviness, Waviness, fronts, parse_case, waves
+from ertel import Case, RingWaviness, Waviness, parse_case
 
 Wave = tuple[str, float, float]  # key of SHAPES, height A_i in units of the trapped film, wavelength (a*)
 
@@ -189,7 +190,7 @@ def rolling_twin(M: float, L: float, wavelength: float, X: float, nodes: int) ->
     X: lambda_bar v/X^4, alpha_bar X, wavelength/X.
     """
     solver = {"method": "radial", "nodes": 401, "half_width": 4.0}
-    speed = float(fronts.front(smooth_impact(M, L, solver, NO_MAPS)).speed_at(X))
+    speed = float(theory.front(smooth_impact(M, L, solver, NO_MAPS)).speed_at(X))
     p = ertel.Parameters.from_moes(M, L)
     local = ertel.Parameters(p.lambda_bar * speed / X**4, p.alpha_bar * X)
     [ratio] = rolling_response(local.M, local.L, (wavelength / X,), nodes)

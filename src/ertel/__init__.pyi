@@ -27,7 +27,6 @@ from ertel.physics.surfaces import SelfAffine as SelfAffine
 from ertel.physics.surfaces import Spot as Spot
 from ertel.physics.surfaces import Waviness as Waviness
 from ertel.results import fronts as fronts
-from ertel.results import waves as waves
 from ertel.results.measurements import Measurement as Measurement
 from ertel.results.variables import to_si as to_si
 from ertel.runs.compile import cache as cache
@@ -65,22 +64,22 @@ from ertel.inputs.case_files import parse_case as parse_case
 from ertel.inputs.case_files import to_toml as to_toml
 from ertel.inputs.python import sampled as sampled
 from ertel.physics import amplitude_reduction as amplitude_reduction
+from ertel.physics import line_films
 from ertel.physics import units as units
 from ertel.physics.lubricant import Lubricant as Lubricant
 from ertel.physics.motion import Motion as Motion
 from ertel.physics.registry import ASPERITY_LAWS, DENSITY_LAWS, FLUIDITY_LAWS, SHAPES, VISCOSITY_LAWS
 from ertel.physics.scales import Parameters as Parameters
 from ertel.physics.scales import Scales as Scales
-from ertel.runs import result
 from ertel.runs.contact_law import ContactLaw as ContactLaw
 from ertel.runs.fit_result import FitResult as FitResult
 from ertel.runs.study_result import ConvergenceResult as ConvergenceResult
 from ertel.runs.study_result import StudyResult as StudyResult
 from ertel.runs.study_result import TractionCurve as TractionCurve
 
-accessor = result
 asperity_laws = ASPERITY_LAWS
 density_laws = DENSITY_LAWS
 fluidity_laws = FLUIDITY_LAWS
+line_formulas = line_films
 shapes = SHAPES
 viscosity_laws = VISCOSITY_LAWS

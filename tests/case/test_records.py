@@ -192,5 +192,3 @@ def test_a_case_is_a_few_lines_of_text():
     assert sum(line.startswith("  roughness") for line in lines) == 2
     assert "a long text" not in "".join(lines)
     assert len(lines) < 10
-    html = Case.from_data(BALL)._repr_html_()  # in a notebook
-    assert "ball &lt;1&gt;" in html and "<th>contact</th>" in html and "<td>shape = spot" in html

@@ -22,6 +22,7 @@ from boundary_layers.pages import Drawn, side_by_side, to_csv
 from boundary_layers.plans import FULL, LOADS, QUICK, SHOWN_LOAD, Plan
 from boundary_layers.reduction import extrapolated, over_film
 from boundary_layers.tasks import Failure, Task, run_tasks
+from boundary_layers.waves import local_nabla2
 from matplotlib.figure import Figure
 
 import ertel
@@ -29,7 +30,6 @@ from ertel.case.status import Status
 from ertel.physics import amplitude_reduction
 from ertel.physics.scales import Parameters
 from ertel.results import fronts
-from ertel.results.waves import local_nabla2
 
 LONG = "a text that is longer than the fifty characters at which tables are cut off"
 

@@ -24,7 +24,7 @@ FALLING = line_impact_scales(R=0.01, mass=0.3, speed=1.0, E_prime=226e9, length=
 
 def test_scales_of_a_roller():
     p = parameters(ROLLER, eta0=0.04, alpha=20e-9)
-    assert (ROLLER.a, ROLLER.p_h, ROLLER.length_ratio) == pytest.approx((150.1173e-6, 848.163e6, 66.615), rel=1e-5)
+    assert (ROLLER.a, ROLLER.p_h, ROLLER.hertz.reach) == pytest.approx((150.1173e-6, 848.163e6, 66.615), rel=1e-5)
     assert (p.lambda_bar, p.alpha_bar) == pytest.approx((0.01672898, 16.96326), rel=1e-6)
     assert ROLLER.load == pytest.approx(2000.0)
     U, G, W = hamrock_dowson(ROLLER, 0.04, 20e-9)
@@ -33,11 +33,11 @@ def test_scales_of_a_roller():
 
 def test_scales_of_an_impact():
     p = parameters(FALLING, eta0=0.04, alpha=20e-9)
-    assert (FALLING.a, FALLING.p_h, FALLING.length_ratio) == pytest.approx((283.978e-6, 1.604476e9, 70.428), rel=1e-5)
+    assert (FALLING.a, FALLING.p_h, FALLING.hertz.reach) == pytest.approx((283.978e-6, 1.604476e9, 70.428), rel=1e-5)
     assert (p.lambda_bar, p.alpha_bar) == pytest.approx((0.0460012, 32.0895), rel=1e-5)
     assert FALLING.approach == pytest.approx(21.966e-6, rel=1e-4)
     assert FALLING.ball_mass == pytest.approx(0.3)
-    assert 0.3 * 1.0**2 / 2 == pytest.approx(FALLING.energy * FALLING.ellipse.inertia / 2)
+    assert 0.3 * 1.0**2 / 2 == pytest.approx(FALLING.energy * FALLING.hertz.inertia / 2)
 
 
 @given(M=st.floats(0.1, 1e4), L=st.floats(0.0, 30.0))
@@ -74,7 +74,7 @@ def test_dry_impact(reach: float, turns: float):
 
     def motion(T: float, y: list[float]) -> list[float]:
         load, V = y  # the load determines Delta: dDelta = V dT
-        return [line.dry_load_rate(line.dry_approach(load), V) if load > 0 else 0.0, -load / line.free_inertia]
+        return [line.dry_load_rate(line.dry_approach(load), V) if load > 0 else 0.0, -load / line.hertz.inertia]
 
     done = solve_ivp(motion, (0.0, 2 * kappa), [1e-9, 1.0], rtol=1e-9, atol=1e-12, dense_output=True)
     half = [T for T in np.linspace(0.0, 2 * kappa, 4001) if done.sol(T)[1] > 0][-1]

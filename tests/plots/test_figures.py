@@ -189,12 +189,12 @@ def test_the_numbers_of_line_contacts(runs, lines: Path):
     _, through_time, _, pressure, _, _ = panels(run.plot.overview())
     assert line(pressure, "dry contact").get_ydata().max() == pytest.approx(np.sqrt(run.summary["F"]), rel=1e-3)
     edge = line(through_time, "edge of the dry contact")
-    touch, most = 1.0, run.case.parameters.ellipse.contact_time / 2  # T at both: it starts at Delta = -1
+    touch, most = 1.0, run.case.parameters.hertz.contact_time / 2  # T at both: it starts at Delta = -1
     A, T = edge.get_xdata(), edge.get_ydata()
     assert np.nanmax(A) == pytest.approx(1.0, abs=1e-3) and T[np.nanargmax(A)] == pytest.approx(touch + most, abs=0.1)
     assert np.isnan(A[touch > T]).all() and np.isfinite(A[(touch + 0.01 < T) & (touch + 2 * most - 0.01 > T)]).all()
     rises = (A > 0.5) & (touch + most - 0.5 > T)
-    expected = [run.case.parameters.ellipse.front_speed(a) for a in A[rises]]
+    expected = [run.case.parameters.hertz.front_speed(a) for a in A[rises]]
     np.testing.assert_allclose(np.gradient(A, T)[rises], expected, rtol=0.02)
 
 

@@ -9,7 +9,8 @@ from cases import impact
 from ertel.inputs.case_files import parse_case
 from ertel.numerics.grid import check_nodes
 from ertel.physics.surfaces import Feature, RingWaviness, Spot, Waviness
-from ertel.results.diagnostics import case_warnings, friction_warnings, resolution
+from ertel.results.diagnostics import case_warnings, resolution
+from ertel.results.friction import friction_warnings
 
 ISOVISCOUS = {"viscosity": "isoviscous", "density": "incompressible"}
 BARUS = {**ISOVISCOUS, "viscosity": "barus"}

@@ -20,8 +20,7 @@ from ertel.physics import hertz
 from ertel.physics.film_formulas import FormulaFilm
 from ertel.physics.units import Quantity
 from ertel.results import parameters
-from ertel.results.earlier import as_now, from_touch, one_number
-from ertel.results.numbers import ERRORS, key_numbers, lines, more_lines, number, scalars
+from ertel.results.numbers import key_numbers, lines, more_lines, number, scalars
 from ertel.results.summary import comparisons, extremes, impact_summary, rolling_summary, with_error
 from ertel.results.variables import names_where, to_si, with_coefficients
 from ertel.runs.drive import simulate
@@ -116,28 +115,6 @@ def test_one_number_everywhere(run: ertel.Result) -> None:
     force = float(run.dataset["tau_x"].sum()) * cell * run.case.scales.a_over_R
     assert mu == pytest.approx(force * 3 / (2 * np.pi), rel=0.02)
     assert with_coefficients({"mu_sliding": 2.0, "H_c": 0.1}, None) == {"mu_sliding": 2.0, "H_c": 0.1}
-
-
-def test_summaries_and_data_of_earlier_versions(run: ertel.Result) -> None:
-    """They had units a/R, beside the number itself in SI."""
-    unit, now = run.case.scales.a_over_R, run.summary
-    assert as_now({**now, "mu_sliding": now["mu_sliding"] / unit})["mu_sliding"] == now["mu_sliding"]
-    assert as_now(now) == now
-    reached = {"kind": "impact", "H_c": 1.0, "max_approach": {"T": 2.0, "H_c": 1.0, "mu_sliding": 9.0}}
-    si = {name: 1.0 for name in ("R_m", "E_prime_Pa", "a_m", "p_h_Pa", "t0_s")}
-    reached["si"] = {**si, "h_c_m": 1e-7, "max_approach": {"t_s": 1e-4, "mu_sliding": 0.1}}
-    expected = {"kind": "impact", "T": 2.0, "H_c": 1.0, "mu_sliding": 0.1, **dict.fromkeys(ERRORS)}
-    assert as_now(reached) == {**expected, "si": {**si, "h_c_m": 1e-7, "t_s": 1e-4, "mu_sliding": 0.1}}
-    assert as_now({"kind": "impact", "max_approach": None, "H_c": None})["T"] is None
-    reached["si"]["extremes"] = {"H_min": {"h_min_m": 1e-8, "t_s": 3.0}}
-    shifted = from_touch(as_now(reached), 0.5)
-    assert (shifted["T_touch"], shifted["si"]["t_s"], shifted["si"]["h_c_m"]) == (0.5, 1e-4 - 0.5, 1e-7)
-    assert shifted["si"]["extremes"] == {"H_min": {"h_min_m": 1e-8, "t_s": 2.5}}
-    attributes = {"in_units_of": "a*/R", "si_factor": unit, "si_name": "mu_sliding", "si_units": "1"}
-    old = xr.Dataset({"mu_sliding": ("grid", run.dataset["mu_sliding"].values / unit, attributes)})
-    np.testing.assert_allclose(one_number(old)["mu_sliding"], run.dataset["mu_sliding"], rtol=1e-14)
-    assert one_number(old)["mu_sliding"].attrs == {"si_factor": 1.0, "si_name": "mu_sliding", "si_units": "1"}
-    assert one_number(run.dataset) is run.dataset
 
 
 def test_a_film_that_vanished_has_no_numbers() -> None:

@@ -113,11 +113,6 @@ def test_a_wish_to_stop_reaches_every_task(workers, tmp_path):
 
 def test_an_error_of_the_system_is_tried_again_and_others_need_not_wait(two, tmp_path):
     assert dict(two.outcomes([Task("a", stumbles, (tmp_path / "log",))])) == {"a": "done"}
-    # Only for its programs; here both must run at the same time.
-    begun = {name: tmp_path / name for name in "ab"}
-    stop = StopSignal(tmp_path / "stop", lambda: all(file.exists() for file in begun.values()))
-    tasks = [Task(name, until_stopped, (file, stop), "33 nodes", file.exists) for name, file in begun.items()]
-    assert dict(two.outcomes(tasks, stop)) == {"a": "stopped", "b": "stopped"}
 
 
 def test_a_study_whose_worker_is_killed_loses_nothing(two, tmp_path, monkeypatch):
@@ -199,9 +194,9 @@ def scheduler(tmp_path) -> Iterator[tuple[subprocess.Popen[bytes], str]]:
 
 
 def test_tasks_of_a_scheduler_that_is_lost_have_failed(scheduler, capfd):
-    """Also those that wait for the programs of another one; nothing waits for ever, and nothing is said twice."""
+    """Nothing waits for ever, and nothing is said twice."""
     process, address = scheduler
-    tasks = [Task(name, max, (1, 2), program=program) for name, program in zip("abc", ("p", "p", ""), strict=True)]
+    tasks = [Task(name, max, (1, 2)) for name in "abc"]
     asked = iter([False, False, False])  # then the scheduler is killed; nobody does the tasks
     with cluster.existing(address) as workers:
         found = dict(workers.outcomes(tasks, lambda: next(asked, None) is None and process.kill() is None))

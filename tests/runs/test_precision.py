@@ -92,7 +92,7 @@ for name, value in SWITCHES.items():  # of a user who looks for an error of his 
 set_before, told_before = dict(jax.config.values), dict(os.environ)
 {runs}
 filters = list(warnings.filters)
-import ertel.runs.store, ertel.runs.ahead, ertel.runs.traction  # all that computes
+import ertel.runs.store, ertel.runs.traction  # all that computes
 from ertel.numerics.programs import Program
 call, threads = Program.__call__, set()
 

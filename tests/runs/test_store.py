@@ -18,10 +18,8 @@ from stored_runs import CASES, killed
 import ertel
 from ertel.case.status import Status
 from ertel.inputs.case_files import load_case, parse_case
-from ertel.results.earlier import from_touch
 from ertel.runs import arrays, files
 from ertel.runs.arrays import ReplacedData
-from ertel.runs.directory import read_summary
 from ertel.runs.files import StoreError
 from ertel.runs.stepping import TransientRun
 from ertel.runs.store import RunStore, compute
@@ -143,26 +141,6 @@ def test_death_at_any_moment(tmp_path, monkeypatch, kinds, grids, deaths):
 
 
 # -- the end ----------------------------------------------------------------------------------------------------------
-
-
-def test_times_of_an_earlier_impact_count_from_its_first_touch(tmp_path, kinds):
-    """Also where its data are lost: then from its case."""
-    path = shutil.copytree(kinds["impact"].finished, tmp_path / "run") / "summary.json"
-    now = RunStore.open(path.parent).summary()
-    data = path.parent / "run.zarr"
-    root = arrays.read_root(data, "")
-    del root["attributes"]["T_touch"]
-    arrays.write_root(data, root)
-    for touch in (now["T_touch"], -kinds["impact"].case.schedule.start_approach):
-        old = from_touch(now, 0.0) | {"digest": kinds["impact"].case.digest}
-        del old["T_touch"]
-        for values in (old["si"]["extremes"]["H_min"], now["si"]["extremes"]["H_min"]):
-            values["t_s"] = 1.0
-        path.write_bytes(files.sealed(old))
-        found = read_summary(path.parent)
-        assert found["T_touch"] == touch
-        assert found["si"]["extremes"]["H_min"]["t_s"] == pytest.approx(1.0 - touch * now["si"]["t0_s"])
-        shutil.rmtree(data, ignore_errors=True)
 
 
 def test_a_steady_run_that_ended_is_not_computed_again_without_its_summary(tmp_path, monkeypatch, kinds, grids):

@@ -14,7 +14,6 @@ from ertel.case.case import Case
 from ertel.inputs.studies import convergence_series, coordinates, parse_study
 from ertel.results.numbers import aligned
 from ertel.runs import files, studies
-from ertel.runs.ahead import program_of
 from ertel.runs.store import RunStore
 from ertel.runs.studies import gather as gathered
 from ertel.runs.studies import left_of, run_directory, run_study, write_study
@@ -97,10 +96,6 @@ def test_only_what_is_new_is_done(four):
     assert sorted((case.contact.speed, case.oil.eta0) for case in left.values()) == [(0.1, 0.03), (0.2, 0.03)]
     status = gathered(study, four).dataset["status"]
     assert status.values.tolist() == [["converged", "missing"], ["converged", "missing"]]
-    one, other = (program_of(case) for case in parse_study(study_of(eta0="10 mPa*s")).cases)
-    assert one == other
-    finer = parse_study({**study_of(eta0="10 mPa*s"), "solver": {"method": "radial", "nodes": 33}})
-    assert program_of(finer.cases[0]) != one
 
 
 def test_a_stopped_study_goes_on_to_the_same_numbers(tmp_path):

@@ -148,7 +148,7 @@ def test_rolling_resistance() -> None:
     case = rolled(65, ratio=0.25, M=240.5, L=10.0)
     coarse, fine = (_resistance(s) for s in steady.steady_film(case).solutions)
     p = case.parameters
-    limit = 7.5 / (p.ellipse.kappa * p.M_BH)
+    limit = 7.5 / (p.hertz.kappa * p.M_BH)
     assert p.M_BH == pytest.approx(100, rel=1e-2)
     assert fine + (fine - coarse) / 3 == pytest.approx(limit, rel=0.12)
 

@@ -43,7 +43,7 @@ def case(M: float, L: float, D: float, nodes: int, oil: dict[str, Any], **more: 
 def moes(c: Case) -> float:
     """H of Moes over H in a^2/R."""
     p = c.parameters
-    return float((1.5 * p.ellipse.kappa * p.ellipse.beta * p.M) ** (2 / 3))
+    return float((1.5 * p.hertz.kappa * p.hertz.beta * p.M) ** (2 / 3))
 
 
 # -- film thickness formula -------------------------------------------------------------------------------------------
@@ -89,14 +89,14 @@ def resistance(nodes: int) -> str:
 def _resistances(nodes: int) -> Iterator[list[str]]:
     for D, M_BH, inlet in product([1.0, 0.25], [50.0, 100.0, 200.0], [4.5, 9.0, 18.0]):
         c = _long_inlet(D, M_BH, inlet, nodes)
-        kappa = c.parameters.ellipse.kappa
+        kappa = c.parameters.hertz.kappa
         coarse, fine = (_moment(s) * kappa * M_BH / 7.5 for s in steady.steady_film(c).solutions[-2:])
         yield [f"{D:g}", f"{M_BH:g}", f"{inlet:g}", f"{fine:.3f}", f"{fine + (fine - coarse) / 3:.3f}"]
 
 
 def _long_inlet(D: float, M_BH: float, inlet: float, nodes: int) -> Case:
     """With Barus' oil, L = 10; the spacing is that of the inlet 4.5."""
-    e = case(100.0, 10.0, D, nodes, BARUS).parameters.ellipse
+    e = case(100.0, 10.0, D, nodes, BARUS).parameters.hertz
     cells = {4.5: nodes - 1, 9.0: 7 * (nodes - 1) // 4, 18.0: 13 * (nodes - 1) // 4}[inlet]
     length = 6.0 * cells / (nodes - 1)
     inlet = length * round(inlet / length * 16) / 16

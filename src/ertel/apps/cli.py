@@ -257,24 +257,18 @@ def fit(
 
 @app.command("warm-up")
 def warm_up(
-    files: Annotated[list[Path] | None, path_argument("CASE.toml", "Case files; default the usual grids.")] = None,
+    files: Annotated[list[Path], path_argument("CASE.toml", "Case files.")],
     set_: Set = None,
 ) -> None:
     """Compile ahead what runs need, once per machine: then they start at once.
 
-    Without case files: steady rolling on up to 257 nodes per side, impact on 129 and 257 nodes per side and on 401
-    nodes along the radius, with a Roelands oil. With case files: their grids, oil laws and kinds of run. Other values
-    of a case may differ later. The programs serve all machines of this processor type that share the home directory,
-    or the directory XDG_CACHE_HOME.
+    They depend on grid, oil law and kind of run; other values of a case may differ later. The programs serve all
+    machines of this processor type that share the home directory, or the directory XDG_CACHE_HOME.
     """
     from ertel.apps import running
     from ertel.inputs.case_files import load_case
-    from ertel.runs.ahead import usual_cases
 
-    if set_ and not files:
-        leave(BAD_INPUT, f"--set {set_[0]}: needs a case file; without one the usual grids are compiled")
-    cases = [load_case(path, set_ or []) for path in files or []] or list(usual_cases())
-    running.warm_up_all(cases)
+    running.warm_up_all([load_case(path, set_ or []) for path in files])
 
 
 for command in (

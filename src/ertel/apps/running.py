@@ -15,10 +15,9 @@ from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.results.summary import comparisons, with_error
 from ertel.runs import outlook, store
-from ertel.runs.ahead import warm_up
 from ertel.runs.compile import cache_directory, prepare_jax
 from ertel.runs.directory import CASE, Taken
-from ertel.runs.drive import Recorder, Run, bars, drive, run_of, watch
+from ertel.runs.drive import Recorder, Run, bars, drive, run_of, warm_up, watch
 from ertel.runs.files import StoreError
 from ertel.runs.result import Result, verdict
 from ertel.runs.store import RunStore

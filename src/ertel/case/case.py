@@ -9,7 +9,6 @@ import json
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import InitVar, dataclass, field, fields, replace
 from functools import cached_property
-from html import escape
 from typing import Any
 
 import numpy as np
@@ -49,6 +48,7 @@ KEYS = (
     "output",
     "thermal",
 )
+
 
 # What completes and checks a case in its constructor: `completion`, which knows the rules, puts its function here.
 completions: list[Callable[["Case", Collection[str] | None], None]] = []
@@ -116,23 +116,13 @@ class Case:
         complete(self, written)
 
     def __repr__(self) -> str:
-        title, data = self._described
-        return "\n".join([f"Case: {title}", *(f"  {name:<10} {content}" for name, content in records.described(data))])
-
-    def _repr_html_(self) -> str:
-        title, data = self._described
-        rows = (f"<tr><th>{escape(name)}</th><td>{escape(text)}</td></tr>" for name, text in records.described(data))
-        return f"<div>Case: {escape(title)}<table>{''.join(rows)}</table></div>"
-
-    @property
-    def _described(self) -> tuple[str, dict[str, Any]]:
-        """A title, and the sections; the fields themselves where a law cannot be written."""
         p, name = self.parameters, f"{self.name}, " if self.name else ""
         title = f"{name}{self.kind} ({self.method.in_words}), M = {p.M:.4g}, L = {p.L:.4g}"
         try:
-            return title, self.to_data()
-        except ValueError:
-            return title, {f.name: repr(getattr(self, f.name)) for f in fields(self) if getattr(self, f.name)}
+            data = self.to_data()
+        except ValueError:  # of a law that cannot be written
+            data = {f.name: repr(getattr(self, f.name)) for f in fields(self) if getattr(self, f.name)}
+        return "\n".join([f"Case: {title}", *(f"  {name:<10} {content}" for name, content in records.described(data))])
 
     def on_half_grid(self) -> "Case":
         """The same case with twice the grid spacing, for the discretisation error estimate."""
@@ -258,7 +248,7 @@ class Case:
 
     def _inertia(self, drive: Drive) -> float:
         if self.starts_apart:
-            return self.geometry.free_inertia
+            return self.geometry.hertz.inertia
         s = self.scales
         return self.contact.ball_mass * s.film / (s.load * s.t0**2) if s else drive.inertia or 0.0
 
@@ -328,20 +318,11 @@ class Case:
             solver = replace(solver, inlet=solver.half_width)  # a centred grid is not the default of rolling
         shapes = enumerate(self.roughness, 1)
         roughness = [records.named(f"roughness[{n}]", records.feature_data, shape) for n, shape in shapes]
-        data: dict[str, Any] = {
-            "schema": SCHEMA,
-            "name": self.name,
-            "contact": records.data_of(self.contact),
-            "lubricant": records.named("lubricant", records.oil_data, self.oil),
-            "solver": records.data_of(solver),
-            "motion": self.drive and records.data_of(self.drive),
-            "roughness": roughness,
-            "surfaces": self.surfaces and records.data_of(self.surfaces),
-            "time": self.time and records.data_of(self.time),
-            "output": self.output and records.data_of(self.output),
-            "thermal": self.thermal and records.data_of(self.thermal),
-        }
-        return {name: section for name, section in data.items() if section not in (None, [], "")}
+        data: dict[str, Any] = {"schema": SCHEMA, "name": self.name, "roughness": roughness}
+        data |= {"lubricant": records.named("lubricant", records.oil_data, self.oil), "solver": records.data_of(solver)}
+        given = {name: getattr(self, section.field) for name, section in SECTIONS.items() if name not in data}
+        data |= {name: records.data_of(record) for name, record in given.items() if record is not None}
+        return {name: data[name] for name in KEYS if data.get(name) not in (None, [], "")}
 
     @classmethod
     def from_data(

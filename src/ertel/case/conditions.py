@@ -13,9 +13,9 @@ from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
 from ertel.case.records import ConfigError, checked, show, with_unit
 from ertel.physics import line_scales, materials, scales, units
-from ertel.physics.dry_contact import LARGEST_RATIO, LEAST_RATIO
+from ertel.physics.dry_contact import LARGEST_RATIO, LEAST_RATIO, DryContact, dry_contact
 from ertel.physics.geometry import Geometry, geometry
-from ertel.physics.line_scales import LineParameters, LineScales
+from ertel.physics.line_scales import LineParameters
 from ertel.physics.lubricant import Oil
 from ertel.physics.scales import Parameters, Scales
 from ertel.physics.units import Bounds, Meaning, explained, marks
@@ -261,10 +261,7 @@ class Conditions:
                 kind = "line" if self.is_line else "point"
                 sum_is_positive = f"the curvatures 1/{keys[0]} + 1/{keys[1]} must add up to more than zero"
                 place = " and ".join(map(self.entry, given)) or f"contact.{keys[0]}: missing"
-                yield (
-                    place,
-                    f"{sum_is_positive}, otherwise the bodies do not form a {kind} contact",
-                )
+                yield place, f"{sum_is_positive}, otherwise the bodies do not form a {kind} contact"
         if not self.is_line and not LEAST_RATIO <= R_x / R_y <= LARGEST_RATIO:
             ratio = f"the reduced radii {R_x:g} m along x and {R_y:g} m along y have the ratio {R_x / R_y:g}"
             yield "contact", f"{ratio}; allowed: from 1/100 to 100"
@@ -293,19 +290,14 @@ class Conditions:
             return None
         R, _ = self._radii
         E_prime = self.E_prime or _following(materials.reduced_modulus, self.E1, self.nu1, self.E2, self.nu2)
-        if self.is_line:
-            return self._scales_of_cylinders(R, E_prime)
+        shape = self.length if self.is_line else self.ratio
+        law: Callable[..., Scales]
         if self.kind == "rolling":
-            return _following(scales.rolling_scales, R, self.load, abs(self.speeds.mean or 0.0), E_prime, self.ratio)
+            law = line_scales.line_rolling_scales if self.is_line else scales.rolling_scales
+            return _following(law, R, self.load, abs(self.speeds.mean or 0.0), E_prime, shape)
+        law = line_scales.line_impact_scales if self.is_line else scales.impact_scales
         speed = self.speed or _following(materials.drop_speed, self.drop_height)
-        return _following(scales.impact_scales, R, self.ball_mass, speed, E_prime, self.ratio)
-
-    def _scales_of_cylinders(self, R: float, E_prime: float) -> Scales:
-        if self.kind == "rolling":
-            speed = abs(self.speeds.mean or 0.0)
-            return _following(line_scales.line_rolling_scales, R, self.load, speed, E_prime, self.length)
-        speed = self.speed or _following(materials.drop_speed, self.drop_height)
-        return _following(line_scales.line_impact_scales, R, self.mass, speed, E_prime, self.length)
+        return _following(law, R, self.ball_mass, speed, E_prime, shape)
 
     @property
     def _radii(self) -> tuple[float, float]:
@@ -346,14 +338,12 @@ class Conditions:
     @cached_property
     def geometry(self) -> Geometry:
         """The undeformed gap and the constants of the dry contact."""
-        return geometry(self.ratio, self.angle, self._length_ratio)
+        return geometry(self.ratio, self.angle, self._hertz.reach)
 
     @property
-    def _length_ratio(self) -> float:
-        """The length of a line contact over its half width."""
-        if isinstance(self.scales, LineScales):
-            return self.scales.length_ratio
-        return self.length_ratio or DEFAULT_LENGTH_RATIO
+    def _hertz(self) -> DryContact:
+        """The constants of the dry contact."""
+        return self.scales.hertz if self.scales else dry_contact(self.ratio, self.length_ratio or DEFAULT_LENGTH_RATIO)
 
     @property
     def ball_mass(self) -> float:
@@ -384,8 +374,7 @@ class Conditions:
         if not (oil.is_isoviscous and first in self.given):
             self._complete(route)
         kind = LineParameters if self.is_line else Parameters
-        shape = (self.ratio, self._length_ratio) if self.is_line else (self.ratio,)
-        return _following(kind.from_moes if route is MOES else kind, getattr(self, first), value or 0.0, *shape)
+        return _following(kind.from_moes if route is MOES else kind, getattr(self, first), value or 0.0, self._hertz)
 
 
 def _following(law: Callable[..., T], *values: Any) -> T:

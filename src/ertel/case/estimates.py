@@ -9,7 +9,6 @@ from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
 from ertel.physics import hertz, surfaces
 from ertel.physics.film_formulas import IMPACT_EXPONENT, starved_share
 from ertel.physics.line_films import expected_line_film
-from ertel.physics.line_scales import LineParameters
 
 CELLS_SHOWN, CELLS_OF_DETAIL = 16.0, 8.0  # least number in the contact's half width, in the finest detail of a surface
 LARGEST_NEWTONIAN_STRESS = 6e6  # Pa: the stress at which squalane begins to thin (Liu et al. 2023, see the library)
@@ -68,7 +67,6 @@ def largest_film(case: Case) -> float:
     films = []
     for w, U, c in moments:
         at = case.parameters.at(w, U, c)
-        assert isinstance(at, LineParameters)
         films.append(expected_line_film(at) * c * case.geometry.grown(w, c)[0] ** 2)
     return max(films) / films[0]
 

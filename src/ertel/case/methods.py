@@ -2,7 +2,7 @@
 
 Rules read what it supports; defaults, new cases, the form in the browser and the outlook read the rest.  The class that
 carries a method out is in `ertel.solvers.SOLVERS`, under the same name.  A new method is one record here, one class
-there, and a `Space` if its nodes lie neither on a plane nor along a radius.
+there, and a class in `spaces` if its nodes lie neither on a plane nor along a radius.
 """
 
 from collections.abc import Callable, Mapping
@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from ertel.case.conditions import Kind
 from ertel.case.sections import Solver, Stop
-from ertel.case.spaces import AlongTheRadius, AlongX, OnThePlane, Space
+from ertel.case.spaces import AlongTheRadius, AlongX, OnThePlane
 from ertel.physics.geometry import Geometry
 
 
@@ -79,7 +79,7 @@ class Method:
         The kind of contact that it computes; the first method of a kind is its default.
     title : str
         What it is called in the app.
-    space : Space
+    space : AlongX
         Where its nodes lie.
     defaults : Solver
         The default of the section [solver], for a circular contact with M above `widening.below`.
@@ -100,7 +100,7 @@ class Method:
     name: str
     kind: Kind
     title: str
-    space: Space
+    space: AlongX
     defaults: Solver
     widening: Widening
     cost: Cost
@@ -134,10 +134,8 @@ METHODS: dict[str, Method] = {}
 
 def with_a_line(method: Method, widening: Widening, cost: Cost, **other: Any) -> Method:
     """The method with its form for line contacts: one row of nodes, which is solved directly."""
-    defaults, supports = (
-        replace(method.defaults, nodes=LINE_NODES, half_width=3.0),
-        method.supports._replace(track=False),
-    )
+    defaults = replace(method.defaults, nodes=LINE_NODES, half_width=3.0)
+    supports = method.supports._replace(track=False)
     changed = {"space": AlongX(), "defaults": defaults, "supports": supports, "new_nodes": LINE_NODES, **other}
     return replace(method, on_a_line=replace(method, widening=widening, cost=cost, **changed))
 

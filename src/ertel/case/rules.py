@@ -153,10 +153,10 @@ def _asked(case: Case) -> Iterator[tuple[str, str, str]]:
 def _scales(case: Case) -> Complaints:
     """The scales and parameters of the contact must be of a sane size, like its values."""
     p, scales = case.parameters, vars(case.scales) if case.scales else {}
-    bounds: dict[str, Mark] = {"R": REDUCED, "M": MOES_M, "L": MOES_L, "length_ratio": LENGTH_RATIO}
-    bounds |= dict.fromkeys(("alpha_bar", "radius_ratio"), NOT_NEGATIVE)
-    for name, value in {**scales, **vars(p), "M": p.M, "L": p.L}.items():
-        if complaint := bounds.get(name, ABOVE_ZERO).complaint(value):
+    bounds: dict[str, Mark] = {"R": REDUCED, "M": MOES_M, "L": MOES_L, "alpha_bar": NOT_NEGATIVE}
+    bounds |= {"length_ratio": LENGTH_RATIO} if case.geometry.is_line else {}
+    for name, value in {**scales, **vars(p), "M": p.M, "L": p.L, "length_ratio": p.hertz.reach}.items():
+        if name != "hertz" and (complaint := bounds.get(name, ABOVE_ZERO).complaint(value)):
             given = f"its values together give {name} = {show(value)}"
             yield "contact", f"{given}, which {complaint}; check their units"
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,54 +18,75 @@ SMALLEST_RADIUS = 1.2  # of a radial grid: the contact grows to radius 1 and nee
 PARTS = 16  # of the length; the contact's centre ends one, so that it is a node of this grid and of the coarser ones
 
 
-class Space(Protocol):
-    """The nodes of a method.
+class AlongX:
+    """The nodes of a method: a uniform row of them along the flow, for a line contact; nothing changes across it.
 
     axes: of the maps of a run, in order.  lacks: the keys of [solver] that have no meaning.
     """
 
-    axes: tuple[str, ...]
-    lacks: tuple[str, ...]
+    axes: tuple[str, ...] = ("X",)
+    lacks: tuple[str, ...] = ("half_width_y",)
 
     def across(self, solver: Solver) -> int:
         """The number of nodes across the flow; 1 where there is only one axis."""
+        return 1
 
     def in_words(self, nodes: int, across: int) -> str:
         """The number of nodes in words."""
+        return f"{nodes} nodes along x"
 
     def spacing(self, solver: Solver) -> float:
         """The spacing in a, where it counts."""
+        return 2.0 * solver.half_width / (solver.nodes - 1)
 
     def suited(self, circular: Solver, geometry: Geometry) -> Solver:
         """The default solver of a circular contact, for another geometry."""
+        return circular
 
     def completed(self, solver: Solver, geometry: Geometry) -> Solver:
         """The solver of a case with what follows from the geometry."""
+        return solver
 
     def wider(self, solver: Solver, factor: float) -> Solver:
         """The domain wider by a factor, at the same spacing: as near as grids allow."""
+        spacing = self.spacing(solver)
+        nodes = allowed_nodes(factor * (solver.nodes - 1) + 1)
+        more = (nodes - solver.nodes) * (solver.inlet or 0.0) // (2 * solver.half_width)
+        inlet = solver.inlet and solver.inlet + spacing * more
+        across = solver.half_width_y and factor * solver.half_width_y
+        return replace(solver, nodes=nodes, half_width=spacing * (nodes - 1) / 2, half_width_y=across, inlet=inlet)
 
     def complaints(self, solver: Solver, geometry: Geometry, grown: float) -> Iterator[tuple[str, str]]:
         """The fields that are not allowed, and what is wrong: the contact must lie inside the nodes.
 
         grown: its size where it is largest, as on the flat flank of a cam, over that of R and F*.
         """
+        try:
+            check_coarsening(Grid(solver.nodes, self.across(solver), 1.0))
+        except ValueError as error:
+            entry, _, complaint = str(error).partition(": ")
+            yield entry, complaint
+        along_x, along_y = (grown * extent for extent in geometry.extent)
+        inside = "so that the contact lies inside the grid" + (" at all times" if grown > 1.0 else "")
+        if not solver.half_width > along_x:
+            yield "half_width", f"must be greater than {along_x:g}, {inside}"
+        if solver.half_width_y is not None and not solver.half_width_y > along_y:
+            yield "half_width_y", f"must be greater than {along_y:g}, {inside}"
+        most = 2 * solver.half_width - along_x
+        if solver.inlet is not None and not along_x < solver.inlet < most:
+            yield "inlet", f"must be above {along_x:g} and below {most:g} = 2 half_width - {along_x:g}, {inside}"
 
 
-class OnThePlane(Space):
+class OnThePlane(AlongX):
     """A uniform grid on a rectangle, which multigrid can coarsen."""
 
-    axes: tuple[str, ...] = ("Y", "X")
-    lacks: tuple[str, ...] = ()
+    axes, lacks = ("Y", "X"), ()
 
     def across(self, solver: Solver) -> int:
         return nodes_across(solver.nodes, (solver.half_width_y or solver.half_width) / solver.half_width)
 
     def in_words(self, nodes: int, across: int) -> str:
         return f"{nodes} x {across} nodes"
-
-    def spacing(self, solver: Solver) -> float:
-        return 2.0 * solver.half_width / (solver.nodes - 1)
 
     def suited(self, circular: Solver, geometry: Geometry) -> Solver:
         """The default solver of a circular contact, with half width, inlet and nodes for another geometry.
@@ -100,57 +120,11 @@ class OnThePlane(Space):
             return replace(solver, half_width_y=None)
         return replace(solver, half_width_y=solver.half_width * (nodes - 1) / (solver.nodes - 1))
 
-    def wider(self, solver: Solver, factor: float) -> Solver:
-        spacing = self.spacing(solver)
-        nodes = allowed_nodes(factor * (solver.nodes - 1) + 1)
-        more = (nodes - solver.nodes) * (solver.inlet or 0.0) // (2 * solver.half_width)
-        inlet = solver.inlet and solver.inlet + spacing * more
-        across = solver.half_width_y and factor * solver.half_width_y
-        return replace(solver, nodes=nodes, half_width=spacing * (nodes - 1) / 2, half_width_y=across, inlet=inlet)
 
-    def complaints(self, solver: Solver, geometry: Geometry, grown: float) -> Iterator[tuple[str, str]]:
-        try:
-            check_coarsening(Grid(solver.nodes, self.across(solver), 1.0))
-        except ValueError as error:
-            entry, _, complaint = str(error).partition(": ")
-            yield entry, complaint
-        along_x, along_y = (grown * extent for extent in geometry.extent)
-        inside = "so that the contact lies inside the grid" + (" at all times" if grown > 1.0 else "")
-        if not solver.half_width > along_x:
-            yield "half_width", f"must be greater than {along_x:g}, {inside}"
-        if solver.half_width_y is not None and not solver.half_width_y > along_y:
-            yield "half_width_y", f"must be greater than {along_y:g}, {inside}"
-        most = 2 * solver.half_width - along_x
-        if solver.inlet is not None and not along_x < solver.inlet < most:
-            yield "inlet", f"must be above {along_x:g} and below {most:g} = 2 half_width - {along_x:g}, {inside}"
-
-
-class AlongX(OnThePlane):
-    """A uniform row of nodes along the flow, for a line contact: nothing changes across it."""
-
-    axes = ("X",)
-    lacks = ("half_width_y",)
-
-    def across(self, solver: Solver) -> int:
-        return 1
-
-    def in_words(self, nodes: int, across: int) -> str:
-        return f"{nodes} nodes along x"
-
-    def suited(self, circular: Solver, geometry: Geometry) -> Solver:
-        return circular
-
-    def completed(self, solver: Solver, geometry: Geometry) -> Solver:
-        return solver
-
-
-class AlongTheRadius(Space):
+class AlongTheRadius(AlongX):
     """Nodes from the centre outwards, finest at the edge of the contact."""
 
     axes, lacks = ("r",), ("inlet", "half_width_y")
-
-    def across(self, solver: Solver) -> int:
-        return 1
 
     def in_words(self, nodes: int, across: int) -> str:
         return f"{nodes} nodes along the radius"
@@ -159,12 +133,6 @@ class AlongTheRadius(Space):
         r = radii(solver.nodes, solver.half_width)
         near = int(np.abs(r - FRONT_POSITION).argmin())
         return float(r[near + 1] - r[near])
-
-    def suited(self, circular: Solver, geometry: Geometry) -> Solver:
-        return circular
-
-    def completed(self, solver: Solver, geometry: Geometry) -> Solver:
-        return solver
 
     def wider(self, solver: Solver, factor: float) -> Solver:
         width = factor * solver.half_width

@@ -30,12 +30,11 @@ from ertel.case.records import ConfigError, field_name, refusing, show
 from ertel.case.sections import FEWEST_NODES, SECTIONS
 from ertel.inputs.case_files import case_data, in_the_case, parse_case, path_of, put
 from ertel.inputs.layout import READER, Key, section, shape_place
-from ertel.inputs.quantities import LOG, Range, parse_quantity, plain_data, split
+from ertel.inputs.quantities import Range, parse_quantity, plain_data, split
 from ertel.physics.registry import SHAPES
 from ertel.physics.units import Unit
 
 SWEEP = "sweep"
-RANGE = ("from", "to", "number")  # the keys of a range in earlier versions
 TEXT = "reference"  # of an oil: any text, and no range
 MOVING = ("load", "entrainment", "slide_to_roll", "sliding", "curvature")
 SIGNALS = [("motion", name, *inner) for name in MOVING for inner in ((), ("smooth",))]
@@ -143,9 +142,6 @@ def _axes_in(table: Any, place: Place) -> Iterator[Axis]:
         elif isinstance(value, str) and key != TEXT and all(split(end)[0] for end in value.partition(":")[::2]):
             with refusing(field_name(here), value):
                 yield Axis(here, _values(Range.read(value)))
-        elif isinstance(value, Mapping) and any(end in value for end in RANGE[:2]):
-            parts = [str(value.get(key, key.upper())) for key in RANGE] + [LOG] * (value.get("spacing") == LOG)
-            raise ConfigError(f"{field_name(here)} = {show(value)}: write a range as {show(':'.join(parts))}")
         else:
             yield from _axes_in(value, here)
 

@@ -8,11 +8,6 @@ from math import exp, hypot
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-LINE_NABLA = 0.6076  # nabla1/nabla2 of the same wavelength, contact half width and alpha_bar lambda_bar
-# Venner CH, Couhier F, Lubrecht AA, Greenwood JA. Proc Leeds-Lyon 1996 (1997:103-112), eq. (5)
-LINE_1997 = 0.17, 0.03
-LINE_REFIT = 0.125, 0.04  # a later fit, as quoted in the later literature; where it was first given is not known here
-
 
 def ratio_left(nabla2: ArrayLike, ratio: float = 1.0) -> NDArray[np.float64]:
     """A_d/A_i = 1/(1 + 0.15 n + 0.015 n^2) with n = f(r) nabla2, eq. (15), for cos(2 pi x/Lx) cos(2 pi y/Ly).
@@ -44,29 +39,6 @@ def ratio_left(nabla2: ArrayLike, ratio: float = 1.0) -> NDArray[np.float64]:
         raise ValueError(f"ratio = {ratio}: must not be negative")
     n = np.asarray(nabla2, dtype=float) * (exp(1.0 - 1.0 / ratio) if ratio > 1 else 1.0)
     return np.asarray(1.0 / (1.0 + 0.15 * n + 0.015 * n**2))
-
-
-def in_line_contact(nabla2: ArrayLike, coefficients: tuple[float, float] = LINE_1997) -> NDArray[np.float64]:
-    """A_d/A_i = 1/(1 + c1 nabla1 + c2 nabla1^2): transverse waviness in a line contact under pure rolling.
-
-    nabla1 = (wavelength/b) M^{3/4}/L^{1/2} with the line contact's M and L (source as `LINE_1997`).  A line contact has
-    alpha_bar lambda_bar = (3 pi^2/8)/sqrt(2 pi) L/M^{3/2}.  Therefore nabla1 = 0.608 nabla2 = 1.215
-    (wavelength/b)/sqrt(alpha_bar lambda_bar).
-
-    Parameters
-    ----------
-    nabla2 : array or number
-        As in `ratio_left`.
-    coefficients : pair of floats
-        c1 and c2: those published first, `LINE_1997`, or those of the later fit, `LINE_REFIT`.
-
-    Returns
-    -------
-    array
-        A_d/A_i, of the shape of nabla2.
-    """
-    n, (linear, quadratic) = LINE_NABLA * np.asarray(nabla2, dtype=float), coefficients
-    return np.asarray(1.0 / (1.0 + linear * n + quadratic * n**2))
 
 
 def lambda_ratio(film: float, *sigma: float) -> float:

@@ -18,9 +18,9 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from ertel.physics import units
-from ertel.physics.gears import Passage, given_in_si, points_of
+from ertel.physics.gears import Passage, points_of
 from ertel.physics.motion import Polyline
-from ertel.physics.units import Mark, Meaning, Unit, explained
+from ertel.physics.units import Mark, Meaning, Unit, explained, fields_in_si
 
 LIFT = Unit("m", "5 mm", signed=True)
 FEWEST, SAMPLES = 6, 401  # points of a table of lift, and of the signals
@@ -109,7 +109,7 @@ def flat_tappet(lift: Any, **given: Any) -> Passage:
     >>> bool(np.allclose(cam.radius, 0.025))  # a circle of 25 mm
     True
     """
-    return given_in_si(Cam, {**given, "lift": points_of(Lift, lift)}).passage
+    return Cam(**fields_in_si(Cam, {**given, "lift": points_of(Lift, lift)})).passage
 
 
 flat_tappet.__signature__ = signature(Cam)  # type: ignore[attr-defined]

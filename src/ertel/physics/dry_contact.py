@@ -13,6 +13,7 @@ from math import exp, log, pi, sqrt
 import numpy as np
 
 from ertel.physics import hertz
+from ertel.physics.units import require_positive
 
 LINE_LOAD = pi / 2.0  # integral of sqrt(1 - x^2): the dry load of a line contact
 _z, _w = np.polynomial.legendre.leggauss(64)
@@ -27,13 +28,15 @@ class HertzEllipse:
     """The constants of a dry elliptical contact, all dimensionless; `hertz_ellipse` makes it.
 
     radius_ratio: D = R_x/R_y.  kappa: half width along x over half width along y; below one where the contact is wide
-    across x.  E, F: elliptic integrals.
+    across x.  E, F: elliptic integrals.  reach and across are those of `HertzLine`, without a meaning here.
     """
 
     radius_ratio: float
     kappa: float
     E: float
     F: float
+
+    reach = across = 1.0
 
     @property
     def beta(self) -> float:
@@ -56,6 +59,16 @@ class HertzEllipse:
         return 2.0 * pi / (3.0 * self.kappa)
 
     @property
+    def wide(self) -> float:
+        """The half width along y in units b."""
+        return 1.0 / self.kappa
+
+    @property
+    def inertia(self) -> float:
+        """m delta/(F* t0^2) of a free body whose impact has these scales: m v0^2/2 = (2/5) F* delta*."""
+        return FREE_BALL_INERTIA * self.approach
+
+    @property
     def contact_time(self) -> float:
         """The duration of the dry impact in t0 = b^2/(R_x v0)."""
         return hertz.CONTACT_TIME * self.approach
@@ -63,6 +76,9 @@ class HertzEllipse:
     def front_speed(self, A: float) -> float:
         """The speed dA/dT of the edge of the dry impact, where it is at A."""
         return float(hertz.front_speed(A)) / self.approach
+
+
+CIRCULAR = HertzEllipse(1.0, 1.0, pi / 2, pi / 2)
 
 
 @lru_cache
@@ -78,7 +94,7 @@ def hertz_ellipse(radius_ratio: float) -> HertzEllipse:
     if not LEAST_RATIO <= radius_ratio <= LARGEST_RATIO:
         raise ValueError(f"radius_ratio = {radius_ratio}: must be from 1/100 to 100 (R_x/R_y)")
     if radius_ratio == 1.0:
-        return HertzEllipse(1.0, 1.0, pi / 2, pi / 2)
+        return CIRCULAR
     # SciPy is imported here, because circular contacts do not need it and its import is slow
     from scipy.optimize import brentq
     from scipy.special import elliprf, elliprg
@@ -111,10 +127,24 @@ class HertzLine:
 
     reach: float
 
+    radius_ratio = 0.0
     beta = 4.0 / pi
     compliance = 1.0 / pi
     load = LINE_LOAD
     kappa = 0.0  # the half width over an infinite one
+
+    def __post_init__(self) -> None:
+        require_positive(length_ratio=self.reach)
+
+    @property
+    def across(self) -> float:
+        """The length in units b: areas, loads and amounts of oil belong to all of it."""
+        return self.reach
+
+    @property
+    def wide(self) -> float:
+        """Half of the length in units b."""
+        return self.reach / 2.0
 
     @property
     def approach(self) -> float:
@@ -139,3 +169,11 @@ class HertzLine:
         """
         inertia = self.inertia
         return sqrt(1.0 - A**4 * (1.0 - log(A) / (2.0 * inertia))) / (A * (2.0 * inertia - 0.25 - log(A)))
+
+
+DryContact = HertzEllipse | HertzLine
+
+
+def dry_contact(radius_ratio: float, length_ratio: float = 100.0) -> DryContact:
+    """The constants for D = R_x/R_y; of a line for 0, with its length over its half width."""
+    return HertzLine(length_ratio) if radius_ratio == 0.0 else hertz_ellipse(radius_ratio)

@@ -31,7 +31,7 @@ from collections.abc import Sequence
 from math import atan, cbrt, exp, log, pi, sqrt
 from typing import NamedTuple
 
-from ertel.physics.dry_contact import HertzEllipse, hertz_ellipse
+from ertel.physics.dry_contact import DryContact, hertz_ellipse
 from ertel.physics.scales import FlowDirection, HamrockDowson, Parameters
 from ertel.physics.units import require_not_negative, require_positive
 
@@ -273,7 +273,7 @@ def _kept(radius_ratio: float) -> float:
 
 def _own_unit(parameters: Parameters, flow: FlowDirection) -> float:
     """Moes' unit with the radius along the flow, (2 U_e)^{1/2} R_e, in the contact's own a^2/R."""
-    e = parameters.ellipse
+    e = parameters.hertz
     return 1.0 / (sqrt(flow.curvature) * cbrt(1.5 * e.kappa * e.beta * parameters.M) ** 2)
 
 
@@ -321,7 +321,7 @@ def films(parameters: Parameters, ugw: HamrockDowson | None = None, angle: float
     flow = FlowDirection.at(parameters.radius_ratio, angle)
     (M, L), D = flow.moes(parameters), flow.radius_ratio
     along_an_axis = parameters.radius_ratio == 1.0 or angle % 90.0 == 0.0
-    of_ugw = _films_of_ugw(ugw, parameters.ellipse, flow, along_an_axis) if ugw is not None and ugw.G > 0 else []
+    of_ugw = _films_of_ugw(ugw, parameters.hertz, flow, along_an_axis) if ugw is not None and ugw.G > 0 else []
     if D > 1.0:
         return of_ugw
     unit, joined = _own_unit(parameters, flow) / moes_unit(M), nijenbanning_venner_moes(M, L, D)
@@ -344,7 +344,7 @@ def films(parameters: Parameters, ugw: HamrockDowson | None = None, angle: float
     ]
 
 
-def _films_of_ugw(ugw: HamrockDowson, e: HertzEllipse, flow: FlowDirection, along_an_axis: bool) -> list[FormulaFilm]:
+def _films_of_ugw(ugw: HamrockDowson, e: DryContact, flow: FlowDirection, along_an_axis: bool) -> list[FormulaFilm]:
     """The formulas of Hamrock and Dowson, of Chittenden, and of the line contact with the same Hertz pressure."""
     at, D = flow.ugw(ugw), flow.radius_ratio
     unit = flow.curvature * cbrt(1.5 * e.kappa * e.beta * ugw.W) ** 2  # the contact's own a^2/R over R_e

@@ -13,7 +13,7 @@ of the tips.  The force along the line of action is torque/r_b1.
 Source: Johnson KL. Contact Mechanics. Cambridge 1985; ISO 21771:2007 for the geometry.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from inspect import signature
 from math import inf
@@ -24,7 +24,7 @@ import numpy as np
 from ertel.physics import units
 from ertel.physics.motion import Floats, Polyline
 from ertel.physics.surfaces import smooth_step
-from ertel.physics.units import Bounds, Mark, Meaning, Quantity, explained, in_si, marks
+from ertel.physics.units import Bounds, Mark, Meaning, Quantity, explained, fields_in_si, in_si
 
 Record = TypeVar("Record")
 Line = TypeVar("Line", bound=Polyline)
@@ -102,20 +102,6 @@ class Passage:
         """The keywords of `ertel.rolling` that follow from it; elasticity, oil and grid are still to be given."""
         contact, motion, solver, time = self.sections.values()
         return {**{key: value for key, value in contact.items() if key != "kind"}, "motion": motion, **solver, **time}
-
-
-def given_in_si(record: Callable[..., Record], given: Mapping[str, Any]) -> Record:
-    """A record from values as users of Python write them: numbers in SI, or texts with a unit.
-
-    Raises ValueError, naming the field, for a value that is not allowed.
-    """
-    kinds, values = marks(record), dict(given)
-    for name in kinds.keys() & given.keys():
-        try:
-            values[name] = None if given[name] is None else in_si(given[name], kinds[name])
-        except ValueError as error:
-            raise ValueError(f"{name} = {given[name]!r:.60}: {error}") from error
-    return record(**values)
 
 
 def points_of(kind: type[Line], points: Any) -> Line:
@@ -230,7 +216,7 @@ def involute(sharing: Any = None, **given: Any) -> Passage:
     6.84
     """
     points = None if sharing is None else points_of(Sharing, sharing)
-    return given_in_si(Gear, {**given, "sharing": points}).passage
+    return Gear(**fields_in_si(Gear, {**given, "sharing": points})).passage
 
 
 involute.__signature__ = signature(Gear)  # type: ignore[attr-defined]

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ertel.physics.dry_contact import FREE_BALL_INERTIA, HertzEllipse, HertzLine, hertz_ellipse
+from ertel.physics.dry_contact import DryContact, dry_contact
 
 Array = Any  # a NumPy or JAX array
 Floats = NDArray[np.float64]
@@ -40,9 +40,9 @@ class Geometry:
     angle: float = 0.0
 
     @cached_property
-    def hertz(self) -> HertzEllipse:
+    def hertz(self) -> DryContact:
         """The constants of the dry contact."""
-        return hertz_ellipse(self.radius_ratio)
+        return dry_contact(self.radius_ratio)
 
     @property
     def hertz_load(self) -> float:
@@ -62,15 +62,7 @@ class Geometry:
     @property
     def reach(self) -> float:
         """The distance at which a line load displaces nothing; without meaning for a point contact."""
-        return 1.0
-
-    @property
-    def free_inertia(self) -> float:
-        """m delta/(F* t0^2) of a free body whose impact has these scales: (4/5) Delta_H.
-
-        It follows from m v0^2/2 = (2/5) F* delta* with the dry approach delta* = Delta_H b^2/R_x.
-        """
-        return FREE_BALL_INERTIA * self.hertz.approach
+        return self.hertz.reach
 
     @property
     def even(self) -> tuple[bool, bool]:
@@ -81,14 +73,13 @@ class Geometry:
     @property
     def extent(self) -> tuple[float, float]:
         """The reach of the dry contact under F* along X and along Y: half the sides of the rectangle around it."""
-        c, s = self._direction
-        wide = 1.0 / self.hertz.kappa
+        (c, s), wide = self._direction, self.hertz.wide
         return hypot(c, s * wide), hypot(s, c * wide)
 
     @property
     def smaller(self) -> float:
         """The smaller half width of the dry contact under F*."""
-        return min(1.0, 1.0 / self.hertz.kappa)
+        return min(1.0, self.hertz.wide)
 
     def gap(self, X: Array, Y: Array) -> Array:
         """The gap between the undeformed surfaces when they just touch, x^2/2 + D y^2/2."""
@@ -197,25 +188,8 @@ class LineContact(Geometry):
     length_ratio: float = 100.0
 
     @cached_property
-    def hertz(self) -> HertzLine:  # type: ignore[override]
-        return HertzLine(self.length_ratio)
-
-    @property
-    def reach(self) -> float:
-        return self.length_ratio
-
-    @property
-    def free_inertia(self) -> float:
-        return self.hertz.inertia
-
-    @property
-    def extent(self) -> tuple[float, float]:
-        """The half width, and half the length."""
-        return 1.0, self.length_ratio / 2.0
-
-    @property
-    def smaller(self) -> float:
-        return 1.0
+    def hertz(self) -> DryContact:
+        return dry_contact(0.0, self.length_ratio)
 
     def dry_pressure(self, load: float, X: Array, Y: Array) -> Array:
         """Hertz pressure under a load in units of F*: sqrt(load - x^2)."""

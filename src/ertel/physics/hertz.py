@@ -1,4 +1,4 @@
-"""The dry contact: static Hertz contact and impact of an elastic ball, exact and by the paper's asymptotes.
+"""The dry contact: static Hertz contact and impact of an elastic ball.
 
 Everything is dimensionless: lengths along the surface in a, pressure in p_h, normal displacement and approach in
 delta* = a^2/R, time T in t0 = delta*/v0, loads in F* (see `scales`).  a, p_h, delta*, F* belong to the dry impact at
@@ -8,12 +8,9 @@ At any time in the dry impact the contact is Hertzian with radius A = a(t)/a* an
 energy gives (dDelta/dT)^2 = 1 - Delta^{5/2}.  With x = Delta^{5/2} the time from first touch is an incomplete beta
 function, T = (2/5) B(x; 2/5, 1/2).  SciPy also inverts it, so the exact motion needs no integration in time.  SciPy is
 imported inside the functions that need it, because the scales of an impact do not need it and its import is slow.
-
-The paper's asymptotes measure time from maximum approach.  The paper uses t* for three different times.  Here `t_star`
-is half the contact time in (18)-(21) and half the base of the parabola in (14), (22)-(24).
 """
 
-from math import gamma, pi, sqrt
+from math import gamma, pi
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,7 +21,6 @@ Values = NDArray[np.float64]
 
 CONTACT_TIME = 0.8 * gamma(0.4) * gamma(0.5) / gamma(0.9)  # 2.943275 t0: dry impact from first touch to separation
 HALF_CONTACT_TIME = CONTACT_TIME / 2  # from first touch to maximum approach
-HALF_BASE = 1.35  # half the base of the parabola (22) that fits the impact best; the paper's t* = 2.7 is the full base
 
 
 def pressure(r: ArrayLike, A: float = 1.0) -> Values:
@@ -106,59 +102,5 @@ def front_speed(A: ArrayLike) -> Values:
         return np.where(A >= 0, np.sqrt(1 - A**5) / (2 * A), np.nan)
 
 
-def johnson_approach(T: ArrayLike, t_star: float = HALF_CONTACT_TIME) -> Values:
-    """Johnson's approximation Delta = cos(pi T/(2 t_star)), eq. (19), T from maximum approach; zero for |T| > t_star.
-
-    Eq. (18) is the same with T counted from first touch: sin(pi T/(2 t_star)).
-    """
-    return np.asarray(np.cos(pi / 2 * np.minimum(np.abs(_share(T, t_star)), 1.0)))
-
-
-def johnson_radius(T: ArrayLike, t_star: float = HALF_CONTACT_TIME) -> Values:
-    """Contact radius A = sqrt(cos(pi T/(2 t_star))), eq. (20), T from maximum approach; zero for |T| > t_star."""
-    return _root(johnson_approach(T, t_star))
-
-
-def taylor_radius(T: ArrayLike, t_star: float = HALF_CONTACT_TIME) -> Values:
-    """Taylor expansion A = sqrt(1 - pi^2 T^2/(8 t_star^2)) of eq. (20), eq. (21), T from maximum approach.
-
-    This is a parabola (22) with the half base (sqrt(8)/pi) t_star = 0.900 t_star.
-    """
-    return parabola_radius(T, sqrt(8) / pi * t_star)
-
-
-def parabola_radius(T: ArrayLike, t_star: float = HALF_BASE) -> Values:
-    """Contact radius A = sqrt(1 - T^2/t_star^2), eqs. (14), (22), T from maximum approach; zero for |T| > t_star."""
-    return _root(1 - _share(T, t_star) ** 2)
-
-
-def parabola_front_speed(T: ArrayLike, t_star: float = HALF_BASE) -> Values:
-    """Speed dA/dT of the contact edge by eq. (23), T from maximum approach; nan for |T| > t_star.
-
-    The paper gives it in units v* = a*/t*: v/v* = t_star dA/dT = -(T/t_star)/sqrt(1 - T^2/t_star^2).
-    """
-    share = _share(T, t_star)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(-share / np.sqrt(1 - share**2) / t_star)
-
-
-def parabola_front_speed_at(A: ArrayLike, t_star: float = HALF_BASE) -> Values:
-    """Speed dA/dT = sqrt(1 - A^2)/(A t_star) of the advancing edge at A, by eq. (23); compare `front_speed`."""
-    require_positive(t_star=t_star)
-    A = np.asarray(A, dtype=float)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(A >= 0, np.sqrt(1 - A**2) / (A * t_star), np.nan)
-
-
-def linear_front_speed(T: ArrayLike, t_star: float = HALF_BASE) -> Values:
-    """Speed dA/dT of the edge near maximum approach, eq. (24): v/v* = t_star dA/dT = -T/t_star, T from the maximum."""
-    return -_share(T, t_star) / t_star
-
-
 def _root(value: ArrayLike) -> Values:
     return np.asarray(np.sqrt(np.maximum(value, 0.0)))
-
-
-def _share(T: ArrayLike, t_star: float) -> Values:
-    require_positive(t_star=t_star)
-    return np.asarray(T, dtype=float) / t_star

@@ -10,10 +10,9 @@ from math import exp, pi, sqrt
 from typing import NamedTuple
 
 from ertel.physics.film_formulas import FormulaFilm, dowson_higginson_minimum, dowson_toyoda_central
-from ertel.physics.line_scales import LineParameters
 from ertel.physics.lubricant import Lubricant
 from ertel.physics.registry import DENSITY_LAWS, VISCOSITY_LAWS
-from ertel.physics.scales import HamrockDowson
+from ertel.physics.scales import HamrockDowson, Parameters
 
 MOES = "Moes H. Lubrication and beyond. University of Twente; 2000"
 SOURCES = {
@@ -35,7 +34,7 @@ class ComparedFilms(NamedTuple):
     L: tuple[float, float]
     differ: tuple[str, ...]
 
-    def covers(self, at: LineParameters) -> bool:
+    def covers(self, at: Parameters) -> bool:
         return self.M[0] <= at.M <= self.M[1] and self.L[0] <= at.L <= self.L[1]
 
     def text(self, name: str) -> str:
@@ -70,7 +69,7 @@ def moes_line(M: float, L: float) -> float:
     return float((isoviscous**s + piezoviscous**s) ** (1.0 / s))
 
 
-def expected_line_film(parameters: LineParameters) -> float:
+def expected_line_film(parameters: Parameters) -> float:
     """A central film thickness to be expected in rolling, in b^2/R: that of Moes' fit."""
     return moes_line(parameters.M, parameters.L) * pi / (8.0 * parameters.M)
 
@@ -104,7 +103,7 @@ def starved(film: FormulaFilm, oil: float) -> FormulaFilm:
     return film._replace(name=f"{film.name}, starved", central=min(film.central, oil), minimum=None, valid=valid)
 
 
-def line_films(parameters: LineParameters, lubricant: Lubricant, ugw: HamrockDowson | None = None) -> list[FormulaFilm]:
+def line_films(parameters: Parameters, lubricant: Lubricant, ugw: HamrockDowson | None = None) -> list[FormulaFilm]:
     """All formulas for a line contact, in b^2/R; inside: where they were compared with films of such an oil.
 
     ugw: U, G, W; the formulas in U, G, W need it, with G > 0.

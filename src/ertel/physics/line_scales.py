@@ -12,10 +12,11 @@ Units are those of the whole contact: N, W and J belong to its length.
 from dataclasses import dataclass
 from math import inf, pi, sqrt
 
-from ertel.physics.dry_contact import HertzLine
+from ertel.physics.dry_contact import DryContact, HertzLine
 from ertel.physics.scales import Parameters, Scales
 from ertel.physics.units import require_not_negative, require_positive
 
+USUAL_LINE = HertzLine(100.0)
 ROUNDS = 30  # to find the contact of an impact, whose stiffness depends on its length; each leaves a tenth
 
 
@@ -27,10 +28,8 @@ class LineParameters(Parameters):
     ----------
     lambda_bar, alpha_bar : float
         See `Parameters`.
-    radius_ratio : float
-        Zero.
-    length_ratio : float
-        Length of the contact over its half width.  It sets the approach, and matters to an impact only.
+    hertz : HertzLine
+        The dry contact, with the length over the half width, which matters to an impact only; left out: 100.
 
     Examples
     --------
@@ -39,24 +38,14 @@ class LineParameters(Parameters):
     (0.00925275, 17.8412)
     """
 
-    radius_ratio: float = 0.0
-    length_ratio: float = 100.0
-
-    def __post_init__(self) -> None:
-        require_positive(lambda_bar=self.lambda_bar, length_ratio=self.length_ratio)
-        require_not_negative(alpha_bar=self.alpha_bar)
+    hertz: DryContact = USUAL_LINE
 
     @classmethod
-    def from_moes(cls, M: float, L: float, radius_ratio: float = 0.0, length_ratio: float = 100.0) -> "LineParameters":
+    def from_moes(cls, M: float, L: float, hertz: DryContact = USUAL_LINE) -> "LineParameters":
         """Parameters from Moes' load parameter M > 0 and lubricant parameter L >= 0 of a line contact."""
         require_positive(M=M)
         require_not_negative(L=L)
-        return cls(3 * pi**2 / (8 * M**2), L * sqrt(M / (2 * pi)), radius_ratio, length_ratio)
-
-    @property
-    def ellipse(self) -> HertzLine:  # type: ignore[override]
-        """The constants of the dry contact."""
-        return HertzLine(self.length_ratio)
+        return cls(3 * pi**2 / (8 * M**2), L * sqrt(M / (2 * pi)), hertz)
 
     @property
     def M(self) -> float:
@@ -84,7 +73,7 @@ class LineParameters(Parameters):
 
         Its pressure is lambda_bar V/(2 H^2), so that V falls by sqrt(2) lambda_bar/(inertia sqrt(H_c)).
         """
-        return self.ellipse.inertia / (sqrt(2) * self.lambda_bar)
+        return self.hertz.inertia / (sqrt(2) * self.lambda_bar)
 
     @property
     def as_ball(self) -> "LineParameters":
@@ -108,18 +97,18 @@ class LineParameters(Parameters):
         40 and Roelands' law; 0.43 to 0.46 sqrt(lambda_bar/kappa) in an isoviscous oil with lambda_bar = 1e-4 to 0.1.
         """
         stopped = sqrt(self.alpha_bar * self.lambda_bar / 2)
-        film = 0.43 * self.L**0.18 * self.ellipse.approach**-0.28 * stopped
+        film = 0.43 * self.L**0.18 * self.hertz.approach**-0.28 * stopped
         return max(0.94 * film, 0.98 * self._isoviscous), max(1.06 * film, 1.05 * self._isoviscous)
 
     @property
     def _isoviscous(self) -> float:
-        return 0.44 * sqrt(self.lambda_bar / self.ellipse.approach)
+        return 0.44 * sqrt(self.lambda_bar / self.hertz.approach)
 
     def at(self, load: float, speed: float, curvature: float = 1.0) -> "LineParameters":
         """The parameters under a load w in F*, at a speed U in b/t0, of a radius R/c; all three above zero."""
         U = speed * curvature  # over R
         M, L = self.M * load * curvature * U**-0.5, self.L * U**0.25
-        return LineParameters.from_moes(M, L, length_ratio=self.length_ratio / sqrt(load / curvature))
+        return LineParameters.from_moes(M, L, HertzLine(self.hertz.reach / sqrt(load / curvature)))
 
     def nabla2(self, wavelength: float) -> float:
         """Operating parameter of amplitude reduction of a line contact, (wavelength/b) M^(3/4)/L^(1/2).
@@ -135,72 +124,20 @@ class LineParameters(Parameters):
 class LineScales(Scales):
     """The SI value of one unit of each dimensionless quantity of a line contact.
 
-    Parameters
-    ----------
-    R, E_prime, a, p_h, t0 : float
-        See `Scales`; a is the half width b.
-    radius_ratio : float
-        Zero.
-    length : float
-        Length of the contact (m).
+    a is the half width b, and areas, loads and amounts of oil belong to the whole length.
     """
 
-    radius_ratio: float = 0.0
-    length: float = 0.01
-
-    def __post_init__(self) -> None:
-        sizes = vars(self).copy()
-        sizes.pop("radius_ratio")
-        require_positive(**sizes)
+    parameters = LineParameters
 
     @property
-    def length_ratio(self) -> float:
-        """The length over the half width b."""
-        return self.length / self.a
-
-    @property
-    def ellipse(self) -> HertzLine:  # type: ignore[override]
-        """The constants of the dry contact."""
-        return HertzLine(self.length_ratio)
-
-    @property
-    def a_y(self) -> float:
-        """Half of the length (m)."""
-        return self.length / 2
-
-    @property
-    def area(self) -> float:
-        """Unit of an area of the surface (m^2): b over the whole length."""
-        return self.a * self.length
-
-    @property
-    def force(self) -> float:
-        """Unit of the integral of P (N): b p_h over the whole length."""
-        return self.a * self.p_h * self.length
-
-    @property
-    def load(self) -> float:
-        """Unit of the load F (N): the Hertz load F* = (pi/2) b p_h over the whole length."""
-        return self.ellipse.load * self.force
-
-    @property
-    def oil(self) -> float:
-        """Unit of an amount of oil (m^3 at ambient pressure): b times the length times the unit of H."""
-        return self.a * self.length * self.film
+    def length(self) -> float:
+        """Length of the contact (m)."""
+        return self.hertz.reach * self.a
 
     @property
     def W(self) -> float:
         """Dowson and Higginson's load parameter w1/(E' R), with the load per length."""
         return self.load / self.length / (self.E_prime * self.R)
-
-    def parameters_of(self, lambda_bar: float, alpha_bar: float) -> LineParameters:
-        """The dimensionless parameters of a contact of this shape."""
-        return LineParameters(lambda_bar, alpha_bar, length_ratio=self.length_ratio)
-
-    @property
-    def ball_mass(self) -> float:
-        """Mass (kg) of the body whose dry impact has these scales: m v0^2 = inertia F* b^2/R."""
-        return self.ellipse.inertia * self.load * self.t0**2 / self.film
 
 
 def line_impact_scales(R: float, mass: float, speed: float, E_prime: float, length: float) -> LineScales:
@@ -212,7 +149,7 @@ def line_impact_scales(R: float, mass: float, speed: float, E_prime: float, leng
     Examples
     --------
     >>> scales = line_impact_scales(R=0.01, mass=0.3, speed=1.0, E_prime=226e9, length=0.02)
-    >>> f"{scales.a:.6g} m, {scales.p_h:.7g} Pa, {scales.length_ratio:.5g}"
+    >>> f"{scales.a:.6g} m, {scales.p_h:.7g} Pa, {scales.hertz.reach:.5g}"
     '0.000283978 m, 1.604475e+09 Pa, 70.428'
     """
     require_positive(R=R, mass=mass, speed=speed, E_prime=E_prime, length=length)
@@ -220,7 +157,7 @@ def line_impact_scales(R: float, mass: float, speed: float, E_prime: float, leng
     for _ in range(ROUNDS):
         b = (8 * R**2 * mass * speed**2 / (pi * E_prime * length * inertia)) ** 0.25
         inertia = max(HertzLine(length / b).inertia, 0.125)  # a length of some b, which a case does not allow
-    return LineScales(R, E_prime, b, E_prime * b / (4 * R), b**2 / (R * speed), length=length)
+    return LineScales(R, E_prime, b, E_prime * b / (4 * R), b**2 / (R * speed), HertzLine(length / b))
 
 
 def line_rolling_scales(R: float, load: float, mean_speed: float, E_prime: float, length: float) -> LineScales:
@@ -230,4 +167,4 @@ def line_rolling_scales(R: float, load: float, mean_speed: float, E_prime: float
     """
     require_positive(R=R, load=load, mean_speed=mean_speed, E_prime=E_prime, length=length)
     b = sqrt(8 * load / length * R / (pi * E_prime))
-    return LineScales(R, E_prime, b, E_prime * b / (4 * R), b / mean_speed, length=length)
+    return LineScales(R, E_prime, b, E_prime * b / (4 * R), b / mean_speed, HertzLine(length / b))

@@ -26,7 +26,7 @@ from ertel.physics import units
 from ertel.physics.fluidity import Fluidity, NewtonianOil
 from ertel.physics.motion import Track
 from ertel.physics.registry import DENSITY_LAWS, FLUIDITY_LAWS, OIL_LAWS, VISCOSITY_LAWS, OfAnyOil, Registry, arrays_of
-from ertel.physics.units import Amount, Meaning, explained, in_si, marks, plain
+from ertel.physics.units import Amount, Meaning, explained, fields_in_si, plain
 
 Array = Any  # a NumPy or JAX array of any shape, or a float
 
@@ -311,13 +311,8 @@ class Oil:
     def __post_init__(self) -> None:
         for name, laws in OIL_LAWS.items():
             _check_law(name, getattr(self, name), laws)
-        for name, mark in marks(Oil).items():
-            value = getattr(self, name)
-            if value is not None and not name.startswith("layer"):  # an amount, which the case checks
-                try:
-                    object.__setattr__(self, name, in_si(value, mark))
-                except ValueError as error:
-                    raise ValueError(f"{name} = {repr(value)[:60]}: {error}") from error
+        given = {name: value for name, value in vars(self).items() if not name.startswith("layer")}
+        vars(self).update(fields_in_si(Oil, given))  # a layer is an amount, which the case checks
 
     def track(self, slide_to_roll: float) -> Track | None:
         """The oil that both surfaces bring along, (u1 h1 + u2 h2)/u_m; None if flooded."""

@@ -26,7 +26,7 @@ from dataclasses import dataclass
 from math import cbrt, cos, inf, pi, radians, sin, sqrt
 from typing import NamedTuple
 
-from ertel.physics.dry_contact import FREE_BALL_INERTIA, HertzEllipse, hertz_ellipse
+from ertel.physics.dry_contact import CIRCULAR, DryContact, HertzEllipse, hertz_ellipse
 from ertel.physics.units import require_not_negative, require_positive
 
 ISOVISCOUS_FILM = 0.3135  # H_c / sqrt(lambda_bar) at the maximum of an isoviscous impact (computed)
@@ -46,8 +46,8 @@ class Parameters:
         Speed parameter 12 eta0 R^2/(t0 a^2 p_h), eqs. (8), (12).  Above zero.
     alpha_bar : float
         Pressure-viscosity coefficient times Hertz pressure, alpha p_h.  Zero means isoviscous.
-    radius_ratio : float
-        D = R_x/R_y, from 1/100 to 100; 1 for a circular contact.
+    hertz : HertzEllipse or HertzLine
+        The constants of the dry contact, and with them D = R_x/R_y; left out: those of a circle.
 
     Examples
     --------
@@ -58,36 +58,34 @@ class Parameters:
 
     lambda_bar: float
     alpha_bar: float
-    radius_ratio: float = 1.0
+    hertz: DryContact = CIRCULAR
 
     def __post_init__(self) -> None:
         require_positive(lambda_bar=self.lambda_bar)
         require_not_negative(alpha_bar=self.alpha_bar)
-        hertz_ellipse(self.radius_ratio)  # raises where it is out of range
 
     @classmethod
-    def from_moes(cls, M: float, L: float, radius_ratio: float = 1.0) -> "Parameters":
+    def from_moes(cls, M: float, L: float, hertz: DryContact = CIRCULAR) -> "Parameters":
         """Parameters from Moes' load parameter M > 0 and lubricant parameter L >= 0."""
         require_positive(M=M)
         require_not_negative(L=L)
-        e = hertz_ellipse(radius_ratio)
-        M_BH, L_BH = M * _fourth_root(e.beta) * e.kappa, L / _fourth_root(e.beta) ** 3
-        return cls(cbrt(128 * pi**3 / (3 * M_BH)) / M_BH, L_BH / pi * cbrt(1.5 * M_BH), radius_ratio)
+        M_BH, L_BH = M * _fourth_root(hertz.beta) * hertz.kappa, L / _fourth_root(hertz.beta) ** 3
+        return cls(cbrt(128 * pi**3 / (3 * M_BH)) / M_BH, L_BH / pi * cbrt(1.5 * M_BH), hertz)
 
     @property
-    def ellipse(self) -> HertzEllipse:
-        """The constants of the dry contact."""
-        return hertz_ellipse(self.radius_ratio)
+    def radius_ratio(self) -> float:
+        """D = R_x/R_y; 1 for a circular contact, 0 for a line."""
+        return self.hertz.radius_ratio
 
     @property
     def M(self) -> float:
         """Moes' load parameter, of a circle M_BH."""
-        return self.M_BH / (_fourth_root(self.ellipse.beta) * self.ellipse.kappa)
+        return self.M_BH / (_fourth_root(self.hertz.beta) * self.hertz.kappa)
 
     @property
     def L(self) -> float:
         """Moes' lubricant parameter, of a circle L_BH."""
-        return self.L_BH * _fourth_root(self.ellipse.beta) ** 3
+        return self.L_BH * _fourth_root(self.hertz.beta) ** 3
 
     @property
     def M_BH(self) -> float:
@@ -105,7 +103,7 @@ class Parameters:
 
         For a ball m v0/(6 pi eta0 R^2) = 16/(15 lambda_bar); for an ellipse R^2 is 2 (R_x R_y)^{3/2}/(R_x + R_y).
         """
-        D, e = self.radius_ratio, self.ellipse
+        D, e = self.radius_ratio, self.hertz
         return 16 / (15 * self.lambda_bar) * e.approach / e.kappa * (1 + D) * sqrt(D) / 2
 
     @property
@@ -137,7 +135,7 @@ class Parameters:
     def at(self, load: float, speed: float, curvature: float = 1.0) -> "Parameters":
         """The parameters under a load w in F*, at a speed U in a/t0, of a radius R/c; all three above zero."""
         U = speed * curvature  # over R
-        return Parameters.from_moes(self.M * load * curvature**2 * U**-0.75, self.L * U**0.25, self.radius_ratio)
+        return Parameters.from_moes(self.M * load * curvature**2 * U**-0.75, self.L * U**0.25, self.hertz)
 
     def nabla2(self, wavelength: float) -> float:
         """Operating parameter of amplitude reduction, eq. (16): wavelength sqrt(M_BH/L_BH), wavelength in units a.
@@ -160,8 +158,8 @@ class Scales:
         Units of X, Y (m) and of P (Pa): Hertz contact radius and pressure.
     t0 : float
         Unit of T (s).
-    radius_ratio : float
-        D = R_x/R_y, from 1/100 to 100; 1 for a circular contact.
+    hertz : HertzEllipse or HertzLine
+        The constants of the dry contact; left out: those of a circle.
     """
 
     R: float
@@ -169,21 +167,17 @@ class Scales:
     a: float
     p_h: float
     t0: float
-    radius_ratio: float = 1.0
+    hertz: DryContact = CIRCULAR
+
+    parameters = Parameters
 
     def __post_init__(self) -> None:
-        require_positive(**vars(self))
-        hertz_ellipse(self.radius_ratio)  # raises where it is out of range
-
-    @property
-    def ellipse(self) -> HertzEllipse:
-        """The constants of the dry contact."""
-        return hertz_ellipse(self.radius_ratio)
+        require_positive(R=self.R, E_prime=self.E_prime, a=self.a, p_h=self.p_h, t0=self.t0)
 
     @property
     def a_y(self) -> float:
-        """Half width (m) of the Hertz contact along its axis y; that along x is a."""
-        return self.a / self.ellipse.kappa
+        """Half width (m) of the Hertz contact along its axis y, or half the length of a line; that along x is a."""
+        return self.a * self.hertz.wide
 
     @property
     def film(self) -> float:
@@ -208,22 +202,22 @@ class Scales:
     @property
     def approach(self) -> float:
         """The Hertz approach delta* (m)."""
-        return self.ellipse.approach * self.film
+        return self.hertz.approach * self.film
 
     @property
     def area(self) -> float:
-        """Unit of an area of the surface (m^2): a^2."""
-        return self.a**2
+        """Unit of an area of the surface (m^2): a^2; of a line contact b over the whole length."""
+        return self.a**2 * self.hertz.across
 
     @property
     def force(self) -> float:
-        """Unit of the double integral of P (N): a^2 p_h."""
-        return self.a**2 * self.p_h
+        """Unit of the double integral of P (N): area p_h."""
+        return self.area * self.p_h
 
     @property
     def load(self) -> float:
-        """Unit of the load F (N): the Hertz load F* = (2 pi/3) a a_y p_h."""
-        return self.ellipse.load * self.a**2 * self.p_h
+        """Unit of the load F (N): the Hertz load F* = (2 pi/3) a a_y p_h, of a line (pi/2) b length p_h."""
+        return self.hertz.load * self.area * self.p_h
 
     @property
     def speed(self) -> float:
@@ -237,8 +231,8 @@ class Scales:
 
     @property
     def oil(self) -> float:
-        """Unit of an amount of oil (m^3 at ambient pressure): a^2 film."""
-        return self.a**2 * self.film
+        """Unit of an amount of oil (m^3 at ambient pressure): area film."""
+        return self.area * self.film
 
     @property
     def oil_flow(self) -> float:
@@ -265,18 +259,14 @@ class Scales:
         """Hamrock and Dowson's load parameter F*/(E' R^2)."""
         return self.load / (self.E_prime * self.R**2)
 
-    def parameters_of(self, lambda_bar: float, alpha_bar: float) -> Parameters:
-        """The dimensionless parameters of a contact of this shape."""
-        return Parameters(lambda_bar, alpha_bar, self.radius_ratio)
-
     @property
     def ball_mass(self) -> float:
-        """Mass (kg) of the body whose dry impact has these scales: m v0^2/2 = (2/5) F* delta*."""
-        return FREE_BALL_INERTIA * self.ellipse.approach * self.load * self.t0**2 / self.film
+        """Mass (kg) of the body whose dry impact has these scales."""
+        return self.hertz.inertia * self.load * self.t0**2 / self.film
 
 
 def _hertz_scales(R: float, E_prime: float, a: float, t0: float, e: HertzEllipse) -> Scales:
-    return Scales(R, E_prime, a, E_prime * a / (pi * e.beta * R), t0, e.radius_ratio)
+    return Scales(R, E_prime, a, E_prime * a / (pi * e.beta * R), t0, e)
 
 
 def impact_scales(R: float, mass: float, speed: float, E_prime: float, radius_ratio: float = 1.0) -> Scales:
@@ -317,7 +307,7 @@ def parameters(scales: Scales, eta0: float, alpha: float) -> Parameters:
     require_positive(eta0=eta0)
     require_not_negative(alpha=alpha)
     lambda_bar = 12 * eta0 * scales.R**2 / (scales.t0 * scales.a**2 * scales.p_h)
-    return scales.parameters_of(lambda_bar, alpha * scales.p_h)
+    return scales.parameters(lambda_bar, alpha * scales.p_h, scales.hertz)
 
 
 class HamrockDowson(NamedTuple):

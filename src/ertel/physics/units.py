@@ -274,6 +274,20 @@ def in_si(value: Any, mark: Mark) -> float:
     return float(value)
 
 
+def fields_in_si(record: Any, given: Mapping[str, Any]) -> dict[str, Any]:
+    """The values of a record (a class) by name, those of fields with a mark in SI: numbers, or texts with a unit.
+
+    Raises ValueError for the first that cannot be, with its name.
+    """
+    values, kinds = dict(given), marks(record)
+    for name in kinds.keys() & {name for name, value in given.items() if value is not None}:
+        try:
+            values[name] = in_si(given[name], kinds[name])
+        except ValueError as error:
+            raise ValueError(f"{name} = {repr(given[name])[:60]}: {error}") from error
+    return values
+
+
 def si_numbers(given: Any, unit: Unit, written: str = "") -> Any:
     """Numbers in SI: plain ones, in the unit that is written, or a quantity of pint, which has its own.
 

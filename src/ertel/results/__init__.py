@@ -1,1 +1,1 @@
-"""Results of a run: variables, Dataset, provenance, summary, diagnostics, measurements, fronts and waves."""
+"""Results of a run: variables, Dataset, provenance, summary, diagnostics, measurements and fronts."""

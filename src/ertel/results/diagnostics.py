@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ertel.case import estimates
 from ertel.case.case import Case
 from ertel.case.height_map import Measured
 from ertel.case.methods import as_written, of_kind
@@ -16,7 +15,6 @@ from ertel.case.spaces import FRONT_POSITION
 from ertel.case.status import Status
 from ertel.numerics.grid import Extrapolation, allowed_nodes, on_grids
 from ertel.physics.line_scales import LineScales
-from ertel.physics.lubricant import Barus
 from ertel.physics.surfaces import CELLS_IN_WAVE, CELLS_KEPT, has_waves
 from ertel.physics.thermal import AT_REST, AT_REST_ON_A_LINE, INLET_FACTORS, SLOWEST, slow_excess
 from ertel.results.balances import UNCERTAIN_MOMENTUM, Balances, needed_half_width, share_outside, uncertain_momentum
@@ -35,14 +33,12 @@ OUTSIDE_SHARE = 0.25  # of the load of a rolling contact that the oil outside th
 SHORT_LINE = 20.0  # half widths: below, the ends of a line contact count
 LARGE_ERROR = 0.1  # of a film: its estimated discretisation error from which it is said to be uncertain
 LARGE_IMBALANCE = 0.01  # of a balance, from which there is a warning
-LARGEST_TRACTION = 0.15  # coefficient: more than traction fluids reach
 MEANING = {  # of an imbalance
     "mass": "oil is gained or lost on the grid",
     "momentum": "the motion of the ball and the load differ",
     "energy": "the dissipation is uncertain by more than that",
 }
 LARGE_CONTACT = 0.3  # a/R, up to which the parabola is within a few per cent of a sphere
-BARUS_PRESSURE = 0.7e9  # Pa, above which the Barus law says nothing about traction
 CLEARLY_THINNER = 0.95  # phi_T below which the error of the inlet formula is said
 
 
@@ -97,31 +93,6 @@ def balance_warnings(case: Case, balances: Balances) -> list[str]:
     ]
 
 
-def friction_warnings(case: Case, coefficient: float) -> list[str]:
-    """Warnings where shear stress and traction are not meaningful; an empty list if they are.  The film hardly changes.
-
-    coefficient: the largest traction coefficient of the run.
-    """
-    if case.scales is None:
-        return []
-    p, mu = estimates.largest_pressure(case), abs(coefficient)
-    if isinstance(case.oil.viscosity_law, Barus) and p > BARUS_PRESSURE and (mu or not case.oil.is_newtonian):
-        return [
-            f'lubricant.viscosity = "barus": greatly overestimates the viscosity above {BARUS_PRESSURE / 1e9:g} GPa, '
-            f"and this contact has {p / 1e9:.2g} GPa: shear stress and traction are not meaningful; "
-            'use "roelands", or a modulus or the Doolittle law with measured constants'
-        ]
-    if mu <= LARGEST_TRACTION:
-        return []
-    remedy = "check lubricant.rheology, or give it a limiting stress"
-    if case.oil.is_newtonian:
-        remedy = 'give lubricant.rheology, for example { law = "ree-eyring", tau0 = "5 MPa" }'
-    return [
-        f"the traction coefficient {mu:.2g} is larger than that of any oil (about 0.1): shear stress and traction "
-        f"are not meaningful; {remedy}"
-    ]
-
-
 def _closing(case: Case, name: str) -> str:
     """The remedy for an imbalance: a finer grid, unless it is an integral over time only, and shorter steps."""
     grid = _use(2 * case.solver.nodes - 1)
@@ -152,7 +123,7 @@ def sweep_length(case: Case, speed: float = 0.0) -> float:
     p = case.parameters
     if not case.starts_apart:
         return float((max(p.alpha_bar, SWEEP_ALPHA_BAR) * p.lambda_bar * abs(speed)) ** 0.5)
-    viscous = p.lambda_bar * p.ellipse.front_speed(FRONT_POSITION)
+    viscous = p.lambda_bar * p.hertz.front_speed(FRONT_POSITION)
     return float(max(np.sqrt(p.alpha_bar * viscous), ISOVISCOUS_SWEEP * viscous**0.4))
 
 

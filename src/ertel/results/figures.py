@@ -11,19 +11,16 @@ if TYPE_CHECKING:
     import xarray as xr
 
 MADE_BY = "ertel, with Matplotlib"  # in the files of pictures and movies: who drew them
-FIGURES_IN_TIME = (
-    "overview", "film", "pressure", "asperities", "oil", "maps", "profiles", "history", "friction", "front",
-    "spacetime", "stress",
-)  # fmt: skip
-FIGURES_STEADY = (
-    "overview", "film", "pressure", "asperities", "oil", "maps", "midlines", "convergence", "friction",
-    "temperature", "stress",
-)  # fmt: skip
 FIGURES_OF_MAPS = ("film", "pressure", "asperities", "oil", "maps")  # which a line contact does not have
+FIGURES_IN_TIME = ("overview", *FIGURES_OF_MAPS, "profiles", "history", "friction", "front", "spacetime", "stress")
+FIGURES_STEADY = ("overview", *FIGURES_OF_MAPS, "midlines", "convergence", "friction", "temperature", "stress")
 
 
 def is_line(about: Mapping[str, Any]) -> bool:
-    """Whether a summary, or the attributes of a Dataset, are those of a line contact."""
+    """Whether a run is one of a line contact.
+
+    about: its summary, or the attributes of its Dataset; they have no radius_ratio of a circle.
+    """
     return about.get("radius_ratio") == 0
 
 

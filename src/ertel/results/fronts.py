@@ -1,27 +1,19 @@
 """The contact front of an impact, and the film that it leaves behind."""
 
-from collections.abc import Callable, Mapping
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from ertel.physics import film_formulas
-from ertel.physics.line_films import expected_line_film
-from ertel.physics.line_scales import LineParameters
-from ertel.physics.scales import Parameters
-from ertel.results.figures import is_line
 from ertel.results.parameters import geometry_of
 from ertel.results.profiles import events_of
 
 Values = NDArray[np.float64]
-FrontDefinition = Literal["film", "slope", "half-hertz"]
 
 SMALLEST_FRONT = 0.1  # a*: before, there is a bell of pressure and no contact yet
 LOADED_FRONT = 0.02  # of the maximum pressure: where there is less, the film is only a gap
 FRONT_WINDOW = 0.06  # delta*/v0 to both sides: window of the parabola that gives the speed of the front
-SPEED_EXPONENT = 0.67  # of the film in the speed: Hamrock and Dowson's, and the paper's
 
 
 def at_max_approach(data: xr.Dataset) -> xr.Dataset:
@@ -54,7 +46,7 @@ class Front(NamedTuple):
         return np.interp(self.passed(X), self.T, self.speed)
 
 
-def front(data: xr.Dataset, by: FrontDefinition = "film") -> Front:
+def front(data: xr.Dataset, places: tuple[Values, Values] | None = None) -> Front:
     """Position and speed of the front of an impact up to maximum approach.
 
     The speed is that of a parabola for A^2, which behaves as Delta, fitted to the neighbours in time.
@@ -62,13 +54,10 @@ def front(data: xr.Dataset, by: FrontDefinition = "film") -> Front:
     Parameters
     ----------
     data : xarray.Dataset
-        An impact, radial, of a line contact, or in the plane (there the front along Y = 0 is found).
-    by : {"film", "slope", "half-hertz"}
-        Definition of the front.  "film": the place of the minimum film thickness, at every step.  "slope": where the
-        pressure falls most steeply outwards, on every map.  "half-hertz": from the place where the pressure is half of
-        the Hertz maximum at the same approach, sqrt(Delta), of a line contact under the same load, sqrt(F), as the
-        Hertz pressure is at sqrt(3)/2 of its radius; on every map.  The definitions on maps need an interval (`Output`)
-        of 0.05 t0 or less.
+        An impact, radial, of a line contact, or in the plane.
+    places : pair of arrays (n,), optional
+        Times and positions of the front by a definition of one's own, nan where there is none; left out: the place of
+        the minimum film thickness, at every step.
 
     Raises
     ------
@@ -76,13 +65,13 @@ def front(data: xr.Dataset, by: FrontDefinition = "film") -> Front:
         If there are too few times, for example because too few maps were kept.
     """
     turning = float(at_max_approach(data)["frame"]) if "frame" in data.dims else float(data["frame"])
-    T, A = _front_by_film(data) if by == "film" else _front_by_pressure(data, _FALLS[by])
+    T, A = places or _front_by_film(data)
     advancing = (T <= turning) & np.isfinite(A) & (A > SMALLEST_FRONT)
     T, A = T[advancing], A[advancing]
     first = int(np.argmin(A)) if len(A) else 0  # before, the pressure only gathers
     T, A = T[first:], A[first:]
     if len(T) < 4:
-        raise ValueError(f'dataset: has too few times to see its front by "{by}"; keep maps more often')
+        raise ValueError("dataset: has too few times to see its front; keep maps more often")
     window = FRONT_WINDOW * geometry_of(data.attrs).dry_approach(1.0)
     squares, rates = np.transpose([_parabola(T, A**2, t, window) for t in T])
     radius = np.sqrt(squares)
@@ -99,141 +88,8 @@ def distance_of_minimum(data: xr.Dataset) -> Values:
     return np.hypot(data["X_min"].values, data["Y_min"].values if "Y_min" in data else 0.0)
 
 
-def _front_by_pressure(data: xr.Dataset, fall: Callable[[Values, Values, float], float]) -> tuple[Values, Values]:
-    if "frame" not in data.dims:
-        raise ValueError('dataset: has one map only; by = "film" needs none')
-    T = data["frame"].values
-    squares = np.interp(T, data["time"].values, data["F" if is_line(data.attrs) else "Delta"].values)
-    r, P = _outwards(data["P"])
-    return T, np.array([fall(r, *each) for each in zip(P, np.sqrt(np.maximum(squares, 0.0)), strict=True)])
-
-
-def _outwards(field: xr.DataArray) -> tuple[Values, Values]:
-    """Radius (n,) and field (..., n) along a radius: of a 2-D run and a line contact X >= 0, there on Y = 0."""
-    if "r" in field.dims:
-        return np.asarray(field["r"].values), np.asarray(field.values)
-    middle = field.sel(Y=0.0, method="nearest") if "Y" in field.dims else field
-    half = middle.isel(X=field["X"].values >= 0)
-    return np.asarray(half["X"].values), np.asarray(half.values)
-
-
-def _steepest_fall(r: Values, P: Values, highest: float) -> float:
-    slope, middle = np.diff(P) / np.diff(r), (r[1:] + r[:-1]) / 2
-    i = int(np.argmin(slope))
-    if i in (0, len(slope) - 1):
-        return np.nan
-    (a, b), (c, d) = np.diff(middle[i - 1 : i + 2]), np.diff(slope[i - 1 : i + 2])  # of the parabola through three
-    curvature, rise = (d / b - c / a) / (a + b), c / a
-    return float(middle[i - 1] + a / 2 - rise / (2 * curvature)) if curvature else float(middle[i])
-
-
-def _half_hertz(r: Values, P: Values, highest: float) -> float:
-    half = highest / 2
-    above = np.flatnonzero(P > half)
-    if half == 0.0 or above.size == 0 or above[-1] == len(r) - 1:
-        return np.nan
-    i = int(above[-1])
-    place = np.interp(half, P[[i + 1, i]], r[[i + 1, i]])
-    return float(place * 2 / np.sqrt(3))
-
-
-_FALLS: Mapping[str, Callable[[Values, Values, float], float]] = {"slope": _steepest_fall, "half-hertz": _half_hertz}
-
-
 def _parabola(T: Values, values: Values, t: float, window: float) -> tuple[float, float]:
     """Value and rate at t of a parabola fitted to at least five neighbours of t in time."""
     near = np.argsort(np.abs(T - t))[: max(5, int(np.count_nonzero(np.abs(T - t) <= window)))]
     _, rate, value = np.polyfit(T[near] - t, values[near], min(2, len(near) - 1))
     return float(value), float(rate)
-
-
-def fit_half_base(T: ArrayLike, A: ArrayLike, smallest: float = 0.5) -> float:
-    """Half base t* of the paper's parabola A = sqrt(1 - T^2/t*^2), eq. (22), by least squares of A^2.
-
-    Parameters
-    ----------
-    T, A : array_like, shape (n,)
-        Time from the maximum, in any unit, and contact radius as a share of its maximum.
-    smallest : float
-        Only points with A > smallest are used.
-    """
-    T, A = np.asarray(T, dtype=float), np.asarray(A, dtype=float)
-    squares = T[A > smallest] ** 2
-    return float(np.sqrt(squares @ squares / (squares @ (1 - A[A > smallest] ** 2))))
-
-
-class Trace(NamedTuple):
-    """Film thickness H at X (a*) at maximum approach (a*^2/R), and the speed of the front when it passed X."""
-
-    X: Values
-    H: Values
-    speed: Values
-
-
-def film_behind_front(data: xr.Dataset, front: Front, X: ArrayLike) -> Trace:
-    """Film thickness at maximum approach and the speed of the front that left it.
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-        An impact, or its map at maximum approach.
-    front : Front
-        Its front, see `front`.
-    X : array_like, shape (n,)
-        Places (a*); those that the front did not pass are left out of the result.
-    """
-    X = np.asarray(X, dtype=float)
-    r, H = _outwards((at_max_approach(data) if "frame" in data.dims else data)["H"])
-    speed = front.speed_at(X)
-    passed = np.isfinite(speed)
-    return Trace(X[passed], np.interp(X[passed], r, H), speed[passed])
-
-
-def fit_power(trace: Trace, exponent: float = SPEED_EXPONENT) -> float:
-    """Coefficient C of H = C v^exponent by least squares of the logarithms; the paper: 0.75 < X < 0.95 (Fig. 4)."""
-    return float(np.exp(np.mean(np.log(trace.H / trace.speed**exponent))))
-
-
-def film_from_speed(
-    parameters: Parameters,
-    speed: ArrayLike,
-    A: ArrayLike = 1.0,
-    formula: Callable[[float, float], float] | None = None,
-) -> Values:
-    """Film thickness (a*^2/R) of a steady formula for rolling where the front passed at `speed`; nothing is fitted.
-
-    The front entrains oil as rolling at u_m = da/dt: lambda_bar -> lambda_bar v.  With A, the radius of the
-    contact at that time, the Hertz radius and pressure are those of that time too: lambda_bar v/A^4, alpha_bar A, and
-    the film scales back with A^2.
-
-    Parameters
-    ----------
-    parameters : Parameters
-        Those of the impact.
-    speed, A : array_like
-        Speed of the front (a*/t0) and radius of the contact (a*), of shapes that broadcast.
-    formula : callable
-        Film thickness in a^2/R from M and L; left out, that of Nijenbanning, Venner and Moes, of a line contact Moes'.
-    """
-
-    def at(v: float, radius: float) -> float:
-        local = type(parameters)(parameters.lambda_bar * v / radius**4, parameters.alpha_bar * radius)
-        if formula is None and isinstance(local, LineParameters):
-            return expected_line_film(local) * radius**2
-        return (formula or film_formulas.nijenbanning_venner_moes)(local.M, local.L) * radius**2
-
-    return np.asarray(np.vectorize(at, otypes=[float])(speed, A))
-
-
-class Deviation(NamedTuple):
-    """Relative deviation of a prediction from the truth: mean (with its sign), root mean square, maximum."""
-
-    mean: float
-    rms: float
-    worst: float
-
-
-def deviation(predicted: ArrayLike, true: ArrayLike) -> Deviation:
-    """Relative deviation of a prediction from the truth, both of shape (n,)."""
-    off = np.asarray(predicted, dtype=float) / np.asarray(true, dtype=float) - 1
-    return Deviation(float(off.mean()), float(np.sqrt(np.mean(off**2))), float(np.abs(off).max()))

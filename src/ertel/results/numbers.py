@@ -167,9 +167,8 @@ def scales_in(summary: Outcome) -> Scales | None:
     si = summary.get("si")
     if si is None:
         return None
-    radius_ratio = summary.get("radius_ratio", 1.0)
-    sizes = si["R_m"], si["E_prime_Pa"], si["a_m"], si["p_h_Pa"], si["t0_s"]
-    return Scales(*sizes, radius_ratio) if radius_ratio else LineScales(*sizes, length=2 * si["a_y_m"])
+    hertz, scales = geometry_of(summary).hertz, LineScales if is_line(summary) else Scales
+    return scales(si["R_m"], si["E_prime_Pa"], si["a_m"], si["p_h_Pa"], si["t0_s"], hertz)
 
 
 def moment(summary: Outcome) -> str:
@@ -281,7 +280,6 @@ def pairs(first: Outcome, second: Outcome) -> list[dict[str, Any]]:
 
 # -- as text -----------------------------------------------------------------------------------------------------------
 
-HEAD = ("quantity", "symbol", "value", "in SI", "error")
 DOTS_PER_INCH = 80  # of a picture in a notebook
 
 
@@ -356,17 +354,6 @@ def _stress_line(summary: Outcome) -> Iterator[str]:
     shear = f"largest shear stress {shown['shear_max']}, {shown['Z_shear']} deep"
     when = " at maximum approach" * (summary["kind"] == "impact")
     yield f"largest von Mises stress in body 1{when}: {shown['von_mises_max']}{ratio}, {where}; {shear}"
-
-
-def html_table(summary: Outcome, heading: str = "") -> str:
-    """The key numbers as an HTML table with the columns that are known, and the warnings below."""
-    parts = [f"{heading}{escape(_conditions(summary))}: {escape(summary['status'])}; {escape(moment(summary))}"]
-    rows = [(n.about.long_name, n.about.symbol, n.text, n.text_in_si, n.text_of_error) for n in key_numbers(summary)]
-    columns = [column for column in zip(HEAD, *rows, strict=True) if any(column[1:])]
-    parts += [html_columns(columns)] if columns else []
-    parts += [f"<div>{escape(line)}</div>" for line in more_lines(summary)]
-    parts += [f"<div>Warning: {escape(warning)}</div>" for warning in summary["warnings"]]
-    return f"<div>{''.join(parts)}</div>"
 
 
 def aligned(columns: Sequence[Sequence[str]], left: int = 0) -> Iterator[str]:

@@ -27,8 +27,8 @@ def parameters_of(case: Case) -> dict[str, float]:
     if p.radius_ratio == 1.0:
         return parameters
     if isinstance(p, LineParameters):
-        return {**parameters, "radius_ratio": 0.0, "length_ratio": p.length_ratio}
-    shape = {"radius_ratio": p.radius_ratio, "kappa": p.ellipse.kappa, "entrainment_angle": case.contact.angle}
+        return {**parameters, "radius_ratio": 0.0, "length_ratio": p.hertz.reach}
+    shape = {"radius_ratio": p.radius_ratio, "kappa": p.hertz.kappa, "entrainment_angle": case.contact.angle}
     return {**parameters, **shape, "M_BH": p.M_BH, "L_BH": p.L_BH}
 
 
@@ -52,7 +52,7 @@ def _fall_in_si(p: Parameters, s: Scales) -> dict[str, float]:
     """The expected contact time, mass and films of an impact."""
     least, most = p.impact_films
     return {
-        "contact_time_s": p.ellipse.contact_time * s.t0,
+        "contact_time_s": p.hertz.contact_time * s.t0,
         "mass_kg": s.ball_mass,
         "trapped_film_m": p.trapped_film * s.film,
         "h_c_least_m": least * s.film,
@@ -80,7 +80,7 @@ def scale_values(case: Case) -> dict[str, float]:
     s = case.scales
     if s is None:
         return {}
-    across = {} if s.radius_ratio == 1.0 else {"a_y_m": s.a_y}
+    across = {} if s.hertz.radius_ratio == 1.0 else {"a_y_m": s.a_y}
     named = {"R_m": s.R, "E_prime_Pa": s.E_prime, "a_m": s.a, **across, "p_h_Pa": s.p_h, "delta_m": s.approach}
     speed = {"v0_m_per_s": s.speed} if case.starts_apart else {"u_m_m_per_s": s.front_speed}
     return named | {"F_N": s.load, "t0_s": s.t0} | speed
@@ -131,13 +131,10 @@ def formula_films(case: Case, load: float = 1.0, entrainment: float = 1.0, curva
     if case.starts_apart or load <= 0 or speed == 0:
         return []
     at, (size, pressure) = case.parameters.at(load, speed, curvature), case.geometry.grown(load, curvature)
-    ugw = _ugw(case, case.scales) if case.scales else None
-    if isinstance(at, LineParameters):
-        ugw = ugw and HamrockDowson(ugw.U * speed * curvature, ugw.G, ugw.W * load * curvature)
-        formulas = line_films.line_films(at, case.lubricant, ugw)
-    else:
-        ugw = ugw and HamrockDowson(ugw.U * speed * curvature, ugw.G, ugw.W * load * curvature**2)
-        formulas = film_formulas.films(at, ugw, case.contact.angle)
+    ugw, is_line = _ugw(case, case.scales) if case.scales else None, case.geometry.is_line
+    ugw = ugw and HamrockDowson(ugw.U * speed * curvature, ugw.G, ugw.W * load * curvature ** (1 if is_line else 2))
+    lines = line_films.line_films(at, case.lubricant, ugw) if is_line else None
+    formulas = lines or film_formulas.films(at, ugw, case.contact.angle)
     unit = curvature * size**2  # the formulas' a^2/R is that of the moment
     flooded = [
         film._replace(central=film.central and film.central * unit, minimum=film.minimum and film.minimum * unit)
@@ -145,7 +142,7 @@ def formula_films(case: Case, load: float = 1.0, entrainment: float = 1.0, curva
     ]
     if case.layer is None:
         return flooded
-    oil, is_line = case.layer / float(case.lubricant.density(pressure)), case.geometry.is_line
+    oil = case.layer / float(case.lubricant.density(pressure))
     starved: Callable[[FormulaFilm, float], FormulaFilm] = line_films.starved if is_line else FormulaFilm.starved
     return [*flooded, *(starved(film, oil) for film in flooded if film.central and (film.inside or is_line))]
 

@@ -15,7 +15,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ertel.case.status import Status
 from ertel.physics.units import TIME, Quantity, in_si, si_numbers
 from ertel.results.dataset import with_units
 from ertel.results.figures import is_line, is_steady
@@ -51,10 +50,8 @@ def is_without_moments(dataset: xr.Dataset, at: At) -> bool:
         return False
     if at is not None:
         raise ValueError(f"at = {at!r}: a steady contact has no moments to choose from; leave it out")
-    status = Status(dataset.attrs.get("status", "running"))
-    unsolved = status.failed and not status.is_solved  # earlier versions kept the numbers of such runs
-    if unsolved or np.isnan(dataset["H_c"].values[-1:]).all():
-        raise ValueError(f"dataset: has no solution ({status.value})")
+    if np.isnan(dataset["H_c"].values[-1:]).all():
+        raise ValueError(f"dataset: has no solution ({dataset.attrs.get('status', 'running')})")
     return True
 
 

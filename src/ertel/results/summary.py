@@ -21,11 +21,11 @@ from ertel.numerics.lobatto import Lobatto
 from ertel.physics.motion import first_touch
 from ertel.results import balances, diagnostics
 from ertel.results.dataset import SteadyGrid, names_over
+from ertel.results.friction import film_over_roughness, friction_warnings, touch_warnings
 from ertel.results.numbers import ERRORS
 from ertel.results.parameters import parameters_of, scale_values, values_in_si
 from ertel.results.profiles import moment_of
 from ertel.results.stress import stress_numbers
-from ertel.results.touching import film_over_roughness, touch_warnings
 from ertel.results.variables import (
     COEFFICIENT,
     FILMS,
@@ -137,7 +137,7 @@ def steady_summary(
     else:
         parts = {"budgets": balances.steady(case, record, record["load"] / case.geometry.hertz_load)}
         warnings += diagnostics.balance_warnings(case, parts["budgets"])
-        warnings += diagnostics.friction_warnings(case, record["mu_sliding"])
+        warnings += friction_warnings(case, record["mu_sliding"])
         for name, film in diagnostics.film_errors(case, solutions).items():
             parts |= {f"{name}_error": film.error, f"{name}_extrapolated": film.extrapolated}
         if finest.heat is not None:
@@ -244,7 +244,7 @@ def _over_time(case: Case, data: xr.Dataset, status: Status) -> dict[str, Any]:
 def _account_warnings(case: Case, data: xr.Dataset, over_time: Mapping[str, Any]) -> list[str]:
     """The warnings about the balances and the friction of a run in time."""
     largest = float(np.abs(data["mu_sliding"].values).max(initial=0.0))
-    return diagnostics.balance_warnings(case, over_time["budgets"]) + diagnostics.friction_warnings(case, largest)
+    return [*diagnostics.balance_warnings(case, over_time["budgets"]), *friction_warnings(case, largest)]
 
 
 def _summary(case: Case, content: Mapping[str, Any], status: Status, warnings: list[str]) -> dict[str, Any]:

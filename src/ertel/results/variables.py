@@ -238,11 +238,9 @@ OTHERS = {"history": Variable("maximum residual after each iteration", "res"), "
 
 def _all() -> Iterator[tuple[str, Variable]]:
     """The variables by name; one with heat stands behind the same without."""
-    steps, maps = (
-        {"axis": AXES, "": CASES, "step": STEPS},
-        {"map": MAPS, "heated map": HEATED_MAPS, "across": ACROSS, "other": OTHERS},
-    )
-    for over, part in [*steps.items(), ("grid", GRIDS), ("", RUNS), *maps.items()]:
+    runs = [("axis", AXES), ("", CASES), ("step", STEPS), ("grid", GRIDS), ("", RUNS)]
+    maps = [("map", MAPS), ("heated map", HEATED_MAPS), ("across", ACROSS), ("other", OTHERS)]
+    for over, part in (*runs, *maps):
         for name, variable in part.items():
             si_name = (variable.si_name or name.lower()) if variable.scale else ""
             yield name, replace(variable, over=over, si_name=si_name)

@@ -310,9 +310,8 @@ class AppendedData:
 
     def restore(self, path: Path, checkpoint: Mapping[str, Any], result: Any) -> None:
         root = read_root(path, self.advice)
-        new, stored = self._run.dataset([], [], None).variables, _metadata(root)
-        if any(name not in stored or _plain(stored[name]["attributes"]) != _plain(new[name].attrs) for name in new):
-            raise StoreError(f"{path.parent}: was left unfinished by an earlier version of ertel; {self.advice}")
+        if not {*self._run.dataset([], [], None).variables} <= {*_metadata(root)}:
+            raise StoreError(f"{path.parent}: was left unfinished by another version of ertel; {self.advice}")
         present = rows_of(root)
         written: Sequence[int] = checkpoint[WRITTEN].tolist() if checkpoint else [0] * len(present)
         rows = dict(zip(present, written, strict=True))
@@ -324,11 +323,6 @@ class AppendedData:
         root = {**with_rows(root, rows), "attributes": {**attributes, "status": Status.RUNNING.value}}
         write_root(path, root)
         delete_uncounted(path, root)
-
-
-def _plain(attributes: Mapping[str, Any]) -> bool:
-    """Whether a variable has its values in SI; coefficients of friction had units a/R in earlier versions."""
-    return bool(attributes.get("si_factor", 1.0) == 1.0)
 
 
 class ReplacedData:

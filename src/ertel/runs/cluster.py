@@ -157,26 +157,19 @@ class Cluster:
         self._client = client
 
     def outcomes(self, tasks: Sequence[Task], should_stop: Condition = never) -> Iterator[tuple[str, Any]]:
-        """See `Workers`.  Of tasks that need the same programs one goes ahead, so that not all compile the same.
+        """See `Workers`.
 
         Warns where no worker comes.  A stop requested meanwhile ends the wait: waiting tasks yield nothing.
         """
-        alike: dict[str, list[Task]] = {}
-        for task in tasks:
-            alike.setdefault(task.program or task.name, []).append(task)
-        ready = [first for first, *_ in alike.values()]
-        waiting = {first.name: (first.has_compiled, others) for first, *others in alike.values() if others}
         left, call, patience = {task.name for task in tasks}, uuid4().hex, time.monotonic() + PATIENCE
-        done = as_completed(loop=self._client.loop)
         names: dict[Future[Any], str] = {}
         try:
+            for task in tasks:
+                content = performed, task.function, task.arguments, own_sources()
+                key = f"ertel-{call}-{task.name}"  # another study may hold the same case on this scheduler
+                names[self._client.submit(*content, key=key, retries=RETRIES, pure=False)] = task.name
+            done = as_completed(names, loop=self._client.loop)
             while left and not self._is_lost:
-                for task in ready:
-                    content = performed, task.function, task.arguments, own_sources()
-                    key = f"ertel-{call}-{task.name}"  # another study may hold the same case on this scheduler
-                    future = self._client.submit(*content, key=key, retries=RETRIES, pure=False)
-                    names[future] = task.name
-                    done.add(future)
                 if should_stop() and not self._has_workers():
                     return
                 ended = done.next_batch(block=False)
@@ -189,8 +182,6 @@ class Cluster:
                     patience = time.monotonic() + PATIENCE if self._has_workers() else inf
                     if patience == inf:  # once
                         warnings.warn(NO_WORKERS, RuntimeWarning, stacklevel=2)
-                free = [name for name, (compiled, _) in waiting.items() if name not in left or compiled()]
-                ready = [task for name in free for task in waiting.pop(name)[1]]
             yield from ((name, LOST) for name in left)
         finally:
             if not self._is_lost:

@@ -47,10 +47,8 @@ from ertel.case.case import Case
 from ertel.case.conditions import Kind
 from ertel.case.status import Status
 from ertel.inputs.case_files import ConfigError, parse_case, read_toml, to_toml
-from ertel.results.earlier import as_now, from_touch
 from ertel.results.figures import FIGURES_IN_TIME, FIGURES_STEADY, MADE_BY
 from ertel.results.numbers import Number, lines, scalars
-from ertel.results.variables import TOUCH, with_clock
 from ertel.runs.files import LOCK, StoreError, content_of, is_locked, reading, replace, sync_directory, unsealed, within
 
 if TYPE_CHECKING:  # it brings JAX, which readers do not need
@@ -169,26 +167,13 @@ def read_summary(directory: Path) -> dict[str, Any] | None:
     if not lexists(path):
         return None
     with reading(path, "it is written again when the run is continued"):
-        summary = as_now(unsealed(content_of(path)))
+        summary = unsealed(content_of(path))
         Status(summary["status"])
         if summary["kind"] not in get_args(Kind):
             raise ValueError(f"kind = {summary['kind']!r} is neither impact nor rolling")
         if not all(isinstance(text, str) for text in (*lines(summary), *summary["warnings"])):
             raise ValueError("a warning is not a text")
-        if summary["kind"] == "impact" and "si" in summary and TOUCH not in summary:
-            summary = from_touch(summary, _touch(directory))
     return summary
-
-
-def _touch(directory: Path) -> float:
-    """T of the first touch of an impact, from its data as pictures take it; where they are damaged from its case."""
-    from ertel.runs import arrays  # slow to import, and only earlier versions stored no T_touch
-
-    with suppress(Exception):
-        data = with_clock(arrays.open_data(arrays.present(directory / DATA), True))
-        if isfinite(touch := float(data["time"].attrs["si_zero"])):  # a lost chunk is read as NaN
-            return touch
-    return -read_case(directory).schedule.start_approach
 
 
 # -- the file `stop` --------------------------------------------------------------------------------------------------

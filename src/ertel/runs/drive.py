@@ -11,7 +11,7 @@ import time as clock
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from importlib.util import find_spec
 from math import inf
 from typing import Any
@@ -43,10 +43,6 @@ Observer = Callable[[Any], object]
 
 
 # -- steady -----------------------------------------------------------------------------------------------------------
-
-COUNTED = ("approach", "residual", "newton", "krylov", "convolutions", "outside")  # the plain numbers of a GridSolution
-FIELDS = ("P", "H", "history")
-OPTIONAL = ("kinked", "P_asperity", "share", "theta", "T")  # fields that only some films have
 
 
 @dataclass(frozen=True)
@@ -90,23 +86,23 @@ class SteadyRun:
         return Progress(None, len(result.solutions), (grid.nodes / self.case.solver.nodes) ** 2, message)
 
     def to_arrays(self, result: GridStep) -> dict[str, NDArray[Any]]:
-        solutions = result.solutions
-        arrays = {name: np.array([getattr(s, name) for s in solutions]) for name in COUNTED}
-        arrays["grid_status"] = np.array([s.status.value for s in solutions])
-        arrays["status"] = np.asarray(result.status.value)
-        for i, s in enumerate(solutions):
-            arrays |= {f"{name}_{i}": np.asarray(getattr(s, name)) for name in FIELDS}
-            arrays |= {f"{n}_{i}": np.asarray(v) for n in OPTIONAL if (v := getattr(s, n)) is not None}
-        return arrays
+        """The fields of the solutions beside case and grid, by name and number of the grid."""
+        arrays: dict[str, Any] = {"status": result.status.value}
+        for i, s in enumerate(result.solutions):
+            stored = {field.name: getattr(s, field.name) for field in fields(s) if field.name not in ("case", "grid")}
+            stored["status"] = s.status.value
+            arrays |= {f"{name}_{i}": value for name, value in stored.items() if value is not None}
+        return {name: np.asarray(value) for name, value in arrays.items()}
 
     def from_arrays(self, arrays: Arrays) -> GridStep:
-        solutions = []
-        for i, status in enumerate(arrays["grid_status"].tolist()):
-            stored = {name: arrays[name][i].item() for name in COUNTED}
-            stored |= {name: jax.device_put(arrays[f"{name}_{i}"]) for name in ("P", "H")}
-            stored |= {"history": tuple(arrays[f"history_{i}"].tolist()), "status": Status(status)}
-            stored |= {n: arrays[f"{n}_{i}"] for n in OPTIONAL if f"{n}_{i}" in arrays}
-            solutions.append(self.solver.restored(i, stored))
+        solutions: list[Any] = []
+        while f"status_{len(solutions)}" in arrays:
+            end = f"_{len(solutions)}"
+            there = {name.removesuffix(end): value for name, value in arrays.items() if name.endswith(end)}
+            stored: dict[str, Any] = {name: value if value.ndim else value.item() for name, value in there.items()}
+            stored |= {"status": Status(stored["status"]), "history": tuple(stored["history"].tolist())}
+            stored |= {name: jax.device_put(stored[name]) for name in ("P", "H")}
+            solutions.append(self.solver.restored(len(solutions), stored))
         return GridStep(tuple(solutions), Status(str(arrays["status"])))
 
     def dataset(self, records: Sequence[Mapping[str, float]], frames: Sequence[Frame], last: GridStep) -> xr.Dataset:
@@ -214,6 +210,31 @@ def simulate(case: CaseLike, progress: bool = False, observers: Sequence[Observe
         result = result_of(run, [watch(shown, run), *observers])
     warn([sentence for sentence in result.warnings if sentence not in before])
     return result
+
+
+# -- compiling ahead --------------------------------------------------------------------------------
+
+
+STEPS = 4  # the first three have histories of different length
+
+
+@double_precision()
+def warm_up(case: Case) -> None:
+    """Compile what a run of the case needs.
+
+    A steady case is run to its end, a run in time for a few steps.
+    """
+    run: Any = run_of(case)
+    steps = iter(range(STEPS))
+
+    def enough(result: Any) -> bool:
+        if case.is_steady or next(steps, None) is not None:
+            return False
+        run.method.measure(result.state.levels[0])  # as at the moments of which maps are kept
+        run.method.friction(result.state.levels[0])
+        return True
+
+    result_of(run, [enough])
 
 
 def warn(sentences: Sequence[str], frames: int = 2) -> None:

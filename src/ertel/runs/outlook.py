@@ -23,6 +23,7 @@ from ertel.physics.motion import Track
 from ertel.physics.surfaces import CELLS_KEPT
 from ertel.physics.units import plain
 from ertel.results import diagnostics
+from ertel.results.friction import friction_warnings
 from ertel.results.numbers import numbers
 from ertel.results.parameters import formula_films, parameter_summary, regime, rheology_of
 from ertel.results.variables import names_where, with_prefix
@@ -67,7 +68,7 @@ def outlook(case: Case) -> dict[str, Any]:
     shortage = memory_shortage(case) if 0 < available < needed else ""
     some = 1e-9 if case.motion.slides else 0.0  # of friction it is enough to know whether the surfaces slide
     resolution = diagnostics.resolution(case, case.motion.entrainment(0.0))
-    sentences = [shortage, *resolution, *warnings_of(case), *diagnostics.friction_warnings(case, some)]
+    sentences = [shortage, *resolution, *warnings_of(case), *friction_warnings(case, some)]
     return {
         "name": case.name,
         "kind": case.kind,
@@ -194,10 +195,8 @@ def with_case_warnings(case: Case, summary: Mapping[str, Any]) -> dict[str, Any]
     minimum = numbers(summary).get("H_min")
     computed = minimum.value * minimum.factor if minimum and minimum.factor is not None else None
     stress = (summary.get("si") or {}).get("von_mises_max_Pa")
-    yielding = (
-        next((each.strength for each in _materials((case.contact.E1, case.contact.nu1))), None) if stress else None
-    )
-    ratio = {"yield_ratio": stress / yielding.data.yield_stress} if yielding else {}
+    hard = next(_materials((case.contact.E1, case.contact.nu1)), None) if stress else None
+    ratio = {"yield_ratio": stress / hard.strength.data.yield_stress} if hard else {}
     return {**summary, **ratio, "warnings": [*beyond(case, computed), *summary["warnings"]]}
 
 

@@ -18,7 +18,7 @@ from ertel.physics.units import plain
 from ertel.results.alignment import Comparison
 from ertel.results.figures import FIGURES_IN_TIME, FIGURES_STEADY, figures_of, is_line
 from ertel.results.measurements import Measurement
-from ertel.results.numbers import Number, html_image, html_table, lines, numbers, plus_minus, values_of
+from ertel.results.numbers import Number, html_image, lines, numbers, plus_minus, values_of
 from ertel.results.profiles import At, moment_of, profile
 from ertel.results.stress import stress
 from ertel.results.variables import prefixed, to_si
@@ -58,41 +58,11 @@ class Plot:
         return "Plot: " + ", ".join(f"{name}()" for name in self._names())
 
 
-@xr.register_dataset_accessor("ertel")  # type: ignore[no-untyped-call]
-class RunAccessor:
-    """Pictures and SI values of a run that xarray alone has opened: `dataset.ertel.plot` and `.si()`.
-
-    >>> import xarray as xr
-    >>> from ertel import accessor  # registers it, as does all that makes or opens a run
-    >>> run = xr.open_zarr("runs/ball/run.zarr")  # doctest: +SKIP
-    >>> run.ertel.plot.film(at="max-approach")  # doctest: +SKIP
-    >>> run.ertel.si()["h_c"]  # doctest: +SKIP
-    """
-
-    def __init__(self, dataset: xr.Dataset):
-        self._dataset = dataset
-
-    @property
-    def plot(self) -> Plot:
-        """The pictures of the run: `dataset.ertel.plot.film(at="max-approach")`, ..."""
-        return Plot(self._dataset)
-
-    def si(self) -> xr.Dataset:
-        """The Dataset in SI units under SI names (h_c for H_c, t for time).  Raises ValueError if dimensionless."""
-        return to_si(self._dataset)
-
-    def __repr__(self) -> str:
-        return f"{self.plot}; also si()"
-
-
 class Summary(dict[str, Any]):
     """A summary: a plain dict with all results; its text shows only the key numbers."""
 
     def __repr__(self) -> str:
         return "\n".join([f"Summary: {self['status']}", *lines(self)])
-
-    def _repr_html_(self) -> str:
-        return html_table(self)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -222,10 +192,8 @@ class Result:
             return lambda_ratio(minimum.in_si.value, *(_sigma(sigma) for sigma in given))
         own = _rms(self.case)
         if not own:
-            what = (
-                "the roughness of the case has no rms" if self.case.features else "the surfaces of the case are smooth"
-            )
-            raise ValueError(f"sigma_1: missing; {what}")
+            why = "the roughness of the case has no rms" if self.case.features else "the surfaces are smooth"
+            raise ValueError(f"sigma_1: missing; {why}")
         data = self.dataset[["H", "P"]]
         data = data if self.case.is_steady else data.isel(frame=moment_of(self.dataset).frame)
         return lambda_ratio(self.summary.get("phi_T", 1.0) * float(np.average(data["H"], weights=data["P"])), *own)
@@ -251,8 +219,7 @@ class Result:
         return "\n".join([f"Result: {title}{self.status.value}", *lines(self.summary), *stored])
 
     def _repr_html_(self) -> str:
-        heading = f"<b>{escape(self.case.name)}</b> " if self.case.name else ""
-        return html_table(self.summary, heading) + html_image(self.plot.overview, "overview")
+        return f"<pre>{escape(repr(self))}</pre>{html_image(self.plot.overview, 'overview')}"
 
 
 # -- in one line -------------------------------------------------------------------------------------------------------

@@ -24,7 +24,6 @@ from ertel.case.status import Status
 from ertel.inputs.case_files import CaseLike, as_case, path_of
 from ertel.numerics.programs import double_precision
 from ertel.results.dataset import Frame
-from ertel.results.earlier import one_number
 from ertel.results.numbers import differences
 from ertel.results.summary import attributes
 from ertel.runs import arrays, files
@@ -229,7 +228,7 @@ class RunStore:
 
     def dataset(self) -> xr.Dataset:
         """The run as far as it has been written.  Raises Damaged."""
-        return one_number(arrays.read(self._data, self._advice))
+        return arrays.read(self._data, self._advice)
 
     def summary(self) -> dict[str, Any] | None:
         """The summary as it is stored, None where there is none yet.  Raises Damaged."""

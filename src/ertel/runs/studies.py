@@ -20,7 +20,6 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
-from functools import partial
 from itertools import islice
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -36,7 +35,6 @@ from ertel.numerics.programs import double_precision
 from ertel.results.convergence import with_limits
 from ertel.results.numbers import scalars
 from ertel.results.study_table import MISSING, StudyRun, grouped, study_dataset
-from ertel.runs.ahead import STEPS, program_of
 from ertel.runs.compile import check_jax
 from ertel.runs.directory import CASE, PROGRESS, STOP, Taken, heeding_stop, is_asked_to_stop, read_progress, status_of
 from ertel.runs.drive import bars
@@ -254,26 +252,15 @@ def run_study(
 
         stop = StopSignal(file, should_stop)
         try:
-            for digest, outcome in workers.outcomes([_task_of(case, directory, stop) for case in left.values()], stop):
+            places = {digest: str(run_directory(directory, case)) for digest, case in left.items()}
+            tasks = [Task(n, run_case, (places[n], case.to_data(), case.maps, stop)) for n, case in left.items()]
+            for digest, outcome in workers.outcomes(tasks, stop):
                 status = f"{FAILED}{outcome.reason}" if isinstance(outcome, Failure) else str(outcome)
                 statuses[digest] = status
                 study_bars.done(digest, status)
         finally:
             file.unlink(missing_ok=True)
     return statuses
-
-
-def _task_of(case: Case, directory: Path, stop: Condition) -> Task:
-    """The task that brings the run of a case to its end."""
-    path = run_directory(directory, case)
-    arguments = str(path), case.to_data(), case.maps, stop
-    return Task(case.digest, run_case, arguments, program_of(case), partial(has_compiled, case, path))
-
-
-def has_compiled(case: Case, directory: Path) -> bool:
-    """Say whether the run in a directory has all its programs while it goes on; each steady grid has its own."""
-    progress = None if case.is_steady else read_progress(directory)
-    return progress is not None and progress["status"] == Status.RUNNING.value and progress["step"] > STEPS
 
 
 @double_precision()

@@ -30,9 +30,9 @@ from ertel.numerics.programs import double_precision
 from ertel.physics.units import marks
 from ertel.results import diagnostics
 from ertel.results.dataset import provenance
+from ertel.results.friction import film_over_roughness, friction_warnings, touch_warnings
 from ertel.results.study_table import DONE, StudyRun, grouped, study_dataset
 from ertel.results.summary import heat_numbers
-from ertel.results.touching import film_over_roughness, touch_warnings
 from ertel.results.variables import names_where, with_coefficients
 from ertel.runs import studies
 from ertel.runs.compile import check_jax
@@ -320,7 +320,7 @@ def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyR
         warnings += diagnostics.thermal_warnings(case, warm)
         status = status if warm.converged else Status.NEWTON_STALLED
     if status.ok:
-        warnings += diagnostics.friction_warnings(case, values["mu_sliding"])
+        warnings += friction_warnings(case, values["mu_sliding"])
         warnings += touch_warnings(case, values)
     return StudyRun(point_numbers(case, values) if status.ok else {}, warnings, status.value, directory)
 

@@ -24,18 +24,11 @@ def never() -> bool:
 
 @dataclass(frozen=True)
 class Task:
-    """One run of a function with its arguments.
-
-    name: unique among the tasks.  program: tasks of the same one need the same compiled programs; "" for one that
-    shares none.  has_compiled: whether these programs are there, asked in the process that waits for the task, while
-    the task runs.
-    """
+    """One run of a function with its arguments.  name: unique among the tasks."""
 
     name: str
     function: Callable[..., Any]
     arguments: tuple[Any, ...] = ()
-    program: str = ""
-    has_compiled: Condition = never
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline, RectBivariateSpline
 from scipy.optimize import least_squares
 
-from ertel.physics.scales import Parameters
+from ertel import Parameters
 
 Values = NDArray[np.float64]
 
@@ -67,7 +67,7 @@ def local_nabla2(parameters: Parameters, wavelength: float, speed: ArrayLike, A:
     """Operating parameter nabla2 of eq. (16) with the speed of the front when it passed.
 
     lambda_bar -> lambda_bar v makes it the global one, `Parameters.nabla2`, over sqrt(v).  With A, the radius of the
-    contact at that time, the Hertz radius and pressure are those of that time too, as in `film_from_speed`:
+    contact at that time, the Hertz radius and pressure are those of that time too, as in `theory.film_from_speed`:
     lambda_bar v/A^4, alpha_bar A, wavelength/A, which makes sqrt(A/v) of 1/sqrt(v).
 
     Parameters
