@@ -101,7 +101,9 @@ def compare(
     if second.is_file():
         if second.suffix in (".toml", ".json", ".npz"):  # of cases and runs
             leave(BAD_INPUT, f"{shown(second)} is not a file of columns; for a run give its directory")
-        compare_measured(first, measurement_in(second, given, along=along), plot, as_json, overwrite, named)
+        with bad_input():
+            measurement = measurement_in(second, given, along=along)
+        compare_measured(first, measurement, plot, as_json, overwrite, named)
         return
     wrong = [name for name, each in {**vars(given), "along": along != "x"}.items() if each]
     if wrong and second.is_dir():

@@ -1,6 +1,7 @@
 """Measurements and pages: what `ertel compare` does with a file, `ertel fringes` and `ertel report`."""
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -9,23 +10,45 @@ from ertel.apps.arguments import Measured, Overwrite, option, path_argument, pat
 from ertel.apps.terminal import BAD_INPUT, bad_input, leave, local_path, placing, print_json, print_path, say, shown
 
 if TYPE_CHECKING:  # it takes long to import
+    import xarray as xr
+
+    from ertel.results.alignment import Comparison
     from ertel.results.measurements import Measurement
 
 PAGE_HELP = "The file, pdf, png or svg by its ending; default DIR/report.pdf."
 
 
 def measurement_in(file: Path, given: Measured, light: str = "mono", along: str = "x") -> "Measurement":
-    """The measurement in a file.  light: of an intensity."""
+    """The measurement in a file.  light: of an intensity.  Raises ValueError."""
     from ertel.inputs.fits import interferometer
     from ertel.results.measurements import READ, Measurement
 
     units: dict[str, Any] = dict(each.partition("=")[::2] for each in given.column or [])
     if wrong := sorted(units.keys() & {*READ, "optics"}):
-        leave(BAD_INPUT, f"--column {wrong[0]}: must be a place, a time or a quantity, such as x=um or h=nm")
-    with bad_input():
-        rig = interferometer(light, given.wavelength, given.coatings, given.index)
-        names = (given.align or "").replace(",", " ").split()
-        return Measurement.read(file, at=given.at, along=along, align=names, optics=rig, index=given.index, **units)
+        raise ValueError(f"--column {wrong[0]}: must be a place, a time or a quantity, such as x=um or h=nm")
+    rig = interferometer(light, given.wavelength, given.coatings, given.index)
+    names = (given.align or "").replace(",", " ").split()
+    return Measurement.read(file, at=given.at, along=along, align=names, optics=rig, index=given.index, **units)
+
+
+def beside(directory: Path, measurement: "Measurement") -> tuple["xr.Dataset", "Comparison"]:
+    """A measurement beside a run, or a curve beside a study, and the data of these; it needs no JAX.
+
+    Raises ValueError where the directory holds something else, or the run does not have the quantity.
+    """
+    from ertel.runs.arrays import open_data, present
+    from ertel.runs.directory import DATA, is_run, read_case, read_summary
+    from ertel.runs.fit_result import open_study
+
+    result: Any = None
+    if measurement.kind == "curve":
+        result = open_study(directory)
+    elif is_run(directory):
+        data, summary = open_data(present(directory / DATA), consolidated=True), read_summary(directory)
+        result = SimpleNamespace(dataset=data, summary=summary, case=read_case(directory))
+    else:
+        raise ValueError(f"{measurement.name}: is a {measurement.kind}; compare it with a run")
+    return result.dataset, measurement.compared(result)
 
 
 def compare_measured(

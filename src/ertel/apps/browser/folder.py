@@ -22,6 +22,7 @@ from ertel.runs.files import content_of, is_locked
 RUNS = "runs"  # where `ertel run` puts a run, too
 # the commands that do the study of a file, and the section by which it is one; they put it into fits/ and sweeps/
 STUDIES = {"fit": "unknowns", "sweep": "sweep"}
+OF_COLUMNS = (".csv", ".txt", ".tsv", ".dat", ".asc")  # endings of files with measurements
 TO_DO = {"missing", "interrupted", "running", "unfinished"}  # in the table of a sweep
 MOST_FOLDERS = 1000  # that are looked into
 MOST = 300  # runs that are listed
@@ -82,6 +83,10 @@ class Folder:
         """The case files at the top of the folder, by name."""
         return [file for file, command in self._files().items() if not command]
 
+    def measurements(self) -> list[Path]:
+        """The files of columns at the top of the folder, by name."""
+        return sorted(path for path in self.root.iterdir() if path.suffix.lower() in OF_COLUMNS and self._is_ours(path))
+
     def studies(self) -> list[Path]:
         """The directories of studies, by name; one whose file is here may not exist yet."""
         runs = find_runs(self.root, MOST_FOLDERS)
@@ -130,6 +135,15 @@ class Folder:
                     with file.open("x", encoding="utf-8") as opened:
                         opened.write(text)
                     return file, run
+        raise AssertionError("there is always a next number")
+
+    def add(self, name: str, content: bytes) -> Path:
+        """Write a new file of this name, or NAME-2, ... before its ending; its path."""
+        path = Path(name)
+        for free in numbered(self.root / path.stem):
+            with suppress(FileExistsError), (file := free.with_name(free.name + path.suffix)).open("xb") as opened:
+                opened.write(content)
+                return file
         raise AssertionError("there is always a next number")
 
 

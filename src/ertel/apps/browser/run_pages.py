@@ -9,15 +9,14 @@ from nicegui import ui
 
 from ertel.apps.browser.canvas import Canvas, Slider
 from ertel.apps.browser.folder import summary_of
-from ertel.apps.browser.pictures import FIGURES, INTERFEROGRAM, PlotRequest, RunInfo, stamp_of
+from ertel.apps.browser.pictures import CHOICES, FIGURES, INTERFEROGRAM, MOVIE, PlotRequest, RunInfo, stamp_of
 from ertel.apps.browser.processes import Phase
-from ertel.apps.browser.site import Site, WatchedPage, address_of, show_line, show_notes, show_number, told
+from ertel.apps.browser.site import Site, WatchedPage, address_of, sentence, show_line, show_notes, show_number, told
 from ertel.case.status import Status
-from ertel.results.numbers import key_numbers
+from ertel.results.numbers import key_numbers, more_lines
 from ertel.runs.directory import CASE, SUMMARY
 from ertel.runs.files import content_of
 
-LIGHTS = {"mono": "green light, 532 nm", "two-beam": "two beams", "white": "white light"}
 LIVE = 3.0  # seconds between two live pictures, at least
 NARROW = {"film": "Film", "pressure": "Pressure"}  # figures of one panel, that stand beside each other
 WIDE = {name: FIGURES[name][0] for name in ("profiles", "history", "friction", INTERFEROGRAM)}  # one above the other
@@ -44,9 +43,10 @@ class RunPage(WatchedPage):
                 self._tabs = ui.tabs(on_change=self._show)
                 self._tabs.props("no-caps dense inline-label align=left narrow-indicator")
                 ui.space()
-                self._light = ui.select(LIGHTS, value="mono", on_change=self._show).mark("light")
-                self._light.props("dense borderless options-dense")
-                self._light.bind_visibility_from(self._tabs, "value", value=INTERFEROGRAM)
+                self._choices = {figure: ui.select(dict(of), value=next(iter(of))) for figure, of in CHOICES.items()}
+                for figure, choice in self._choices.items():
+                    choice.props("dense borderless options-dense").mark(f"choice-{figure}")
+                    choice.bind_visibility_from(self._tabs, "value", value=figure).on_value_change(self._show)
             self._canvas = Canvas(site.worker)
             self._slider = Slider(self._show)
         with ui.element("div").classes("notes"):
@@ -66,6 +66,7 @@ class RunPage(WatchedPage):
         with ui.button(icon="more_vert").props("flat round aria-label='More'"), ui.menu():
             ui.menu_item("New case from this one", lambda: ui.navigate.to(new))
             ui.menu_item("Compare with another run", lambda: ui.navigate.to(compare))
+            ui.menu_item("Compare with a measurement", lambda: ui.navigate.to(address_of("/measured", run=self.name)))
             ui.menu_item("Delete", lambda: self.site.ask_to_delete(self.path)).mark("delete-run")
 
     # -- asked for ----------------------------------------------------------------------------------------------------
@@ -74,7 +75,7 @@ class RunPage(WatchedPage):
         request = self._request(kind, dots=200)
         with told():
             picture = await self.site.worker.draw(request)
-            ui.download.content(picture.content, f"{self.path.name}-{request.figure}.{kind}")
+            ui.download.content(picture.content, f"{self.path.name}-{request.figure}.{request.kind}")
 
     def _download_file(self, name: str, ending: str) -> None:
         with told(f"{name} cannot be read; it is written when the run begins or ends: "):
@@ -134,13 +135,15 @@ class RunPage(WatchedPage):
     def _show(self) -> None:
         """Show the picture that is chosen."""
         if self._info.figures and self._tabs.value:
-            request = self._request()
-            self._canvas.show(request, [replace(request, at=self._slider.at(map_)) for map_ in self._slider.ahead])
+            request, ahead = self._request(), self._slider.ahead if self._tabs.value != MOVIE else ()
+            self._canvas.show(request, [replace(request, at=self._slider.at(map_)) for map_ in ahead])
 
     def _request(self, kind: str = "png", dots: int = 130) -> PlotRequest:
-        light = self._light.value if self._tabs.value == INTERFEROGRAM else "mono"
         figure = self._tabs.value or "overview"
-        return PlotRequest(self.path, figure, self._slider.at(self._slider.index), light, kind, dots, self._stamp)
+        choice = self._choices[figure].value if figure in CHOICES else ""
+        if figure == MOVIE:
+            return PlotRequest(self.path, figure, None, choice, "webp", 0, self._stamp)
+        return PlotRequest(self.path, figure, self._slider.at(self._slider.index), choice, kind, dots, self._stamp)
 
     @ui.refreshable_method
     def _show_numbers(self) -> None:
@@ -155,7 +158,11 @@ class RunPage(WatchedPage):
 
     @ui.refreshable_method
     def _show_warnings(self) -> None:
-        show_notes((summary_of(self.path) or {}).get("warnings", []))
+        """The rest of the summary in sentences, temperatures and stresses among them, and the warnings."""
+        summary = summary_of(self.path)
+        for line in more_lines(summary) if summary else ():
+            ui.label(sentence(line)).classes("more")
+        show_notes(summary["warnings"] if summary else [])
 
 
 # -- two runs ----------------------------------------------------------------------------------------------------------

@@ -66,7 +66,8 @@ class Site:
             found = self.worker.kept.get(f"{PICTURES}/{name}")
             if found is None:
                 return Response("no such picture", 404)
-            return Response(found.content, media_type="image/png", headers={"Cache-Control": "max-age=600"})
+            kind = f"image/{name.rpartition('.')[2]}"
+            return Response(found.content, media_type=kind, headers={"Cache-Control": "max-age=600"})
 
     def entries(self) -> list[Entry]:
         """The runs of the folder, those that go on first, then the latest."""
