@@ -31,16 +31,15 @@ import json
 import os
 import re
 import shutil
-import time
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from itertools import chain, count
 from math import inf, isfinite
 from os.path import lexists
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, get_args
+from typing import Any, get_args
 from uuid import uuid4
 
 from ertel.case.case import Case
@@ -49,17 +48,28 @@ from ertel.case.status import Status
 from ertel.inputs.case_files import ConfigError, parse_case, read_toml, to_toml
 from ertel.results.earlier import as_now, from_touch
 from ertel.results.figures import FIGURES_IN_TIME, FIGURES_STEADY, MADE_BY
-from ertel.results.numbers import Number, lines, scalars
+from ertel.results.numbers import lines
 from ertel.results.variables import TOUCH, with_clock
-from ertel.runs.files import LOCK, StoreError, content_of, is_locked, reading, replace, sync_directory, unsealed, within
-
-if TYPE_CHECKING:  # it brings JAX, which readers do not need
-    from ertel.runs.drive import Run
+from ertel.runs.files import (
+    LOCK,
+    StoreError,
+    content_of,
+    is_locked,
+    locked,
+    reading,
+    replace,
+    require_no_links,
+    sync_directory,
+    unsealed,
+    within,
+)
 
 CASE, DATA, CHECKPOINT, SUMMARY = "case.toml", "run.zarr", "checkpoint.npz", "summary.json"
 PROGRESS, STOP = "progress.json", "stop"
 OCCUPIED = (errno.ENOTEMPTY, errno.EEXIST, errno.ENOTDIR, errno.EISDIR)  # why a directory cannot be moved to a name
-INTERVAL = 1.0  # s between two versions of progress.json
+RUNS = "runs"  # the directory with the runs of a study, and where `ertel run` puts one
+KINDS = "sweep", "traction", "convergence", "fit"  # of studies, by the names of the files with their numbers
+DIGEST = re.compile(r"[0-9a-f]{16}")
 DEEPEST = 4  # levels of folders that are looked into for runs
 LARGEST_PROCESS = 2**31  # numbers of processes are below it
 
@@ -124,7 +134,7 @@ _RUN = (
     rf"run\.zarr(\.old|\.partial)?/(\w+/)?{_ZARR}|plots/{_FIGURE}\.(png|svg|pdf|gif|webp|mp4)|"
     r"export/(history\.csv|grids\.csv|run\.nc|maps\.pvd|maps_\d+\.vti|profile_[xy](_[\w.-]+)?\.csv)"
 )
-_STUDY = r"(sweep|traction|fit|convergence)"
+_STUDY = rf"({'|'.join(KINDS)})"
 WRITTEN = re.compile(
     rf"{_RUN}|runs/\.?[0-9a-f]{{16}}(-[0-9a-f]{{8}})?/({_RUN})|"
     rf"(\.{_STUDY}-\w{{8}}/)?{_STUDY}\.(csv|png|zarr/([\w.-]+/)?{_ZARR})"
@@ -225,54 +235,6 @@ def _forget_stop(directory: Path) -> None:
 # -- the file progress.json -------------------------------------------------------------------------------------------
 
 
-class ProgressFile:
-    """An observer that keeps the progress of a run in its directory.
-
-    A process that was killed left "running" behind, and this one has no result yet: the run is interrupted until then.
-    """
-
-    def __init__(self, directory: Path, run: "Run"):
-        self._directory, self._run = directory, run
-        before = read_progress(directory)
-        if before and before["status"] == Status.RUNNING.value:
-            write_progress(directory, **{**before, "status": Status.INTERRUPTED.value})
-        self._started = time.monotonic()
-        self._first: tuple[float, float] | None = None  # time and share done at the first result with a record
-        self._written = -INTERVAL
-
-    def __call__(self, result: Any) -> None:
-        """Write the progress, unless it was written a moment ago."""
-        now = time.monotonic()
-        if self._first is None and result.record:
-            self._first = now, self._run.progress(result).done
-        if result.status is not Status.RUNNING or now - self._written >= INTERVAL:
-            self._written = now
-            self.write(result)
-
-    def write(self, result: Any) -> None:
-        """Write the progress."""
-        progress = self._run.progress(result)
-        done = 1.0 if result.status.ok else progress.done
-        write_progress(
-            self._directory,
-            status=result.status.value,
-            T=progress.T,
-            step=progress.step,
-            done=round(done, 4),
-            seconds=round(time.monotonic() - self._started, 1),
-            seconds_left=self._left(result.status, done),
-        )
-
-    def _left(self, status: Status, done: float) -> float | None:
-        """Seconds to the end at the pace since the first result; compiling came before it."""
-        if status is not Status.RUNNING:
-            return 0.0 if status.ok else None
-        if self._first is None or done <= self._first[1]:
-            return None
-        then, share = self._first
-        return round((time.monotonic() - then) * (1.0 - done) / (done - share), 1)
-
-
 def write_progress(directory: Path, **content: Any) -> None:
     """Replace the progress of a run, or of a fit; a disk that refuses it stops neither.
 
@@ -305,30 +267,6 @@ def _is_valid(progress: Mapping[str, Any]) -> bool:
 
 
 # -- the runs in a folder ---------------------------------------------------------------------------------------------
-
-
-class Listed(NamedTuple):
-    """A run directory.
-
-    case: None where it cannot be read.  status: as in the summary; "running", or "unfinished" where no process is at
-    it.  done: the share of the run.  written: when it was last changed.  numbers: those of its summary.
-    """
-
-    directory: Path
-    case: Case | None
-    status: str
-    done: float
-    written: datetime
-    numbers: Mapping[str, Number]
-
-
-def listed(folder: Path) -> list[Listed]:
-    """The runs in a folder and in those below it, in the order of their names; a run directory is itself one.
-
-    Raises OSError where the folder cannot be read; a folder below it that cannot be read is left out.
-    """
-    next(folder.iterdir(), None)
-    return [_listed(directory) for directory in sorted(find_runs(folder))]
 
 
 def find_runs(folder: Path, most_folders: float = inf) -> Iterator[Path]:
@@ -367,17 +305,62 @@ def status_of(directory: Path, summary: Mapping[str, Any] | None) -> str:
     return "running" if is_locked(directory) else summary["status"] if summary else "unfinished"
 
 
-def _listed(directory: Path) -> Listed:
-    files = [directory / name for name in (CASE, PROGRESS, SUMMARY)]
-    changed = max((path.lstat().st_mtime for path in files if lexists(path)), default=0.0)
-    written = datetime.fromtimestamp(changed)
-    try:
-        case, summary = read_case(directory), read_summary(directory)
-        with reading(directory / SUMMARY, ""):
-            numbers = scalars(summary) if summary else {}
-    except (StoreError, OSError):
-        return Listed(directory, None, "damaged", 0.0, written, {})
-    status = status_of(directory, summary)
-    progress = read_progress(directory) or {"done": 0.0}
-    done = 1.0 if summary and Status(summary["status"]).ok else float(progress["done"])
-    return Listed(directory, case, status, done, written, numbers)
+# -- studies and what is removed --------------------------------------------------------------------------------------
+
+
+def study_of(run: Path, root: Path) -> Path | None:
+    """The directory of the study that has a run, which is named by the digest of its case; None of other runs.
+
+    root: a folder, which is not a study itself.
+    """
+    study = run.parent.parent
+    is_in_study = run.parent.name == RUNS and DIGEST.fullmatch(run.name)
+    return study if is_in_study and root in study.parents else None
+
+
+def kind_of(study: Path) -> str:
+    """The kind of a study, one of `KINDS`; empty where it has no numbers yet."""
+    return next((kind for kind in KINDS if (study / f"{kind}.zarr").exists()), "")
+
+
+def remove(place: Path, name: str) -> None:
+    """Delete the directory of a run, or of a study with all its runs.  name: in messages.
+
+    It is moved to a hidden name first, so that it is gone as a whole.  Raises StoreError where a process works on it,
+    and where it holds files that ertel does not write; OSError where the system refuses.
+    """
+    if any(is_locked(each) for each in (place, *find_runs(place))):
+        raise StoreError(f"{name}: is running; stop it before you delete it")
+    if others := others_in(place):
+        pictures = any(Path(other).parent.name == "plots" for other in others)
+        mark = "; ertel plot DIR --overwrite marks the pictures of an earlier version" if pictures else ""
+        raise StoreError(f"{name}: holds other files ({', '.join(sorted(others)[:5])}); move them away first{mark}")
+    hidden = place.with_name(f".{place.name}-{uuid4().hex[:8]}")
+    with locked(place):
+        place.rename(hidden)
+    shutil.rmtree(hidden)
+
+
+def prune(study: Path, kept: Collection[str]) -> tuple[int, list[str]]:
+    """Delete the runs of a study that it no longer has: their number, and why others of them stay.
+
+    kept: the digests of the cases that it has.  A run is a directory with the digest of its case as its name; nothing
+    else is touched, and links are not followed.
+    """
+    require_no_links([study, study / RUNS])
+    removed, left = 0, []
+    for run in _folders_in(study / RUNS):
+        if run.name not in kept and _digest_in(run) == run.name:
+            try:
+                remove(run, f"{RUNS}/{run.name}")
+                removed += 1
+            except (StoreError, OSError) as error:
+                left.append(str(error))
+    return removed, left
+
+
+def _digest_in(run: Path) -> str:
+    """The digest of the case that the data of a run have; empty where there are none."""
+    with suppress(OSError, ValueError, LookupError, TypeError, RecursionError):
+        return str(json.loads(content_of(run / DATA / "zarr.json"))["attributes"]["digest"]) if is_run(run) else ""
+    return ""

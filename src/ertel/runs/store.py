@@ -35,7 +35,6 @@ from ertel.runs.directory import (
     CHECKPOINT,
     DATA,
     SUMMARY,
-    ProgressFile,
     heeding_stop,
     is_asked_to_stop,
     make,
@@ -43,7 +42,7 @@ from ertel.runs.directory import (
     read_case,
     read_summary,
 )
-from ertel.runs.drive import Observer, Run, SteadyRun, StepResult, bars, drive, run_of, warn, watch
+from ertel.runs.drive import Observer, ProgressFile, Run, SteadyRun, StepResult, bars, drive, run_of, warn, watch
 from ertel.runs.files import Damaged, StoreError
 from ertel.runs.outlook import warnings_of, with_case_warnings
 from ertel.runs.result import Result

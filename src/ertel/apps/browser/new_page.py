@@ -10,7 +10,7 @@ import tomli_w
 from nicegui import ui
 
 from ertel.apps.browser import form
-from ertel.apps.browser.folder import OF_COLUMNS, RUNS, command_in
+from ertel.apps.browser.folder import OF_COLUMNS, command_in
 from ertel.apps.browser.form import FOLDED, FURTHER, Form, decides
 from ertel.apps.browser.site import Site, address_of, show_line, show_notes, told
 from ertel.apps.tables import needs
@@ -20,7 +20,7 @@ from ertel.case.rules import plain_name
 from ertel.inputs.case_files import parse_toml, read_text
 from ertel.inputs.templates import about, template
 from ertel.results.variables import with_prefix
-from ertel.runs.directory import CASE
+from ertel.runs.directory import CASE, RUNS
 
 LARGEST_UPLOAD = 200_000  # bytes, each a character of a message, which has at most 1 MB
 UPLOAD = f"""({{target}}) => {{

@@ -88,7 +88,7 @@ class RunInfo:
     t0: float = 0.0
     zero: float = 0.0
     events: dict[str, int] = field(default_factory=dict)
-    latest: tuple[Number, ...] = ()
+    latest: Sequence[Number] = ()
 
 
 @dataclass(frozen=True)
@@ -188,14 +188,12 @@ def run_info(run: Path, stamp: int) -> RunInfo:
     drawn |= {MOVIE} if is_film else set()
     figures = tuple(name for name in FIGURES if name in drawn and (name != "front" or about["kind"] == "impact"))
     there = [name for name in names_where(lambda variable: variable.shown) if name in data and data[name].size]
-    last = {name: float(data[name].values[-1]) for name in there}
-    latest = tuple(number(about["kind"], scales, name, value) for name, value in last.items() if value)
+    latest = [number(about["kind"], scales, name, x) for name in there if (x := float(data[name].values[-1]))]
     if steady:
         return RunInfo(str(about["title"]), figures, latest=latest)
     frames = with_clock(data)["frame"]
-    T = tuple(float(t) for t in frames.values)
     t0, zero = (frames.attrs.get(key, 0.0) for key in ("si_factor", "si_zero"))
-    return RunInfo(str(about["title"]), figures, T, t0, zero, dict(events_of(data)), latest)
+    return RunInfo(str(about["title"]), figures, tuple(frames.values.tolist()), t0, zero, dict(events_of(data)), latest)
 
 
 def draw_picture(request: PlotRequest) -> Picture:

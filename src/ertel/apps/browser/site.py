@@ -14,11 +14,12 @@ from urllib.parse import quote, urlencode
 from fastapi import Response
 from nicegui import app, ui
 
-from ertel.apps.browser.folder import Folder, in_unicode, study_of, summary_of
+from ertel.apps.browser.folder import Folder, about_study, in_unicode, summary_of
 from ertel.apps.browser.pictures import PICTURES, Worker
 from ertel.apps.browser.processes import Phase, Processes, RunStatus
 from ertel.apps.terminal import capital, reason_of
 from ertel.results.numbers import Number
+from ertel.runs.directory import study_of
 
 LOOKS = {"As the system": None, "Light": False, "Dark": True}
 LOOK = "ertel-look"  # the cookie in which the browser keeps one of them
@@ -79,7 +80,8 @@ class Site:
     def studies(self) -> list[Entry]:
         """The studies of the folder, by name."""
         named = {path: self.folder.name_of(path) for path in self.folder.studies()}
-        return [Entry(name, path, self.processes.status(path), "study", "/study") for path, name in named.items()]
+        status = self.processes.status
+        return [Entry(name, path, status(path), about_study(path), "/study") for path, name in named.items()]
 
     def find(self, name: str) -> Path:
         """The directory of a run, which may not be there yet if it was just started.  Raises ValueError."""
@@ -87,8 +89,12 @@ class Site:
         return path if self.processes.knows(path) else self.folder.run(name)
 
     def rows(self, root: str) -> str:
-        """The list of runs and studies in HTML, the same text for all pages.  root: of the addresses of pages."""
-        return sys.intern("".join(_row(entry, root) for entry in (*self.entries(), *self.studies())) or EMPTY)
+        """The list in HTML, the same text for all pages: the runs, then the studies, each of them for all of its runs.
+
+        root: of the addresses of pages.
+        """
+        runs = [entry for entry in self.entries() if not study_of(entry.path, self.folder.root)]
+        return sys.intern("".join(_row(entry, root) for entry in (*runs, *self.studies())) or EMPTY)
 
     def ask_about(self, key: str) -> None:
         """Ask whether a run or a study in the list is to be deleted.  key: see `_row`."""

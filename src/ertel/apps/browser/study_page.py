@@ -14,13 +14,12 @@ from nicegui import ui
 
 from ertel.apps.arguments import Measured
 from ertel.apps.browser.canvas import Canvas
-from ertel.apps.browser.folder import kind_of
 from ertel.apps.browser.form import require_inside
 from ertel.apps.browser.pictures import STUDY, PlotRequest, stamp_of
 from ertel.apps.browser.processes import Phase
 from ertel.apps.browser.site import Site, WatchedPage, address_of, sentence, told
 from ertel.inputs.case_files import read_text, read_toml
-from ertel.runs.directory import is_run
+from ertel.runs.directory import is_run, kind_of
 
 RUN = re.compile(r"<tr><td>(.*?)</td>(.*?)<td>(runs/[0-9a-f]{16})</td></tr>")  # a row of the table of a study
 
