@@ -20,9 +20,9 @@ from ertel.runs import studies as stored
 from ertel.runs import traction as curves
 from ertel.runs.compile import prepare_jax
 from ertel.runs.directory import heeding_stop
-from ertel.runs.directory import prune as pruned
 from ertel.runs.engine import Engine as Engine
 from ertel.runs.fit_problem import FitProblem
+from ertel.runs.store import prune as pruned
 from ertel.runs.study_result import StudyResult
 
 GOES_ON = "the same command continues"

@@ -31,15 +31,16 @@ import json
 import os
 import re
 import shutil
+import time
 from collections import deque
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from itertools import chain, count
 from math import inf, isfinite
 from os.path import lexists
 from pathlib import Path
-from typing import Any, get_args
+from typing import TYPE_CHECKING, Any, get_args
 from uuid import uuid4
 
 from ertel.case.case import Case
@@ -58,11 +59,13 @@ from ertel.runs.files import (
     locked,
     reading,
     replace,
-    require_no_links,
     sync_directory,
     unsealed,
     within,
 )
+
+if TYPE_CHECKING:  # it brings JAX, which readers do not need
+    from ertel.runs.drive import Run
 
 CASE, DATA, CHECKPOINT, SUMMARY = "case.toml", "run.zarr", "checkpoint.npz", "summary.json"
 PROGRESS, STOP = "progress.json", "stop"
@@ -70,6 +73,7 @@ OCCUPIED = (errno.ENOTEMPTY, errno.EEXIST, errno.ENOTDIR, errno.EISDIR)  # why a
 RUNS = "runs"  # the directory with the runs of a study, and where `ertel run` puts one
 KINDS = "sweep", "traction", "convergence", "fit"  # of studies, by the names of the files with their numbers
 DIGEST = re.compile(r"[0-9a-f]{16}")
+INTERVAL = 1.0  # s between two versions of progress.json
 DEEPEST = 4  # levels of folders that are looked into for runs
 LARGEST_PROCESS = 2**31  # numbers of processes are below it
 
@@ -235,6 +239,54 @@ def _forget_stop(directory: Path) -> None:
 # -- the file progress.json -------------------------------------------------------------------------------------------
 
 
+class ProgressFile:
+    """An observer that keeps the progress of a run in its directory.
+
+    A process that was killed left "running" behind, and this one has no result yet: the run is interrupted until then.
+    """
+
+    def __init__(self, directory: Path, run: "Run"):
+        self._directory, self._run = directory, run
+        before = read_progress(directory)
+        if before and before["status"] == Status.RUNNING.value:
+            write_progress(directory, **{**before, "status": Status.INTERRUPTED.value})
+        self._started = time.monotonic()
+        self._first: tuple[float, float] | None = None  # time and share done at the first result with a record
+        self._written = -INTERVAL
+
+    def __call__(self, result: Any) -> None:
+        """Write the progress, unless it was written a moment ago."""
+        now = time.monotonic()
+        if self._first is None and result.record:
+            self._first = now, self._run.progress(result).done
+        if result.status is not Status.RUNNING or now - self._written >= INTERVAL:
+            self._written = now
+            self.write(result)
+
+    def write(self, result: Any) -> None:
+        """Write the progress."""
+        progress = self._run.progress(result)
+        done = 1.0 if result.status.ok else progress.done
+        write_progress(
+            self._directory,
+            status=result.status.value,
+            T=progress.T,
+            step=progress.step,
+            done=round(done, 4),
+            seconds=round(time.monotonic() - self._started, 1),
+            seconds_left=self._left(result.status, done),
+        )
+
+    def _left(self, status: Status, done: float) -> float | None:
+        """Seconds to the end at the pace since the first result; compiling came before it."""
+        if status is not Status.RUNNING:
+            return 0.0 if status.ok else None
+        if self._first is None or done <= self._first[1]:
+            return None
+        then, share = self._first
+        return round((time.monotonic() - then) * (1.0 - done) / (done - share), 1)
+
+
 def write_progress(directory: Path, **content: Any) -> None:
     """Replace the progress of a run, or of a fit; a disk that refuses it stops neither.
 
@@ -281,10 +333,10 @@ def find_runs(folder: Path, most_folders: float = inf) -> Iterator[Path]:
             yield path
         elif levels and looked < most_folders:
             looked += 1
-            waiting.extend((inside, levels - 1) for inside in _folders_in(path))
+            waiting.extend((inside, levels - 1) for inside in folders_in(path))
 
 
-def _folders_in(folder: Path) -> list[Path]:
+def folders_in(folder: Path) -> list[Path]:
     """The folders in a folder, by name, without hidden ones and symbolic links; none where it cannot be read."""
     try:
         with os.scandir(folder) as entries:
@@ -305,7 +357,7 @@ def status_of(directory: Path, summary: Mapping[str, Any] | None) -> str:
     return "running" if is_locked(directory) else summary["status"] if summary else "unfinished"
 
 
-# -- studies and what is removed --------------------------------------------------------------------------------------
+# -- studies, and how they are deleted ---------------------------------------------------------------------------------
 
 
 def study_of(run: Path, root: Path) -> Path | None:
@@ -339,28 +391,3 @@ def remove(place: Path, name: str) -> None:
     with locked(place):
         place.rename(hidden)
     shutil.rmtree(hidden)
-
-
-def prune(study: Path, kept: Collection[str]) -> tuple[int, list[str]]:
-    """Delete the runs of a study that it no longer has: their number, and why others of them stay.
-
-    kept: the digests of the cases that it has.  A run is a directory with the digest of its case as its name; nothing
-    else is touched, and links are not followed.
-    """
-    require_no_links([study, study / RUNS])
-    removed, left = 0, []
-    for run in _folders_in(study / RUNS):
-        if run.name not in kept and _digest_in(run) == run.name:
-            try:
-                remove(run, f"{RUNS}/{run.name}")
-                removed += 1
-            except (StoreError, OSError) as error:
-                left.append(str(error))
-    return removed, left
-
-
-def _digest_in(run: Path) -> str:
-    """The digest of the case that the data of a run have; empty where there are none."""
-    with suppress(OSError, ValueError, LookupError, TypeError, RecursionError):
-        return str(json.loads(content_of(run / DATA / "zarr.json"))["attributes"]["digest"]) if is_run(run) else ""
-    return ""

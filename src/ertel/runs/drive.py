@@ -13,7 +13,6 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import inf
-from pathlib import Path
 from typing import Any
 
 import jax
@@ -35,7 +34,6 @@ from ertel.results.numbers import duration
 from ertel.results.summary import attributes, steady_summary
 from ertel.runs import workers
 from ertel.runs.compile import check_jax, compilations
-from ertel.runs.directory import read_progress, write_progress
 from ertel.runs.outlook import warnings_of, with_case_warnings
 from ertel.runs.result import Result
 from ertel.runs.stepping import Arrays, Progress, Step, TransientRun
@@ -294,54 +292,3 @@ def watch(shown: rich.progress.Progress, run: Run, label: str = "") -> Observer:
             shown.update(bar, completed=now.done, message=now.message)
 
     return show
-
-
-INTERVAL = 1.0  # s between two versions of progress.json
-
-
-class ProgressFile:
-    """An observer that keeps the progress of a run in its directory.
-
-    A process that was killed left "running" behind, and this one has no result yet: the run is interrupted until then.
-    """
-
-    def __init__(self, directory: Path, run: Run):
-        self._directory, self._run = directory, run
-        before = read_progress(directory)
-        if before and before["status"] == Status.RUNNING.value:
-            write_progress(directory, **{**before, "status": Status.INTERRUPTED.value})
-        self._started = clock.monotonic()
-        self._first: tuple[float, float] | None = None  # time and share done at the first result with a record
-        self._written = -INTERVAL
-
-    def __call__(self, result: Any) -> None:
-        """Write the progress, unless it was written a moment ago."""
-        now = clock.monotonic()
-        if self._first is None and result.record:
-            self._first = now, self._run.progress(result).done
-        if result.status is not Status.RUNNING or now - self._written >= INTERVAL:
-            self._written = now
-            self.write(result)
-
-    def write(self, result: Any) -> None:
-        """Write the progress."""
-        progress = self._run.progress(result)
-        done = 1.0 if result.status.ok else progress.done
-        write_progress(
-            self._directory,
-            status=result.status.value,
-            T=progress.T,
-            step=progress.step,
-            done=round(done, 4),
-            seconds=round(clock.monotonic() - self._started, 1),
-            seconds_left=self._left(result.status, done),
-        )
-
-    def _left(self, status: Status, done: float) -> float | None:
-        """Seconds to the end at the pace since the first result; compiling came before it."""
-        if status is not Status.RUNNING:
-            return 0.0 if status.ok else None
-        if self._first is None or done <= self._first[1]:
-            return None
-        then, share = self._first
-        return round((clock.monotonic() - then) * (1.0 - done) / (done - share), 1)

@@ -32,14 +32,14 @@ from ertel.results.study_table import grouped
 from ertel.results.summary import ORDERS
 from ertel.runs import studies
 from ertel.runs.compile import check_jax
-from ertel.runs.directory import CASE, RUNS, prune, read_progress, write_progress
+from ertel.runs.directory import CASE, RUNS, read_progress, write_progress
 from ertel.runs.drive import warn
 from ertel.runs.engine import Engine
 from ertel.runs.files import Damaged, StoreError
 from ertel.runs.fit_problem import FitProblem, Given, fit_problem, under_the_law
 from ertel.runs.fit_result import FitPoint, FitResult, Values, amount, fit_dataset, with_laws
 from ertel.runs.result import Result
-from ertel.runs.store import RunStore
+from ertel.runs.store import RunStore, prune
 from ertel.runs.workers import Condition, Failure, Workers, never
 
 NAME = "fit"  # of the files with the outcome

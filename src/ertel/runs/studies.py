@@ -12,7 +12,7 @@ stop                    made by whoever wants the study to stop, see `directory`
 ======================  =========================================================================================
 
 Nothing else is remembered: what is missing or unfinished in runs/ is done, so that a study can be stopped, killed,
-edited and started again.  Runs that the study no longer has stay, until `directory.prune` deletes them.
+edited and started again.  Runs that the study no longer has stay, until `store.prune` deletes them.
 """
 
 import time

@@ -208,7 +208,8 @@ class Form:
         keys = {*known}
         bodies = [name for name, radii in BODIES.items() if keys >= {f"contact.{radius}" for radius in radii}]
         kind: Any = known.get("contact.kind", "impact")
-        if kind not in OPTIONS["contact.kind"] or known.get("solver.method", "2d") not in METHODS:
+        known = {"solver.method": of_kind(kind)[0].name} | known if kind in OPTIONS["contact.kind"] else {}
+        if known.get("solver.method") not in METHODS:
             raise ValueError("the form needs a kind of contact and a method that there are; see the answer to the text")
         given = {
             **dict.fromkeys(OPTIONS, ""),
@@ -218,7 +219,6 @@ class Form:
             "impact_by": "by-height" if "contact.drop_height" in keys else "by-speed",
             "lubricant.oil": SHEET if "lubricant.oil.nu40" in keys else OWN,
             "thermal": "warm" if "thermal" in data else "",
-            "solver.method": of_kind(kind)[0].name,
             **known,
         }
         form.values = {**given}  # from here on new fields would begin with examples
