@@ -36,18 +36,18 @@ def beside(directory: Path, measurement: "Measurement") -> tuple["xr.Dataset", "
 
     Raises ValueError where the directory holds something else, or the run does not have the quantity.
     """
-    from ertel.runs.arrays import open_data, present
-    from ertel.runs.directory import DATA, is_run, read_case, read_summary
+    from ertel.results.earlier import one_number
+    from ertel.runs.arrays import AppendedData, read
+    from ertel.runs.directory import DATA, is_run, read_case
     from ertel.runs.fit_result import open_study
 
-    result: Any = None
     if measurement.kind == "curve":
-        result = open_study(directory)
+        result: Any = open_study(directory)
     elif is_run(directory):
-        data, summary = open_data(present(directory / DATA), consolidated=True), read_summary(directory)
-        result = SimpleNamespace(dataset=data, summary=summary, case=read_case(directory))
+        data = one_number(read(directory / DATA, AppendedData.advice))
+        result = SimpleNamespace(dataset=data, case=read_case(directory))
     else:
-        raise ValueError(f"{measurement.name}: is a {measurement.kind}; compare it with a run")
+        raise ValueError(f"{shown(directory)}: is not a run directory, and {measurement.name} is a {measurement.kind}")
     return result.dataset, measurement.compared(result)
 
 
@@ -56,16 +56,12 @@ def compare_measured(
 ) -> None:
     """Print a measurement beside a run, and draw both.  named: whether the user says where."""
     from ertel import plots
-    from ertel.runs.fit_result import open_study
-    from ertel.runs.store import RunStore
 
-    is_curve = measurement.kind == "curve"
-    result = open_study(directory) if is_curve else RunStore.open(directory).result()
     with bad_input():
-        found = result.compare(measurement)
+        data, found = beside(directory, measurement)
         if plot:
             with placing(plot.parent, overwrite, may_be_link=named) as place:
-                plots.measured(result.dataset, found).savefig(place / plot.name)
+                plots.measured(data, found).savefig(place / plot.name)
     if as_json:
         columns = {name: getattr(found, name).tolist() for name in ("x", "measured", "computed", "difference")}
         quantity = found.measurement.quantity

@@ -308,9 +308,8 @@ def more_lines(summary: Outcome) -> Iterator[str]:
     yield from _extreme_lines(summary)
     yield from _thermal_lines(summary)
     yield from _stress_line(summary)
-    imbalances = {name: terms["imbalance"] for name, terms in summary.get("budgets", {}).items()}
-    shown = ", ".join(f"{name} {share:.2%}" for name, share in imbalances.items() if share is not None)
-    if shown:
+    shares = ((name, terms["imbalance"]) for name, terms in summary.get("budgets", {}).items())
+    if shown := ", ".join(f"{name} {share:.2%}" for name, share in shares if share is not None):
         yield f"imbalance: {shown}"
 
 
@@ -336,12 +335,13 @@ def _thermal_lines(summary: Outcome) -> Iterator[str]:
     if "phi_T" in table:
         cold = ", ".join(f"{n.about.symbol} {n.full_text}" for n in table.values() if f"{n.name}_warm" in summary)
         yield f"without heat: {cold} (phi_T = {summary['phi_T']:.4g}, L_t = {summary['L_t']:.3g})"
-    if "T_film_mean" not in table:
-        return
-    surface_1, surface_2, film, mean = (
-        f"{table[name].value - ZERO_CELSIUS:.1f} degC" for name in ("T_1_max", "T_2_max", "T_film_max", "T_film_mean")
-    )
-    yield f"highest temperatures: surface 1 {surface_1}, surface 2 {surface_2}, film {film}; mean of the film {mean}"
+    if "T_film_mean" in table:
+        names = "T_1_max", "T_2_max", "T_film_max", "T_film_mean"
+        warm = [f"{table[name].value - ZERO_CELSIUS:.1f} degC" for name in names]
+        yield "highest temperatures: surface 1 {}, surface 2 {}, film {}; mean of the film {}".format(*warm)
+    if (heat := summary.get("thermal", {}).get("heat_W", {})) and None not in heat.values():
+        watts = [with_prefix(heat[name], "W") for name in ("released", "into_body_1", "into_body_2", "with_the_oil")]
+        yield "heat in the film {}; into body 1 {}, into body 2 {}, with the oil {}".format(*watts)
 
 
 def _stress_line(summary: Outcome) -> Iterator[str]:

@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Sequence
 from itertools import groupby
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import tomli_w
 from nicegui import ui
@@ -27,12 +27,7 @@ UPLOAD = f"""({{target}}) => {{
     const [f] = target.files, text = b => Array.from(new Uint8Array(b), c => String.fromCharCode(c)).join('');
     f.size > {LARGEST_UPLOAD} ? emit(f.name, null) : f.arrayBuffer().then(b => emit(f.name, text(b)));
 }}"""
-EXAMPLES: dict[str, tuple[Kind, bool]] = {  # new case files: kind, and whether of a line contact
-    "impact": ("impact", False),
-    "rolling": ("rolling", False),
-    "line-impact": ("impact", True),
-    "line-rolling": ("rolling", True),
-}
+EXAMPLES = {f"{line}{kind}": (kind, bool(line)) for line in ("", "line-") for kind in get_args(Kind)}  # new case files
 PAUSE = 0.5  # seconds after the last change before ertel is asked
 SHOWN_SCALES = {  # of `parameter_summary`: key, label, unit
     "a_m": ("half width a of the Hertz contact", "m"),

@@ -40,11 +40,11 @@ if TYPE_CHECKING:  # imported in the process that draws
 
     from ertel.plots.view import View
 
-INTERFEROGRAM, MOVIE = "interferogram", "movie"
+INTERFEROGRAM = "interferogram"
 LIGHTS = {"mono": "green light, 532 nm", "two-beam": "two beams", "white": "white light"}
-CHOICES = {  # of what a picture is
-    INTERFEROGRAM: LIGHTS,
-    MOVIE: {"film": "film", "pressure": "pressure", **{light: f"fringes, {LIGHTS[light]}" for light in LIGHTS}},
+CHOICES = {  # the pictures that there are of a figure, where there are several
+    "maps": {"": "at a time", **{f"movie {what}": f"movie of the {what}" for what in ("film", "pressure")}},
+    INTERFEROGRAM: {**LIGHTS, **{f"movie {light}": f"movie, {LIGHTS[light]}" for light in LIGHTS}},
 }
 STUDY = "study"  # the picture of a study
 FIGURES = {  # in the order of their tabs: label, icon
@@ -59,15 +59,13 @@ FIGURES = {  # in the order of their tabs: label, icon
     INTERFEROGRAM: ("Interferogram", "lens_blur"),
     "convergence": ("Grids", "grid_on"),
     "overview": ("Overview", "dashboard"),
-    MOVIE: ("Movie", "movie"),
 }
 HEAVY = ("ertel.plots", "ertel.runs.arrays", "ertel.runs.outlook")  # imported before they are needed
 PICTURES = "pictures"  # where pages get them, as seen from a page
 MEMORY = {-3: 2**17, -1: 2**17, -8: 1}  # M_MMAP_THRESHOLD, M_TRIM_THRESHOLD, M_ARENA_MAX of glibc's malloc.h
 MOST_NODES = 128  # along a side of a map, of what is under the pointer
 NAMES = {"x": "X", "y": "X", "h": "H", "p": "P"}  # the variables that have the units of these
-KEPT = 16  # pictures, of some 0.4 MB each with the fields under the pointer
-KEPT_OPEN = 3  # Datasets
+KEPT, KEPT_OPEN = 16, 3  # pictures, of some 0.4 MB each with the fields under the pointer; Datasets
 LIMIT, PAUSE = 60.0, 600.0  # s for what the other process is asked, and until it is asked again
 LATE = "it takes too long to read, as a pipe or a device does; ertel show, or ertel check of a case, tells more"
 ENDED = "the process that draws has ended, perhaps for want of memory; it begins again"
@@ -109,6 +107,11 @@ class PlotRequest:
     columns: Literal[1] | None = None
     beside: "PlotRequest | None" = None
     measured: tuple[Path, str, Measured] | None = None
+
+    @property
+    def is_movie(self) -> bool:
+        """True for a movie of the whole run."""
+        return self.choice.startswith("movie")
 
     @property
     def address(self) -> str:
@@ -182,10 +185,6 @@ def run_info(run: Path, stamp: int) -> RunInfo:
     about, steady = data.attrs, is_steady(data)
     scales = scales_in({**about, "si": about}) if "R_m" in about else None
     drawn = {*figures_of(data), *([INTERFEROGRAM] if scales and not is_line(about) else [])}
-    is_film = (
-        not steady and not is_line(about) and about.get("status", "running") != "running" and data.sizes["frame"] > 1
-    )
-    drawn |= {MOVIE} if is_film else set()
     figures = tuple(name for name in FIGURES if name in drawn and (name != "front" or about["kind"] == "impact"))
     there = [name for name in names_where(lambda variable: variable.shown) if name in data and data[name].size]
     latest = [number(about["kind"], scales, name, x) for name in there if (x := float(data[name].values[-1]))]
@@ -201,7 +200,7 @@ def draw_picture(request: PlotRequest) -> Picture:
     from ertel.plots.drawing import NoFigure
 
     try:
-        return _movie(request) if request.figure == MOVIE else _still(request)
+        return _movie(request) if request.is_movie else _still(request)
     except Exception as error:  # of zarr, its codecs, the system
         if isinstance(error, ValueError if request.measured else NoFigure):
             raise
@@ -216,8 +215,9 @@ def _movie(request: PlotRequest) -> Picture:
     from ertel import plots
 
     data = _opened.__wrapped__(request.run, request.stamp)  # its maps are all loaded, and are not to be kept
-    rig = interferometer(request.choice) if request.choice in LIGHTS else None
-    movie = plots.animation(data, rig.light, rig.rig) if rig else plots.movie(data, request.choice)
+    what = request.choice.removeprefix("movie ")
+    rig = interferometer(what) if what in LIGHTS else None
+    movie = plots.animation(data, rig.light, rig.rig) if rig else plots.movie(data, what)
     with TemporaryDirectory() as place:
         movie.save(file := Path(place) / f"movie.{request.kind}", writer="pillow")
         return Picture(file.read_bytes())

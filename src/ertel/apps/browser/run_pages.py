@@ -9,7 +9,7 @@ from nicegui import ui
 
 from ertel.apps.browser.canvas import Canvas, Slider
 from ertel.apps.browser.folder import summary_of
-from ertel.apps.browser.pictures import CHOICES, FIGURES, INTERFEROGRAM, MOVIE, PlotRequest, RunInfo, stamp_of
+from ertel.apps.browser.pictures import CHOICES, FIGURES, INTERFEROGRAM, PlotRequest, RunInfo, stamp_of
 from ertel.apps.browser.processes import Phase
 from ertel.apps.browser.site import Site, WatchedPage, address_of, sentence, show_line, show_notes, show_number, told
 from ertel.case.status import Status
@@ -45,8 +45,7 @@ class RunPage(WatchedPage):
                 ui.space()
                 self._choices = {figure: ui.select(dict(of), value=next(iter(of))) for figure, of in CHOICES.items()}
                 for figure, choice in self._choices.items():
-                    choice.props("dense borderless options-dense").mark(f"choice-{figure}")
-                    choice.bind_visibility_from(self._tabs, "value", value=figure).on_value_change(self._show)
+                    choice.props("dense borderless options-dense").mark(f"choice-{figure}").on_value_change(self._show)
             self._canvas = Canvas(site.worker)
             self._slider = Slider(self._show)
         with ui.element("div").classes("notes"):
@@ -135,15 +134,17 @@ class RunPage(WatchedPage):
     def _show(self) -> None:
         """Show the picture that is chosen."""
         if self._info.figures and self._tabs.value:
-            request, ahead = self._request(), self._slider.ahead if self._tabs.value != MOVIE else ()
+            for figure, choice in self._choices.items():
+                choice.set_visibility(figure == self._tabs.value and (figure == INTERFEROGRAM or len(self._info.T) > 1))
+            request = self._request()
+            ahead = () if request.is_movie else self._slider.ahead
             self._canvas.show(request, [replace(request, at=self._slider.at(map_)) for map_ in ahead])
 
     def _request(self, kind: str = "png", dots: int = 130) -> PlotRequest:
         figure = self._tabs.value or "overview"
         choice = self._choices[figure].value if figure in CHOICES else ""
-        if figure == MOVIE:
-            return PlotRequest(self.path, figure, None, choice, "webp", 0, self._stamp)
-        return PlotRequest(self.path, figure, self._slider.at(self._slider.index), choice, kind, dots, self._stamp)
+        request = PlotRequest(self.path, figure, self._slider.at(self._slider.index), choice, kind, dots, self._stamp)
+        return replace(request, at=None, kind="webp", dots=0) if request.is_movie else request
 
     @ui.refreshable_method
     def _show_numbers(self) -> None:

@@ -52,13 +52,9 @@ HEADERS = {
 DOORWAY = '<!doctype html><title>ertel</title><meta http-equiv="refresh" content="0; url={address}">'
 ENTRANCE = DOORWAY + '<a href="{address}">ertel</a>'
 PAGES: dict[str, Any] = {
-    "/": home_page,
-    "/new": NewCase,
-    "/run": RunPage,
-    "/study": StudyPage,
-    "/compare": Comparison,
+    "/": home_page, "/new": NewCase, "/run": RunPage, "/study": StudyPage, "/compare": Comparison,
     "/measured": MeasuredPage,
-}
+}  # fmt: skip
 
 
 # -- who is answered --------------------------------------------------------------------------------------------------

@@ -114,7 +114,7 @@ class StudyPage(WatchedPage):
         if not is_run(self.path / run):
             return f"<tr><td>{value}</td>{cells}<td>deleted</td></tr>"
         link = f'<a href="{escape(self._root + address_of("/run", name=f"{self.name}/{run}"))}">'
-        return f"<tr><td>{link}{value}</a></td>{cells}<td>{link}{run}</a></td></tr>"
+        return f"<tr><td>{link}{value}</a></td>{cells}<td>{link}{run[:13]}</a></td></tr>"
 
 
 class MeasuredPage:
