@@ -14,7 +14,7 @@ from ertel.apps.browser.processes import Phase
 from ertel.apps.browser.site import Site, WatchedPage, address_of, sentence, show_line, show_notes, show_number, told
 from ertel.case.status import Status
 from ertel.results.numbers import key_numbers, more_lines
-from ertel.runs.directory import CASE, SUMMARY
+from ertel.runs.directory import CASE, SUMMARY, study_of
 from ertel.runs.files import content_of
 
 LIVE = 3.0  # seconds between two live pictures, at least
@@ -35,6 +35,9 @@ class RunPage(WatchedPage):
         self._info = RunInfo()
         self._stamp, self._drawn, self._is_there = 0, 0.0, self.path.exists()
         self._under = self.show_head("", self._downloads)
+        if study := study_of(self.path, site.folder.root):
+            name = site.folder.name_of(study)
+            ui.link(f"A run of {name}", address_of("/study", name=name)).classes("more")
         self.show_progress()
         with ui.element("div").classes("numbers"):
             self._show_numbers()

@@ -136,7 +136,9 @@ def frame(site: Site, pages: dict[str, Callable[..., Any]]) -> None:
     """The page: a bar above, the list of runs at the left, and one of the pages."""
     ui.colors(primary="#0b5673", secondary="#3f7d94", accent="#d55e00", positive="#1b7f5c", negative="#b3261e")
     ui.add_css(Path(__file__).with_name("style.css"))
-    with ui.left_drawer(value=None, bordered=False).props("width=284 breakpoint=1000").classes("runs") as drawer:
+    # it opens by itself where there is room and says so; value=None would ask a page that may have been closed
+    drawer = ui.left_drawer(value=False, bordered=False).props("width=284 breakpoint=1000 show-if-above")
+    with drawer.classes("runs"):
         _list(site)
     mode = ui.dark_mode(LOOKS.get(ui.context.client.request.cookies.get(LOOK, "")))
 
