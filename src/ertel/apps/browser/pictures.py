@@ -40,13 +40,13 @@ if TYPE_CHECKING:  # imported in the process that draws
 
     from ertel.plots.view import View
 
-INTERFEROGRAM = "interferogram"
+INTERFEROGRAM, STUDY = "interferogram", "study"
+PACE = 5.0  # frames a second of a movie, so that it is there after some ten seconds
 LIGHTS = {"mono": "green light, 532 nm", "two-beam": "two beams", "white": "white light"}
 CHOICES = {  # the pictures that there are of a figure, where there are several
     "maps": {"": "at a time", **{f"movie {what}": f"movie of the {what}" for what in ("film", "pressure")}},
     INTERFEROGRAM: {**LIGHTS, **{f"movie {light}": f"movie, {LIGHTS[light]}" for light in LIGHTS}},
 }
-STUDY = "study"  # the picture of a study
 FIGURES = {  # in the order of their tabs: label, icon
     "maps": ("Film and pressure", "blur_circular"),
     "profiles": ("Mid-line", "show_chart"),
@@ -217,7 +217,7 @@ def _movie(request: PlotRequest) -> Picture:
     data = _opened.__wrapped__(request.run, request.stamp)  # its maps are all loaded, and are not to be kept
     what = request.choice.removeprefix("movie ")
     rig = interferometer(what) if what in LIGHTS else None
-    movie = plots.animation(data, rig.light, rig.rig) if rig else plots.movie(data, what)
+    movie = plots.animation(data, rig.light, rig.rig, rate=PACE) if rig else plots.movie(data, what, PACE)
     with TemporaryDirectory() as place:
         movie.save(file := Path(place) / f"movie.{request.kind}", writer="pillow")
         return Picture(file.read_bytes())
