@@ -64,7 +64,9 @@ def sweep(
                 stored.write_study(result, directory, study.purpose)
             if prune:
                 removed, stayed = pruned(directory, [case.digest for case in study.cases])
-                say("\n".join([f"{removed} runs that the study no longer has are deleted", *stayed]))
+                said = [] if options.quiet else [f"deleted runs that the study no longer has: {removed}"]
+                for line in (*said, *(f"ertel: warning: {reason}" for reason in stayed)):
+                    say(line)
     if part == stored.EVERY:
         _report(result, directory, study.purpose, options)
     if stop.code or len(statuses) < len(left) or Status.INTERRUPTED.value in statuses.values():

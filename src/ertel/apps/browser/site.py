@@ -358,7 +358,7 @@ def _symbol(name: str) -> str:
     if len(base) > 2 and base != "Delta":
         return ""
     base = {"mu": "µ", "Delta": "Δ"}.get(base, base)
-    return f"{escape(base)}<sub>{escape(index)}</sub>"
+    return f"{escape(base)}<sub>{escape(index.replace('_', ' '))}</sub>"
 
 
 def pretty(text: str) -> str:
