@@ -303,6 +303,10 @@ async def test_what_was_measured_is_added_and_compared(user, site, monkeypatch):
     given = Measured(at="60 us", column=("x=Radius [um]", "h=nm"))
     await until(lambda: asked[-1].measured == (file, "x", given))
     assert asked[-1].run == site.folder.root / "runs" / "ball"
+    count = len(asked)
+    await user.open("/measured?file=../../etc/passwd&run=../../etc")
+    await user.should_see("lies outside")
+    assert one(user, "file").value == file.name and len(asked) == count
 
 
 # -- names ------------------------------------------------------------------------------------------------------------

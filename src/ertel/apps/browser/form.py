@@ -56,7 +56,7 @@ CHOICES = ("contact.kind", "given", "bodies", "impact_by", "solver.method", "the
 # groups that are open when one is used
 FOLDED = ("Layer of oil, for a starved contact", "Temperatures", "Roughness", "Surfaces that touch")
 LAYER, HEAT, ROUGHNESS, TOUCH = FOLDED
-FURTHER = "Further keys of this case"
+FURTHER, MOST_FURTHER = "Further keys of this case", 100
 UNNAMED = ("schema", "name")  # keys that are none of the form: the run has a name of its own
 ROUGH = ("sigma", "sigma_1", "sigma_2", "boundary_friction", "hardness")
 ROWS = (  # group, the choices that show its fields, and these by their paths in case files, or as choices of the form
@@ -222,8 +222,11 @@ class Form:
             **known,
         }
         form.values = {**given}  # from here on new fields would begin with examples
-        form.values = dict.fromkeys(form.shown(), "") | given
-        form._further = [name for name in known if name not in form.shown()]
+        shown = form.shown()
+        form.values = dict.fromkeys(shown, "") | given
+        form._further = [name for name in known if name not in shown]
+        if len(form._further) > MOST_FURTHER:
+            raise ValueError(f"{len(form._further)} keys have no field of their own; this case stays a text")
         other = [each["field"] for each in differences(data, form.data())]
         if left := [name for name in other if name not in (*UNNAMED, "solver.method")]:
             raise ValueError(f"the form has no field for {left[0]}; this case stays a text")
