@@ -191,12 +191,8 @@ def command_in(data: Mapping[str, Any]) -> str:
 def _about(study: Path, kind: str, stamp: Stamp) -> str:
     with suppress(OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError):
         attributes = json.loads(content_of(study / f"{kind}.zarr" / "zarr.json"))["attributes"]
-        if kind == "fit":
-            names = [str(each).partition(" = ")[0] for each in attributes["found"]]
-        else:
-            runs = json.loads(content_of(study / f"{kind}.zarr" / "status" / "zarr.json"))
-            names = runs["attributes"].get("coordinates", "").split() or runs["dimension_names"]
-        return f"{IN_WORDS[kind]} {', '.join(map(str, names))}"[:LONGEST]
+        unknowns = ", ".join(str(each).partition(" = ")[0] for each in attributes.get("found", ()))
+        return f"{IN_WORDS[kind]} {unknowns or attributes['over']}"[:LONGEST]
     return ""
 
 
