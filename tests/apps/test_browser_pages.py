@@ -12,7 +12,7 @@ import pytest
 
 pytest.importorskip("nicegui")
 import pytest_asyncio
-from app_runs import make_fit, make_run, stand_in
+from app_runs import SUMMARY, make_fit, make_run, stand_in
 from nicegui import ElementFilter, app, background_tasks, ui
 from nicegui.testing import user_simulation
 
@@ -25,6 +25,7 @@ from ertel.apps.browser.site import Site, address_of
 from ertel.case.rules import plain_name
 from ertel.results.study_table import StudyRun, study_dataset
 from ertel.runs.directory import CASE
+from ertel.runs.files import sealed
 
 pytestmark = [
     pytest.mark.asyncio,
@@ -247,6 +248,25 @@ async def test_a_study_is_one_row_and_its_rows_are_links_unless_their_run_was_de
     assert listed.index(">ball<") < listed.index(">speeds<")
     await user.open(address)
     await user.should_see("A run of sweeps/speeds")
+
+
+async def test_a_traction_curve_is_started_from_a_steady_run(user, site):
+    steady = {**SUMMARY, "kind": "rolling", "method": "steady", "warnings": [], "restitution": None}
+    (site.folder.root / "runs" / "ball" / "summary.json").write_bytes(sealed(steady))
+    await user.open("/run?name=runs/ball")
+    user.find(marker="traction").click()
+    await until(lambda: all_of(user, "ratios"))
+    one(user, "ratios").set_value("--out")
+    user.find(marker="start-curve").click()
+    curve = site.folder.root / "traction" / "ball"
+    await until(lambda: all_of(user, "phase") and one(user, "phase").text == "running")
+    *_, asked, _, place = site.processes._started[curve].arguments
+    assert (asked, place) == ("--slide-to-roll=--out", str(curve))
+    assert [run.name for run in site.processes.ours()] == ["ball"] and [entry.path for entry in site.entries()] != [
+        curve
+    ]
+    user.find(marker="stop").click()
+    await until(lambda: not site.processes.ours())
 
 
 async def test_a_fit_of_files_outside_is_not_started(user, site, tmp_path):

@@ -21,11 +21,12 @@ from ertel.apps.terminal import capital
 from ertel.case.status import Status
 from ertel.results.numbers import duration
 from ertel.runs import files
-from ertel.runs.directory import ask_to_stop, find_runs, is_asked_to_stop, remove
+from ertel.runs.directory import CASE, ask_to_stop, find_runs, is_asked_to_stop, numbered, remove
 
 ERTEL = (sys.executable, "-P", "-m", "ertel")  # -P: a file typer.py in the folder is none of ours
 STOPPED = (0, 130, 143, -signal.SIGTERM)  # exit codes of a run that ended or was asked to
 KILLED = -9
+TRACTION = "traction"  # where curves are
 FLUSH = ("--flush", "2")  # seconds between what a live picture can show
 SAID = "ertel: "  # how a message begins
 
@@ -138,6 +139,12 @@ class Processes:
         file, run = self.folder.write(name, case, but=self.folder.awaited())
         self._launch(run, ["run", str(file), "--out", str(run), *FLUSH])
         return run
+
+    def trace(self, run: Path, values: str) -> Path:
+        """Compute the traction curve of a run over slide-to-roll ratios; its directory, which the process makes."""
+        place = next(each for each in numbered(self.folder.root / TRACTION / run.name) if not each.exists())
+        self._launch(place, ["traction", str(run / CASE), f"--slide-to-roll={values}", "--out", str(place)])
+        return place
 
     def resume(self, run: Path) -> None:
         """Continue a run, or begin again where it was stopped before it made its directory; begin or continue a study.

@@ -11,7 +11,18 @@ from ertel.apps.browser.canvas import Canvas, Slider
 from ertel.apps.browser.folder import summary_of
 from ertel.apps.browser.pictures import CHOICES, FIGURES, INTERFEROGRAM, PlotRequest, RunInfo, stamp_of
 from ertel.apps.browser.processes import Phase
-from ertel.apps.browser.site import Site, WatchedPage, address_of, sentence, show_line, show_notes, show_number, told
+from ertel.apps.browser.site import (
+    Site,
+    WatchedPage,
+    address_of,
+    question,
+    sentence,
+    show_line,
+    show_notes,
+    show_number,
+    told,
+)
+from ertel.case.methods import METHODS
 from ertel.case.status import Status
 from ertel.results.numbers import key_numbers, more_lines
 from ertel.runs.directory import CASE, SUMMARY, study_of
@@ -69,6 +80,9 @@ class RunPage(WatchedPage):
             ui.menu_item("New case from this one", lambda: ui.navigate.to(new))
             ui.menu_item("Compare with another run", lambda: ui.navigate.to(compare))
             ui.menu_item("Compare with a measurement", lambda: ui.navigate.to(address_of("/measured", run=self.name)))
+            method = METHODS.get((summary_of(self.path) or {}).get("method", ""))
+            if method and method.is_steady:
+                ui.menu_item("Traction curve", self._ask_for_curve).mark("traction")
             ui.menu_item("Delete", lambda: self.site.ask_to_delete(self.path)).mark("delete-run")
 
     # -- asked for ----------------------------------------------------------------------------------------------------
@@ -82,6 +96,19 @@ class RunPage(WatchedPage):
     def _download_file(self, name: str, ending: str) -> None:
         with told(f"{name} cannot be read; it is written when the run begins or ends: "):
             ui.download.content(content_of(self.path / name), f"{self.path.name}{ending}")
+
+    def _ask_for_curve(self) -> None:
+        """Ask for slide-to-roll ratios, and start a traction curve over them."""
+
+        def start() -> None:
+            dialog.close()
+            with told():
+                place = self.site.processes.trace(self.path, ratios.value)
+                ui.navigate.to(address_of("/study", name=self.site.folder.name_of(place)))
+
+        with question("Traction curve", "Slide-to-roll ratios: FIRST:LAST:NUMBER, or values with commas.") as dialog:
+            ratios = ui.input(value="0:0.2:9").props("outlined dense").mark("ratios")
+            ui.button("Start", on_click=start).props("unelevated").mark("start-curve")
 
     # -- renewed ------------------------------------------------------------------------------------------------------
 

@@ -19,7 +19,7 @@ from ertel.apps.browser.pictures import PICTURES, Worker
 from ertel.apps.browser.processes import Phase, Processes, RunStatus
 from ertel.apps.terminal import capital, reason_of
 from ertel.results.numbers import Number
-from ertel.runs.directory import study_of
+from ertel.runs.directory import RUNS, study_of
 
 LOOKS = {"As the system": None, "Light": False, "Dark": True}
 LOOK = "ertel-look"  # the cookie in which the browser keeps one of them
@@ -72,7 +72,7 @@ class Site:
 
     def entries(self) -> list[Entry]:
         """The runs of the folder, those that go on first, then the latest."""
-        ours = [path for path in self.processes.ours() if not self.folder.file_of(path)]
+        ours = [path for path in self.processes.ours() if path.parent.name == RUNS]
         paths = dict.fromkeys([*ours, *self.folder.runs()])
         found = [Entry(self.folder.name_of(path), path, self.processes.status(path), _about(path)) for path in paths]
         return sorted(found, key=lambda entry: not entry.status.phase.is_active)

@@ -43,7 +43,7 @@ class StudyPage(WatchedPage):
         self._root = ui.context.client.request.scope.get("root_path", "")
         try:
             path = site.folder.inside(name)
-            if path not in site.folder.studies():
+            if path not in site.folder.studies() and not site.processes.knows(path):
                 raise ValueError(f"{name} is not a study, and there is no file with [unknowns] or [sweep] for it")
             self.name, self._file = site.folder.name_of(path), site.folder.file_of(path)
             text = read_text(self._file, self._file.name) if self._file else ""
