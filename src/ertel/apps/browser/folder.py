@@ -198,9 +198,9 @@ def _about(study: Path, kind: str, stamp: Stamp) -> str:
 
 def about_study(study: Path) -> str:
     """A study in words, with what varies, or the unknowns of a fit, as far as its files tell."""
-    kind = kind_of(study)
-    about = _about(study, kind, _stamp(study / f"{kind}.zarr" / "zarr.json")) if kind else ""
-    return about or {"fits": "fit"}.get(study.parent.name, "study")
+    kind = kind_of(study) or ("fit" if study.parent.name == "fits" else "sweep")
+    about = _about(study, kind, _stamp(study / f"{kind}.zarr" / "zarr.json"))
+    return about or IN_WORDS[kind].partition(" ")[0]
 
 
 def progress_of(path: Path) -> dict[str, Any] | None:
