@@ -218,7 +218,7 @@ async def test_a_fit_is_started_stopped_and_goes_on_to_its_values(user, site, tm
         assert text in outcome
     await until(lambda: "src" in one(user, "picture").props)
     assert (await user.http_client.get(one(user, "picture").props["src"])).text == "png study at None"
-    assert "finished · fit of eta0, alpha" in one(user, "runs").content
+    await until(lambda: "finished · fit of eta0, alpha" in one(user, "runs").content)
     assert float(re.findall(r"<td>(-?[0-9.]+)</td>", outcome)[1]) < -0.99  # the correlation of eta0 with alpha
     assert site.folder.run("fits/film/runs/0123456789abcdef") not in site.folder.runs()  # it is that of the fit
     (root / "fits" / "film" / "fit.zarr" / "zarr.json").write_text("{")
