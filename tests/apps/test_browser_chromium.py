@@ -107,6 +107,7 @@ class Page:
         (button,) = self.until(
             lambda: [each for each in self.all("button, [role=tab]") if word in each.text and each.is_enabled()]
         )
+        self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", button)
         button.click()
 
     def fill(self, label, text):
