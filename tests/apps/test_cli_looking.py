@@ -3,7 +3,6 @@
 import csv
 import json
 import re
-import shutil
 import struct
 import zlib
 from pathlib import Path
@@ -59,14 +58,6 @@ def test_runs_are_listed_with_their_numbers(runs):
     thinnest = ertel.open(runs / "plane").summary["si"]["extremes"]["H_min"]["h_min_m"]
     assert plane["numbers"]["h_min_extreme"]["value"] == pytest.approx(thinnest)
     assert plane["numbers"]["h_min_extreme"]["units"] == "m"
-
-
-def test_the_runs_of_a_study_are_one_row_below_the_others(runs, tmp_path):
-    for name in ("study/runs/0123456789abcdef", "study/runs/fedcba9876543210", "zz"):
-        shutil.copytree(runs / "below" / "moes", tmp_path / name)
-    _, run, study = ertel_("ls", str(tmp_path)).stdout.splitlines()
-    assert run.split()[0] == "zz" and study.split()[:6] == ["study", "study", "2", "of", "2", "runs"]
-    assert len(json.loads(ertel_("ls", str(tmp_path), "--json").stdout)) == 3
 
 
 # -- compare ----------------------------------------------------------------------------------------------------------

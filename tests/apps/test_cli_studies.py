@@ -3,6 +3,7 @@
 import csv
 import json
 import re
+import shutil
 import signal
 
 import pytest
@@ -109,6 +110,10 @@ def test_a_study_from_its_file_to_its_table(here):
     assert ertel_(*SWEEP, "--prune").stderr.splitlines()[1:] == ["deleted runs that the study no longer has: 1"]
     kept = {row["directory"].removeprefix("runs/") for row in rows(here / "sweeps/loads/sweep.csv")}
     assert names(here / "sweeps/loads/runs") == kept and len(kept) == 2
+    shutil.copytree(here / "sweeps/loads" / directory, here / "zz")
+    _, run, study = ertel_("ls").stdout.splitlines()  # the runs of the study are one row, below the others
+    assert run.split()[0] == "zz" and study.split()[:8] == "sweeps/loads study over M 2 of 2 runs".split()
+    assert len(json.loads(ertel_("ls", "--json").stdout)) == 3
 
 
 @pytest.mark.parametrize("where", ["study", pytest.param("run", marks=pytest.mark.slow)])

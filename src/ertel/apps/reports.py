@@ -25,9 +25,9 @@ from ertel.physics.units import PREFIXED
 from ertel.plots.drawing import NoFigure, Picture
 from ertel.results.numbers import aligned, differences, moment, more_lines, numbers, values_of
 from ertel.results.variables import in_celsius, with_prefix
-from ertel.runs.directory import is_run, kind_of, read_case
+from ertel.runs.directory import is_run, read_case
 from ertel.runs.files import StoreError
-from ertel.runs.fit_result import open_study
+from ertel.runs.fit_result import KINDS, open_study
 from ertel.runs.result import Result, verdict
 from ertel.runs.store import RunStore
 
@@ -56,7 +56,7 @@ class Page(NamedTuple):
 
 def page_of(directory: Path) -> Page:
     """The page of the run or of the study in a directory.  Raises StoreError."""
-    if not is_run(directory) and not kind_of(directory):
+    if not is_run(directory) and not any((directory / f"{name}.zarr").exists() for name in KINDS):
         raise StoreError(f"{directory} is not the directory of a run, a study or a fit")
     return _of_run(directory) if is_run(directory) else _of_study(directory)
 

@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 from ertel.case.case import Case
 from ertel.results.variables import in_celsius, with_prefix
 from ertel.runs.arrays import open_data
-from ertel.runs.directory import KINDS, kind_of, read_case
+from ertel.runs.directory import KINDS as KINDS
+from ertel.runs.directory import kind_of, read_case
 from ertel.runs.files import StoreError
 from ertel.runs.study_result import ConvergenceResult, StudyResult
 from ertel.version import installed_version
