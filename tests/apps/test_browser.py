@@ -2,9 +2,12 @@
 
 import asyncio
 import os
+import re
 import sys
+import tomllib
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,13 +16,17 @@ from cases import ertel_, python
 from matplotlib.figure import Figure
 
 from ertel.apps import browser
+from ertel.apps.arguments import Measured
 from ertel.apps.browser import form
 from ertel.apps.browser.folder import Folder, Outside, study_of
 from ertel.apps.browser.form import OPTIONS, Form
 from ertel.apps.browser.pictures import PlotRequest, Worker, stamp_of
 from ertel.apps.browser.processes import Phase, Processes
-from ertel.inputs.case_files import ConfigError, parse_case
+from ertel.inputs import oils
+from ertel.inputs.case_files import ConfigError, load_case, parse_case, read_toml, to_toml
+from ertel.physics.fluidity import Limited, ReeEyring
 from ertel.plots.drawing import Picture
+from ertel.results.profiles import profile
 from ertel.results.variables import PREFIXES
 from ertel.runs.directory import is_asked_to_stop
 from ertel.runs.files import locked
@@ -204,6 +211,8 @@ def chosen(**choices):
         {"roughness__shape": "waviness", "roughness__wavelength_x": "", "roughness__wavelength_y": "50 um"},
         {"roughness__shape": "self-affine", "roughness__surface": "2", "contact__slide_to_roll": "2"},
         {"thermal": "warm", "lubricant__oil": "squalane"},
+        {"lubricant__oil": "sheet"},
+        {"surfaces__asperities__law": "greenwood-tripp", "surfaces__sigma": "40 nm"},
     ],
 )
 def test_the_form_begins_with_a_case(kind, choices):
@@ -214,6 +223,44 @@ def test_the_form_begins_with_a_case(kind, choices):
     assert len(case.roughness) == ("roughness__shape" in choices)
     assert (case.thermal is not None) == (kind == "rolling" and "thermal" in choices)
     assert (case.contact.drop_height is not None) == (kind == "impact" and "impact_by" in choices)
+
+
+def test_laws_and_data_sheets_are_fields_named_in_words():
+    law = {"lubricant__rheology__law": "limited", "lubricant__rheology__base__law": "ree-eyring"}
+    form = chosen(contact__kind="rolling", lubricant__oil="sheet", **law)
+    labels = {name: field.label for name, field in form.shown().items()}
+    assert labels["lubricant.rheology.base.tau0"] == "Eyring's stress"
+    assert labels["lubricant.oil.nu40"] == "Kinematic viscosity at 40 degC"
+    found = parse_case(form.data()).oil
+    sheet = {key: form.values[f"lubricant.oil.{key}"] for key in ("nu40", "nu100", "density")}
+    assert found.eta0 == oils.data_sheet(**sheet, temperature=form.values["lubricant.temperature"]).eta0
+    assert found.rheology == Limited(ReeEyring(5e6), 0.05)
+    assert wrong_field(chosen(lubricant__oil="sheet", lubricant__oil__nu40="68 mm")) == "lubricant.oil.nu40"
+
+
+@pytest.mark.parametrize("file", sorted((Path(__file__).parents[2] / "examples").glob("*.toml")), ids=lambda f: f.stem)
+def test_the_form_shows_a_case_that_is_there(file):
+    """As it is written, and as a run directory has it; the fields make the very same case."""
+    case = load_case(file)
+    for data in (read_toml(file), tomllib.loads(to_toml(case))):
+        form = Form.of(data)
+        assert parse_case(form.data(), file.parent).digest == case.digest
+        if file.stem == "squalane":
+            assert form.values["contact.radius"] == "9.525 mm"  # in a run directory 0.009525 m
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        ({**CASE, "roughness": [{"shape": "spot"}, {"shape": "spot"}]}, "no field for roughness"),
+        ({"contact": 3}, "no field for contact"),
+        ({"contact": {"kind": "slide"}}, "needs a kind of contact"),
+        ({"solver": {"method": "guess"}}, "and a method that there are"),
+    ],
+)
+def test_what_has_no_fields_stays_a_text(data, message):
+    with pytest.raises(ValueError, match=message):
+        Form.of(data)
 
 
 def wrong_field(form):
@@ -292,6 +339,21 @@ def test_readout_of_a_picture(tmp_path, plots):
 def in_base_units(value, unit):
     powers = {prefix: power for power, prefix in PREFIXES.items()}
     return float(value) * 10.0 ** powers[unit.removesuffix("m").removesuffix("Pa")]
+
+
+def test_a_measurement_beside_a_run(tmp_path, plots):
+    run, file = make_run(tmp_path / "run"), tmp_path / "film.csv"
+    film = profile(RunStore.open(run).dataset(), "max-approach")
+    np.savetxt(file, np.transpose([film["x"] * 1e6, film["h"] * 1e9]), header="x_um h_nm", comments="")
+    request = PlotRequest(run, "measured", dots=20, stamp=1, measured=(file, "x", Measured(at="max-approach")))
+    found = asyncio.run(plots.draw(request))
+    assert found.content[:4] == b"\x89PNG" and found.readout is None
+    assert re.search(
+        r"film.csv: film thickness, maximum approach.*: rms difference \S+ .m \(0.0% of the mean\)", found.words
+    )
+    wrong = replace(request, measured=(file, "x", Measured(column=("x=Radius",))))
+    with pytest.raises(ValueError, match=r"film.csv: column 'x' in 'Radius': has an unknown unit"):
+        asyncio.run(plots.draw(wrong))
 
 
 def test_errors_are_plain(tmp_path, plots):

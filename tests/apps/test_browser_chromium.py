@@ -107,6 +107,7 @@ class Page:
         (button,) = self.until(
             lambda: [each for each in self.all("button, [role=tab]") if word in each.text and each.is_enabled()]
         )
+        self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", button)
         button.click()
 
     def fill(self, label, text):
@@ -261,6 +262,14 @@ def test_a_session(server, driver, folder):
 
             bar = page.driver.execute_script("return document.querySelector('.bar').offsetHeight")
             assert bar < 60  # one line, of icons where it is narrow
+
+    for path in PAGES.values():  # closed as soon as they begin to load; a traceback in the terminal would be seen
+        page.driver.switch_to.new_window("tab")
+        page.driver.execute_script("location.href = arguments[0]", address + path)
+        time.sleep(0.3)
+        page.driver.close()
+        page.driver.switch_to.window(page.driver.window_handles[0])
+    time.sleep(3)
 
     assert page.asked_hosts() == {urlsplit(address).netloc}
     entries = page.driver.get_log("browser")

@@ -12,17 +12,20 @@ import pytest
 
 pytest.importorskip("nicegui")
 import pytest_asyncio
-from app_runs import make_fit, make_run, stand_in
+from app_runs import SUMMARY, make_fit, make_run, stand_in
 from nicegui import ElementFilter, app, background_tasks, ui
 from nicegui.testing import user_simulation
 
+from ertel.apps.arguments import Measured
 from ertel.apps.browser import new_page, pictures, server
 from ertel.apps.browser.folder import Folder
 from ertel.apps.browser.pictures import Picture, Readout, Worker
 from ertel.apps.browser.processes import Phase, Processes
 from ertel.apps.browser.site import Site, address_of
 from ertel.case.rules import plain_name
+from ertel.results.study_table import StudyRun, study_dataset
 from ertel.runs.directory import CASE
+from ertel.runs.files import sealed
 
 pytestmark = [
     pytest.mark.asyncio,
@@ -156,10 +159,15 @@ async def test_a_page_of_a_run(user, site):
     second = one(user, "picture").props["src"]
     assert (await user.http_client.get(second)).text == "png maps at 1.55"
     assert (await user.http_client.get("/pictures/unknown")).status_code == 404
-    await user.should_not_see(marker="light")
+    await user.should_not_see(marker="choice-interferogram")
     user.find(ui.tabs).elements.pop().set_value("interferogram")
-    await user.should_see(marker="light")
+    await user.should_see(marker="choice-interferogram")
     await until(lambda: one(user, "picture").props["src"] != second)
+    third = one(user, "picture").props["src"]
+    one(user, "choice-interferogram").set_value("movie white")
+    await until(lambda: one(user, "picture").props["src"] != third)
+    movie = await user.http_client.get(one(user, "picture").props["src"])
+    assert movie.text == "webp interferogram at None" and movie.headers["content-type"] == "image/webp"
 
 
 async def test_a_run_is_deleted_after_a_question(user, site):
@@ -187,7 +195,7 @@ async def test_a_fit_is_started_stopped_and_goes_on_to_its_values(user, site, tm
     root = site.folder.root
     make_fit(root, tmp_path / "aside" / "fit")
     await user.open("/")
-    await user.should_see("not started · study")
+    await user.should_see("not started · fit")
     await user.open("/study?name=fits/film")
     assert "[[measurements]]" in one(user, "listing").text and one(user, "phase").text == "not started"
     user.find(marker="start").click()
@@ -206,9 +214,11 @@ async def test_a_fit_is_started_stopped_and_goes_on_to_its_values(user, site, tm
         "the data fix alpha*eta0",
         "3 data, chi square",
         "hardly decided",
-        "<img",
     ):
         assert text in outcome
+    await until(lambda: "src" in one(user, "picture").props)
+    assert (await user.http_client.get(one(user, "picture").props["src"])).text == "png study at None"
+    await until(lambda: "finished · fit of eta0, alpha" in one(user, "runs").content)
     assert float(re.findall(r"<td>(-?[0-9.]+)</td>", outcome)[1]) < -0.99  # the correlation of eta0 with alpha
     assert site.folder.run("fits/film/runs/0123456789abcdef") not in site.folder.runs()  # it is that of the fit
     (root / "fits" / "film" / "fit.zarr" / "zarr.json").write_text("{")
@@ -217,6 +227,46 @@ async def test_a_fit_is_started_stopped_and_goes_on_to_its_values(user, site, tm
     fit = root / "fits" / "film"
     site.processes.delete(fit)
     assert not fit.exists() and site.processes.status(fit).phase is Phase.NEW
+
+
+async def test_a_study_is_one_row_and_its_rows_are_links_unless_their_run_was_deleted(user, site):
+    study = site.folder.root / "sweeps" / "speeds"
+    runs = [StudyRun({}, [], "converged", f"runs/{name}") for name in ("0123456789abcdef", "fedcba9876543210")]
+    speeds = {"mean_speed": ([0.2, 0.4], {"units": "m/s", "long_name": "mean speed"})}
+    make_run(study / runs[0].directory)
+    data = study_dataset("product", speeds, runs, {"title": "speeds", "kind": "rolling"})
+    data.to_zarr(study / "sweep.zarr", consolidated=False)
+    (study / "sweep.csv").write_text("status\nconverged\nconverged\n")
+    await user.open("/study?name=sweeps/speeds")
+    await until(lambda: all_of(user, "outcome"))
+    address = address_of("/run", name=f"sweeps/speeds/{runs[0].directory}")
+    first, second = re.findall("<tr><td>.*?</tr>", one(user, "outcome").content)
+    assert f'<td><a href="{address}">0.2</a></td>' in first and f'<a href="{address}">runs/01234567</a>' in first
+    assert "<a" not in second and second.endswith("<td>deleted</td></tr>")
+    listed = one(user, "runs").content
+    assert "finished · study over mean_speed" in listed and runs[0].directory not in listed
+    assert listed.index(">ball<") < listed.index(">speeds<")
+    await user.open(address)
+    await user.should_see("A run of sweeps/speeds")
+
+
+async def test_a_traction_curve_is_started_from_a_steady_run(user, site):
+    steady = {**SUMMARY, "kind": "rolling", "method": "steady", "warnings": [], "restitution": None}
+    (site.folder.root / "runs" / "ball" / "summary.json").write_bytes(sealed(steady))
+    await user.open("/run?name=runs/ball")
+    user.find(marker="traction").click()
+    await until(lambda: all_of(user, "ratios"))
+    one(user, "ratios").set_value("--out")
+    user.find(marker="start-curve").click()
+    curve = site.folder.root / "traction" / "ball"
+    await until(lambda: all_of(user, "phase") and one(user, "phase").text == "running")
+    *_, asked, _, place = site.processes._started[curve].arguments
+    assert (asked, place) == ("--slide-to-roll=--out", str(curve))
+    assert [run.name for run in site.processes.ours()] == ["ball"] and [entry.path for entry in site.entries()] != [
+        curve
+    ]
+    user.find(marker="stop").click()
+    await until(lambda: not site.processes.ours())
 
 
 async def test_a_fit_of_files_outside_is_not_started(user, site, tmp_path):
@@ -249,11 +299,34 @@ async def test_a_file_is_added_and_nothing_is_overwritten(user, site):
         ("long.toml", "#" * (new_page.LARGEST_UPLOAD + 1), "long.toml: must be a text of at most 200 kB"),
         ("long.toml", None, "long.toml: must be a text of at most 200 kB"),
         ("odd.toml", "[sweep", "odd.toml is not valid TOML"),
+        ("film.csv", "PK\3\4", "film.csv: is not a text; export it as one, such as CSV"),
+        ("film.html", "x,h", "film.html: must be a case, a study or a fit, .toml, or columns, .csv, .txt"),
     ):
         await user.open("/")
         user.find(marker="upload").trigger("change", [name, text])
         await user.should_see(message)
     assert sorted(root.iterdir()) == before
+
+
+async def test_what_was_measured_is_added_and_compared(user, site, monkeypatch):
+    """A file as an instrument wrote it; what is known of it goes to the process that draws."""
+    asked = []
+    monkeypatch.setattr(pictures, "draw_picture", lambda it: asked.append(it) or Picture(b"", None, "rms difference 0"))
+    content = "x (um);h (nm)\n0;100\n".encode("utf-16")
+    await user.open("/")
+    user.find(marker="upload").trigger("change", ["../.film.CSV", content.decode("latin-1")])
+    await until(lambda: all_of(user, "readout") and one(user, "readout").text == "rms difference 0")
+    (file,) = site.folder.measurements()
+    assert file.name == "_.film.csv" and file.read_bytes() == content
+    one(user, "given-column").set_value("x=Radius [um]; h=nm")
+    one(user, "given-at").set_value("60 us")
+    given = Measured(at="60 us", column=("x=Radius [um]", "h=nm"))
+    await until(lambda: asked[-1].measured == (file, "x", given))
+    assert asked[-1].run == site.folder.root / "runs" / "ball"
+    count = len(asked)
+    await user.open("/measured?file=../../etc/passwd&run=../../etc")
+    await user.should_see("lies outside")
+    assert one(user, "file").value == file.name and len(asked) == count
 
 
 # -- names ------------------------------------------------------------------------------------------------------------
@@ -306,6 +379,7 @@ async def test_the_name_of_a_case_and_a_message_are_text(user, site):
     for name in NAMES:
         (site.folder.root / "odd.toml").write_text(f"name = {json.dumps(plain_name(name))}\n{case}")
         await user.open("/new?case=odd.toml")
+        user.find(ui.tabs).elements.pop().set_value("text")
         await until(lambda: one(user, "run").enabled)
         assert one(user, "name").props["placeholder"] == plain_name(name)
         assert properties(user) <= usual

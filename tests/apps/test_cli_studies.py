@@ -3,6 +3,7 @@
 import csv
 import json
 import re
+import shutil
 import signal
 
 import pytest
@@ -13,7 +14,7 @@ from matplotlib.figure import Figure
 import ertel
 from ertel.runs.directory import STOP, ask_to_stop, read_progress
 from ertel.runs.files import StoreError
-from ertel.runs.fit_result import FitResult
+from ertel.runs.fit_result import FitResult, open_study
 from ertel.runs.store import RunStore
 from ertel.runs.study_result import StudyResult
 
@@ -100,8 +101,16 @@ def test_a_study_from_its_file_to_its_table(here):
     assert found == [(40.0, "converged"), (60.0, "converged")]
     picture = here / "sweeps/loads/sweep.png"
     picture.write_text("of numbers that are no longer there")
-    ertel_(*SWEEP, "-q")
+    assert ertel_(*SWEEP, "-q").stderr == "" and len(names(here / "sweeps/loads/runs")) == 3
     assert not picture.exists()
+    refused(*SWEEP, "--prune", "--part", "1/2")
+    assert ertel_(*SWEEP, "--prune").stderr.splitlines()[1:] == ["deleted runs that the study no longer has: 1"]
+    kept = {row["directory"].removeprefix("runs/") for row in rows(here / "sweeps/loads/sweep.csv")}
+    assert names(here / "sweeps/loads/runs") == kept and len(kept) == 2
+    shutil.copytree(here / "sweeps/loads" / directory, here / "zz")
+    _, run, study = ertel_("ls").stdout.splitlines()  # the runs of the study are one row, below the others
+    assert run.startswith("zz ") and re.match("sweeps/loads +study over M +2 of 2 runs done ", study)
+    assert len(json.loads(ertel_("ls", "--json").stdout)) == 3
 
 
 @pytest.mark.parametrize("where", ["study", pytest.param("run", marks=pytest.mark.slow)])
@@ -187,7 +196,7 @@ def test_a_fit_is_printed_and_stored_and_goes_on(here, monkeypatch, interrupted,
     [first] = place.glob("runs/*/summary.json")
     before = first.stat().st_mtime_ns
     assert (read_progress(place)["status"], read_progress(place)["step"]) == ("running", 0)
-    text = ertel_(*FITTED).stdout
+    text = ertel_(*FITTED, "--keep", "all").stdout
     for part in ("fit of drop", "20 mPa*s", "5 %", "the prior does, to 5 %", "with fit.zarr, fit.csv and fit.png"):
         assert part in text
     assert names(place) == LEFT | {"runs", "progress.json", "fit.zarr", "fit.csv", "fit.png"}
@@ -200,6 +209,7 @@ def test_a_fit_is_printed_and_stored_and_goes_on(here, monkeypatch, interrupted,
     monkeypatch.setattr("ertel.runs.store.drive", None)  # nothing is computed again
     [unknown] = json.loads(ertel_(*FITTED, "--json").stdout)["unknowns"]
     assert unknown["value"] == pytest.approx(0.02, rel=1e-3) and unknown["unit"] == "Pa*s"
+    assert names(place / "runs") == {open_study(place).case.digest}  # that of the values
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -18,7 +19,7 @@ from ertel.runs import files
 from ertel.runs.arrays import AppendedData
 from ertel.runs.directory import Taken
 from ertel.runs.files import StoreError
-from ertel.runs.store import RunStore, compute
+from ertel.runs.store import RunStore, compute, prune
 
 
 def test_the_next_free_name_and_an_empty_directory(tmp_path):
@@ -225,3 +226,37 @@ def test_a_file_system_without_locks(tmp_path, monkeypatch):
         assert compute(run)["status"] == "converged"
     (ours,) = [str(warning.message) for warning in said if "locked" in str(warning.message)]
     assert ours.startswith(f"{run.directory}: cannot be locked (")
+
+
+# -- deleted ----------------------------------------------------------------------------------------------------------
+
+
+def test_a_study_is_pruned_of_its_own_runs_only(tmp_path):
+    """Nothing goes that it has, that ertel did not write, that a process works on, or that lies elsewhere."""
+    study, elsewhere = tmp_path / "study", tmp_path / "elsewhere"
+    cases = [replace(SHORT_FALL, time=replace(SHORT_FALL.time, tolerance=0.1 + 0.01 * n)) for n in range(6)]
+    kept, stale, noted, locked, linked, renamed = (case.digest for case in cases)
+    for case in cases:
+        RunStore.create(study / "runs" / case.digest, case)
+    (study / "runs" / noted / "notes.txt").touch()
+    (study / "runs" / linked).rename(elsewhere)
+    (study / "runs" / linked).symlink_to(elsewhere)
+    (study / "runs" / renamed).rename(study / "runs" / ("0" * 16))  # a copy under a name of the user's
+    for path in ("mine/case.toml", "f" * 16 + "/run.zarr/zarr.json", "a" * 16):
+        (study / "runs" / path).parent.mkdir(exist_ok=True, parents=True)
+        (study / "runs" / path).write_text("{}")
+    before = names(study / "runs")
+    with files.locked(study / "runs" / locked):
+        removed, stayed = prune(study, [kept])
+    assert removed == 1 and names(study / "runs") == before - {stale} and (elsewhere / "case.toml").exists()
+    assert sorted(stayed) == sorted(
+        [
+            f"runs/{noted}: holds other files (notes.txt); move them away first",
+            f"runs/{locked}: is running; stop it before you delete it",
+        ]
+    )
+    (study / "runs").rename(tmp_path / "runs")
+    (study / "runs").symlink_to(tmp_path / "runs")
+    with pytest.raises(StoreError, match="runs: is a symbolic link"):
+        prune(study, [])
+    assert names(tmp_path / "runs") == before - {stale}

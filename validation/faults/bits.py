@@ -13,10 +13,9 @@ from children import OWN, Ended, Fault, called, fingerprint, in_child, plain, ru
 from kills import Known, Outcome, Trial, judged
 from kinds import Kind
 
-from ertel.apps.browser.folder import Folder, fault_of, summary_of
+from ertel.apps.browser.folder import Folder, fault_of, listed, summary_of
 from ertel.apps.browser.processes import Processes
 from ertel.runs.arrays import ROOT
-from ertel.runs.directory import listed
 
 SUMMARY = "summary.json"
 WAYS = {"bit flipped": 0.8, "cut short": 0.05, "deleted": 0.05, "replaced": 0.1}

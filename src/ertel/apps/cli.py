@@ -33,6 +33,7 @@ from ertel.apps.arguments import (
 )
 from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, say
 
+PRUNE_HELP = "Delete the runs that the study no longer has; what ertel did not write stays."
 PART_HELP = "Do the I-th of N parts only, such as one task of a job array; the command without it gathers."
 app = typer.Typer(
     cls=process.Commands,
@@ -181,6 +182,7 @@ def sweep(
     out: Annotated[Path | None, path_option("Directory of the study; default sweeps/NAME.")] = None,
     set_: Set = None,
     part: Annotated[str | None, option(PART_HELP, "I/N")] = None,
+    prune: Annotated[bool, typer.Option("--prune", help=PRUNE_HELP)] = False,
 ) -> None:
     """Run a parameter study: all combinations of the values in a case file that are lists or ranges.
 
@@ -196,7 +198,8 @@ def sweep(
 
     chosen = studies.part_of(part)
     study = load_study(study_file, set_ or [])
-    studies.sweep(study, out or Path("sweeps").absolute() / study.name, studies.Engine(**vars(engine)), chosen, report)
+    place = out or Path("sweeps").absolute() / study.name
+    studies.sweep(study, place, studies.Engine(**vars(engine)), chosen, report, prune)
 
 
 @app.command()
@@ -238,6 +241,7 @@ def fit(
     report: Report,
     out: Annotated[Path | None, path_option("Directory of the fit; default fits/NAME.")] = None,
     set_: Set = None,
+    keep: Annotated[Literal["best", "all"], option("The runs that stay when the fit is done.")] = "best",
 ) -> None:
     """Find the numbers of a case that explain what was measured: of an oil, a load, a speed, a layer.
 
@@ -246,13 +250,15 @@ def fit(
     unknowns the data fix, and how well.
 
     Each run is an ordinary run directory, DIR/runs/DIGEST of its case. After an interruption the same command
-    continues; a fit with other data or bounds uses the runs again as far as they are the same.
+    continues. When the fit is done the runs with the values that were found stay, and the others are deleted; with
+    --keep all a fit with other data or bounds uses them again as far as they are the same.
     """
     from ertel.apps import studies
     from ertel.runs.fit_problem import load_fit_problem
 
     problem = load_fit_problem(fit_file, set_ or [])
-    studies.fit(problem, out or Path("fits").absolute() / fit_file.stem, studies.Engine(**vars(engine)), report)
+    place = out or Path("fits").absolute() / fit_file.stem
+    studies.fit(problem, place, studies.Engine(**vars(engine)), report, keep)
 
 
 @app.command("warm-up")

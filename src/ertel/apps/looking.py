@@ -25,7 +25,7 @@ from ertel.apps.measuring import compare_measured, measurement_in
 from ertel.apps.terminal import BAD_INPUT, bad_input, leave, placing, print_json, print_path, say, shown
 
 if TYPE_CHECKING:  # these take long to import
-    from ertel.runs.directory import Listed
+    from ertel.apps.browser.folder import Listed
 
 SIGMA_HELP = 'Rms roughness for the lambda ratio: "20 nm, 60 nm", one for both together, or "Ra 50 nm", times 1.25.'
 Along = Annotated[Literal["x", "y"], option("The direction of a profile.")]
@@ -40,7 +40,7 @@ def ls(
     folder: Annotated[Path | None, path_argument("DIR", FOLDER_HELP, run_directories)] = None, as_json: Json = False
 ) -> None:
     """List the runs in a folder: case, status, time and key numbers of each."""
-    from ertel.runs.directory import listed
+    from ertel.apps.browser.folder import listed
 
     folder = folder or Path.cwd()
     runs = listed(folder)
@@ -60,10 +60,17 @@ def _as_data(run: "Listed", folder: Path) -> dict[str, Any]:
     return {**state, "written": run.written.isoformat(timespec="seconds"), **about, "numbers": numbers}
 
 
-def _print_runs(runs: "Sequence[Listed]", folder: Path) -> None:
+def _print_runs(every: "Sequence[Listed]", folder: Path) -> None:
+    """Print the runs, then a row for each study in the place of its runs."""
+    from ertel.apps.browser.folder import about_study
     from ertel.apps.tables import print_rows
     from ertel.results.variables import VARIABLES, in_celsius, name_in_si, stored_in, with_prefix
+    from ertel.runs.directory import study_of
 
+    studies: dict[Path | None, list[Listed]] = {None: []}
+    for run in every:
+        studies.setdefault(study_of(run.directory, folder), []).append(run)
+    runs = studies.pop(None)
     shown = {about for run in runs for about in stored_in(run.numbers, lambda variable: variable.shown).values()}
     names = ["M", "L", *(name for name, about in VARIABLES.items() if about in shown)]
     rows = [["run", "case", "status", "written", *names]]
@@ -74,6 +81,10 @@ def _print_runs(runs: "Sequence[Listed]", folder: Path) -> None:
         known = [number and in_celsius(number.value, number.attributes["units"]) for number in numbers]
         texts = [with_prefix(*each) if each else "" for each in known]
         rows.append([str(run.directory.relative_to(folder)), case, status, f"{run.written:%Y-%m-%d %H:%M}", *texts])
+    for study, of in studies.items():
+        done, last = sum(run.done >= 1 for run in of), max(run.written for run in of)
+        about = [str(study.relative_to(folder)), about_study(study), f"{done} of {len(of)} runs done"] if study else []
+        rows.append([*about, f"{last:%Y-%m-%d %H:%M}", *("" for _ in names)])
     print_rows(rows, left=4)
 
 
@@ -101,7 +112,9 @@ def compare(
     if second.is_file():
         if second.suffix in (".toml", ".json", ".npz"):  # of cases and runs
             leave(BAD_INPUT, f"{shown(second)} is not a file of columns; for a run give its directory")
-        compare_measured(first, measurement_in(second, given, along=along), plot, as_json, overwrite, named)
+        with bad_input():
+            measurement = measurement_in(second, given, along=along)
+        compare_measured(first, measurement, plot, as_json, overwrite, named)
         return
     wrong = [name for name, each in {**vars(given), "along": along != "x"}.items() if each]
     if wrong and second.is_dir():

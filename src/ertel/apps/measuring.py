@@ -1,6 +1,7 @@
 """Measurements and pages: what `ertel compare` does with a file, `ertel fringes` and `ertel report`."""
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -9,21 +10,42 @@ from ertel.apps.arguments import Measured, Overwrite, option, path_argument, pat
 from ertel.apps.terminal import BAD_INPUT, bad_input, leave, local_path, placing, print_json, print_path, say, shown
 
 if TYPE_CHECKING:  # it takes long to import
+    import xarray as xr
+
+    from ertel.results.alignment import Comparison
     from ertel.results.measurements import Measurement
 
 
 def measurement_in(file: Path, given: Measured, light: str = "mono", along: str = "x") -> "Measurement":
-    """The measurement in a file.  light: of an intensity."""
+    """The measurement in a file.  light: of an intensity.  Raises ValueError."""
     from ertel.inputs.fits import interferometer
     from ertel.results.measurements import READ, Measurement
 
     units: dict[str, Any] = dict(each.partition("=")[::2] for each in given.column or [])
     if wrong := sorted(units.keys() & {*READ, "optics"}):
-        leave(BAD_INPUT, f"--column {wrong[0]}: must be a place, a time or a quantity, such as x=um or h=nm")
-    with bad_input():
-        rig = interferometer(light, given.wavelength, given.coatings, given.index)
-        names = (given.align or "").replace(",", " ").split()
-        return Measurement.read(file, at=given.at, along=along, align=names, optics=rig, index=given.index, **units)
+        raise ValueError(f"--column {wrong[0]}: must be a place, a time or a quantity, such as x=um or h=nm")
+    rig = interferometer(light, given.wavelength, given.coatings, given.index)
+    names = (given.align or "").replace(",", " ").split()
+    return Measurement.read(file, at=given.at, along=along, align=names, optics=rig, index=given.index, **units)
+
+
+def beside(directory: Path, measurement: "Measurement") -> tuple["xr.Dataset", "Comparison"]:
+    """A measurement beside a run, or a curve beside a study, and the data of these; it needs no JAX.
+
+    Raises ValueError where the directory holds something else, or the run does not have the quantity.
+    """
+    from ertel.runs.arrays import AppendedData, read
+    from ertel.runs.directory import DATA, is_run, read_case
+    from ertel.runs.fit_result import open_study
+
+    if measurement.kind == "curve":
+        result: Any = open_study(directory)
+    elif is_run(directory):
+        data = read(directory / DATA, AppendedData.advice)
+        result = SimpleNamespace(dataset=data, case=read_case(directory))
+    else:
+        raise ValueError(f"{shown(directory)}: is not a run directory, and {measurement.name} is a {measurement.kind}")
+    return result.dataset, measurement.compared(result)
 
 
 def compare_measured(
@@ -31,16 +53,12 @@ def compare_measured(
 ) -> None:
     """Print a measurement beside a run, and draw both.  named: whether the user says where."""
     from ertel import plots
-    from ertel.runs.fit_result import open_study
-    from ertel.runs.store import RunStore
 
-    is_curve = measurement.kind == "curve"
-    result = open_study(directory) if is_curve else RunStore.open(directory).result()
     with bad_input():
-        found = result.compare(measurement)
+        data, found = beside(directory, measurement)
         if plot:
             with placing(plot.parent, overwrite, named, [plot.name]) as place:
-                plots.measured(result.dataset, found).savefig(place / plot.name)
+                plots.measured(data, found).savefig(place / plot.name)
     if as_json:
         columns = {name: getattr(found, name).tolist() for name in ("x", "measured", "computed", "difference")}
         quantity = found.measurement.quantity

@@ -22,6 +22,7 @@ from ertel.runs.compile import prepare_jax
 from ertel.runs.directory import heeding_stop
 from ertel.runs.engine import Engine as Engine
 from ertel.runs.fit_problem import FitProblem
+from ertel.runs.store import prune as pruned
 from ertel.runs.study_result import StudyResult
 
 GOES_ON = "the same command continues"
@@ -38,8 +39,15 @@ def part_of(text: str | None) -> stored.Part:
     raise ConfigError(f"--part {text}: must be I/N with I from 1 to N, for example 2/8")
 
 
-def sweep(study: Study, directory: Path, engine: Engine, part: stored.Part, options: Report) -> None:
-    """Do what is left of a study, write and print what all its runs say."""
+def sweep(
+    study: Study, directory: Path, engine: Engine, part: stored.Part, options: Report, prune: bool = False
+) -> None:
+    """Do what is left of a study, write and print what all its runs say.
+
+    prune: delete the runs that the study no longer has.
+    """
+    if prune and part != stored.EVERY:
+        raise ConfigError("--prune: is for the whole study; leave out --part")
     stored.require_place(directory, study.purpose, "--out")
     prepare_jax()
     left = stored.left_of(study.cases, directory, part)
@@ -54,6 +62,11 @@ def sweep(study: Study, directory: Path, engine: Engine, part: stored.Part, opti
             result = stored.gather(study, directory, statuses)
             if part == stored.EVERY:
                 stored.write_study(result, directory, study.purpose)
+            if prune:
+                removed, stayed = pruned(directory, [case.digest for case in study.cases])
+                said = [] if options.quiet else [f"deleted runs that the study no longer has: {removed}"]
+                for line in (*said, *(f"ertel: warning: {reason}" for reason in stayed)):
+                    say(line)
     if part == stored.EVERY:
         _report(result, directory, study.purpose, options)
     if stop.code or len(statuses) < len(left) or Status.INTERRUPTED.value in statuses.values():
@@ -82,13 +95,13 @@ def traction(case: Case, given: Mapping[str, Given | None], film: str | None, di
         leave(FAILED, f"failed: the film did not converge at {result.axis} = {values}; the other points are there")
 
 
-def fit(problem: FitProblem, directory: Path, engine: Engine, options: Report) -> None:
-    """Do what is left of a fit, write and print it."""
+def fit(problem: FitProblem, directory: Path, engine: Engine, options: Report, keep: fits.Keep = "best") -> None:
+    """Do what is left of a fit, write and print it.  keep: the runs that stay, see `ertel.fit`."""
     stored.require_place(directory, fits.NAME, "--out")
     prepare_jax()
     with interruptible(GOES_ON) as stop, writing_to(directory, GOES_ON):
         try:
-            result = fits.store_fit(problem, directory, engine, stop, not options.quiet)
+            result = fits.store_fit(problem, directory, engine, stop, not options.quiet, keep)
         except fits.StoppedFit:
             stop.leave()
         except fits.FitError as error:

@@ -41,6 +41,11 @@ ABOUT: Mapping[Kind, str] = {"impact": "A ball hits an oiled surface.", "rolling
 SHAPE = "spot"
 
 
+def about(kind: Kind, line: bool = False) -> str:
+    """A new case in a sentence."""
+    return ABOUT[kind].replace("ball", "roller") if line else ABOUT[kind]
+
+
 def template(kind: Kind, name: str, line: bool = False) -> str:
     """A new case file.  kind: "impact" or "rolling".  name: of the file, for the comments at its head.
 
@@ -50,7 +55,7 @@ def template(kind: Kind, name: str, line: bool = False) -> str:
     contact = {**GIVEN[kind]["[contact]"], **(LINE[kind] if line else {})}
     lines = [
         f"#:schema ./{SCHEMA_FILE}",
-        f"# {ABOUT[kind].replace('ball', 'roller') if line else ABOUT[kind]}",
+        f"# {about(kind, line)}",
         "#",
         f"#   ertel check {name}        what follows from it, without running it",
         f"#   ertel run {name}",

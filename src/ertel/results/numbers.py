@@ -306,9 +306,8 @@ def more_lines(summary: Outcome) -> Iterator[str]:
     yield from _extreme_lines(summary)
     yield from _thermal_lines(summary)
     yield from _stress_line(summary)
-    imbalances = {name: terms["imbalance"] for name, terms in summary.get("budgets", {}).items()}
-    shown = ", ".join(f"{name} {share:.2%}" for name, share in imbalances.items() if share is not None)
-    if shown:
+    shares = ((name, terms["imbalance"]) for name, terms in summary.get("budgets", {}).items())
+    if shown := ", ".join(f"{name} {share:.2%}" for name, share in shares if share is not None):
         yield f"imbalance: {shown}"
 
 
@@ -334,12 +333,15 @@ def _thermal_lines(summary: Outcome) -> Iterator[str]:
     if "phi_T" in table:
         cold = ", ".join(f"{n.about.symbol} {n.full_text}" for n in table.values() if f"{n.name}_warm" in summary)
         yield f"without heat: {cold} (phi_T = {summary['phi_T']:.4g}, L_t = {summary['L_t']:.3g})"
-    if "T_max" not in table:
-        return
-    warm = {name: f"{n.value - ZERO_CELSIUS:.1f} degC" for name, n in table.items() if n.about.unit == KELVIN}
-    place = f"at x = {table['X_T_max'].text_in_si}, zeta = {table['zeta_T_max'].text}"
-    yield f"highest temperatures: surface 1 {warm['T_1_max']}, surface 2 {warm['T_2_max']}, oil {warm['T_max']} {place}"
-    yield f"mean across the film: highest {warm['T_film_max']}, over the contact {warm['T_film_mean']}"
+    if "T_max" in table:
+        warm = {name: f"{n.value - ZERO_CELSIUS:.1f} degC" for name, n in table.items() if n.about.unit == KELVIN}
+        place = f"at x = {table['X_T_max'].text_in_si}, zeta = {table['zeta_T_max'].text}"
+        walls = f"surface 1 {warm['T_1_max']}, surface 2 {warm['T_2_max']}"
+        yield f"highest temperatures: {walls}, oil {warm['T_max']} {place}"
+        yield f"mean across the film: highest {warm['T_film_max']}, over the contact {warm['T_film_mean']}"
+    if (heat := summary.get("thermal", {}).get("heat_W", {})) and None not in heat.values():
+        watts = [with_prefix(heat[name], "W") for name in ("released", "into_body_1", "into_body_2", "with_the_oil")]
+        yield "heat in the film {}; into body 1 {}, into body 2 {}, with the oil {}".format(*watts)
 
 
 def _stress_line(summary: Outcome) -> Iterator[str]:

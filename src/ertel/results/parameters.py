@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from ertel.case.case import Case
-from ertel.case.records import law_data, show
 from ertel.physics import film_formulas, line_films
 from ertel.physics.film_formulas import FormulaFilm
 from ertel.physics.geometry import Geometry, geometry
@@ -15,7 +14,8 @@ from ertel.physics.line_scales import LineParameters
 from ertel.physics.materials import RHEOLOGY
 from ertel.physics.registry import FLUIDITY_LAWS
 from ertel.physics.scales import FlowDirection, HamrockDowson, Parameters, Scales, hamrock_dowson
-from ertel.results.variables import VARIABLES, named_with_unit
+from ertel.physics.units import Unit, fields_of
+from ertel.results.variables import VARIABLES, named_with_unit, with_prefix
 
 
 def parameters_of(case: Case) -> dict[str, float]:
@@ -61,11 +61,21 @@ def _fall_in_si(p: Parameters, s: Scales) -> dict[str, float]:
 
 
 def rheology_of(case: Case) -> str:
-    """The law of shear thinning of a case as it is written, and its source or why there is none, as far as known."""
+    """The law of shear thinning of a case in words, and its source or why there is none, as far as known."""
     law = case.oil.rheology
-    written = "Newtonian" if case.oil.is_newtonian else show(law_data(law, FLUIDITY_LAWS))
+    written = "Newtonian" if case.oil.is_newtonian or isinstance(law, str) else _in_words(law)
     reason = case.oil.reference.partition(RHEOLOGY)[2].partition(" Given:")[0].removeprefix("Newtonian, ").rstrip(".")
     return f"{written} ({reason})" if reason else written
+
+
+def _in_words(law: Any) -> str:
+    """A law of shear thinning with its numbers: "Ree-Eyring, tau0 = 5 MPa"."""
+    parts = [getattr(law, "title", FLUIDITY_LAWS.name_of(law).title())]
+    for name, field in fields_of(law).items():
+        value = getattr(law, name)
+        unit = field.mark.unit if isinstance(field.mark, Unit) else "1"
+        parts.append(f"{name} = {with_prefix(value, unit)}" if isinstance(value, float | int) else _in_words(value))
+    return ", ".join(parts)
 
 
 def _ugw(case: Case, s: Scales) -> HamrockDowson:

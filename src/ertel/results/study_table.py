@@ -63,7 +63,8 @@ def study_dataset(
     ):
         variables[key] = dims, np.reshape(values, shape), {"long_name": about}
     date = datetime.now(UTC).isoformat(timespec="seconds")
-    heading = {"source": f"ertel {installed_version()}", "date_created": date, "mode": mode}
+    made = {"source": f"ertel {installed_version()}", "date_created": date}
+    heading = {**made, "mode": mode, "over": ", ".join(coordinates)}
     return xr.Dataset(variables, along, {**heading, **attributes})
 
 

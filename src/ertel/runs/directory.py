@@ -40,7 +40,7 @@ from itertools import chain, count
 from math import inf, isfinite
 from os.path import lexists
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, get_args
+from typing import TYPE_CHECKING, Any, get_args
 from uuid import uuid4
 
 from ertel.case.case import Case
@@ -48,8 +48,19 @@ from ertel.case.conditions import Kind
 from ertel.case.status import Status
 from ertel.inputs.case_files import ConfigError, parse_case, read_toml, to_toml
 from ertel.results.figures import FIGURES_IN_TIME, FIGURES_STEADY, MADE_BY
-from ertel.results.numbers import Number, lines, scalars
-from ertel.runs.files import LOCK, StoreError, content_of, is_locked, reading, replace, sync_directory, unsealed, within
+from ertel.results.numbers import lines
+from ertel.runs.files import (
+    LOCK,
+    StoreError,
+    content_of,
+    is_locked,
+    locked,
+    reading,
+    replace,
+    sync_directory,
+    unsealed,
+    within,
+)
 
 if TYPE_CHECKING:  # it brings JAX, which readers do not need
     from ertel.runs.drive import Run
@@ -57,6 +68,9 @@ if TYPE_CHECKING:  # it brings JAX, which readers do not need
 CASE, DATA, CHECKPOINT, SUMMARY = "case.toml", "run.zarr", "checkpoint.npz", "summary.json"
 PROGRESS, STOP = "progress.json", "stop"
 OCCUPIED = (errno.ENOTEMPTY, errno.EEXIST, errno.ENOTDIR, errno.EISDIR)  # why a directory cannot be moved to a name
+RUNS = "runs"  # the directory with the runs of a study, and where `ertel run` puts one
+KINDS = "sweep", "traction", "convergence", "fit"  # of studies, by the names of the files with their numbers
+DIGEST = re.compile(r"[0-9a-f]{16}")
 INTERVAL = 1.0  # s between two versions of progress.json
 DEEPEST = 4  # levels of folders that are searched for runs
 LARGEST_PROCESS = 2**31  # numbers of processes are below it
@@ -122,7 +136,7 @@ _RUN = (
     rf"run\.zarr(\.old|\.partial)?/(\w+/)?{_ZARR}|plots/{_FIGURE}\.(png|svg|pdf|gif|webp|mp4)|"
     r"export/(history\.csv|grids\.csv|run\.nc|maps\.pvd|maps_\d+\.vti|profile_[xy](_[\w.-]+)?\.csv)"
 )
-_STUDY = r"(sweep|traction|fit|convergence)"
+_STUDY = rf"({'|'.join(KINDS)})"
 WRITTEN = re.compile(
     rf"{_RUN}|runs/\.?[0-9a-f]{{16}}(-[0-9a-f]{{8}})?/({_RUN})|"
     rf"(\.{_STUDY}-\w{{8}}/)?{_STUDY}\.(csv|png|zarr/([\w.-]+/)?{_ZARR})"
@@ -292,30 +306,6 @@ def _is_valid(progress: Mapping[str, Any]) -> bool:
 # -- the runs in a folder ---------------------------------------------------------------------------------------------
 
 
-class Listed(NamedTuple):
-    """A run directory.
-
-    case: None where it cannot be read.  status: as in the summary; "running", or "unfinished" where no process is at
-    it.  done: the share of the run.  written: when it was last changed.  numbers: those of its summary.
-    """
-
-    directory: Path
-    case: Case | None
-    status: str
-    done: float
-    written: datetime
-    numbers: Mapping[str, Number]
-
-
-def listed(folder: Path) -> list[Listed]:
-    """The runs in a folder and in those below it, in the order of their names; a run directory is itself one.
-
-    Raises OSError where the folder cannot be read; a folder below it that cannot be read is left out.
-    """
-    next(folder.iterdir(), None)
-    return [_listed(directory) for directory in sorted(find_runs(folder))]
-
-
 def find_runs(folder: Path, most_folders: float = inf) -> Iterator[Path]:
     """The run directories in a folder and below it, the nearest first; in a large tree not all.
 
@@ -328,10 +318,10 @@ def find_runs(folder: Path, most_folders: float = inf) -> Iterator[Path]:
             yield path
         elif levels and looked < most_folders:
             looked += 1
-            waiting.extend((inside, levels - 1) for inside in _folders_in(path))
+            waiting.extend((inside, levels - 1) for inside in folders_in(path))
 
 
-def _folders_in(folder: Path) -> list[Path]:
+def folders_in(folder: Path) -> list[Path]:
     """The folders in a folder, by name, without hidden ones and symbolic links; none where it cannot be read."""
     try:
         with os.scandir(folder) as entries:
@@ -352,17 +342,37 @@ def status_of(directory: Path, summary: Mapping[str, Any] | None) -> str:
     return "running" if is_locked(directory) else summary["status"] if summary else "unfinished"
 
 
-def _listed(directory: Path) -> Listed:
-    files = [directory / name for name in (CASE, PROGRESS, SUMMARY)]
-    changed = max((path.lstat().st_mtime for path in files if lexists(path)), default=0.0)
-    written = datetime.fromtimestamp(changed)
-    try:
-        case, summary = read_case(directory), read_summary(directory)
-        with reading(directory / SUMMARY, ""):
-            numbers = scalars(summary) if summary else {}
-    except (StoreError, OSError):
-        return Listed(directory, None, "damaged", 0.0, written, {})
-    status = status_of(directory, summary)
-    progress = read_progress(directory) or {"done": 0.0}
-    done = 1.0 if summary and Status(summary["status"]).ok else float(progress["done"])
-    return Listed(directory, case, status, done, written, numbers)
+# -- studies, and how they are deleted ---------------------------------------------------------------------------------
+
+
+def study_of(run: Path, root: Path) -> Path | None:
+    """The directory of the study that has a run, which is named by the digest of its case; None of other runs.
+
+    root: a folder, which is not a study itself.
+    """
+    study = run.parent.parent
+    is_in_study = run.parent.name == RUNS and DIGEST.fullmatch(run.name)
+    return study if is_in_study and root in study.parents else None
+
+
+def kind_of(study: Path) -> str:
+    """The kind of a study, one of `KINDS`; empty where it has no numbers yet."""
+    return next((kind for kind in KINDS if (study / f"{kind}.zarr").exists()), "")
+
+
+def remove(place: Path, name: str) -> None:
+    """Delete the directory of a run, or of a study with all its runs.  name: in messages.
+
+    It is moved to a hidden name first, so that it is gone as a whole.  Raises StoreError where a process works on it,
+    and where it holds files that ertel does not write; OSError where the system refuses.
+    """
+    if any(is_locked(each) for each in (place, *find_runs(place))):
+        raise StoreError(f"{name}: is running; stop it before you delete it")
+    if others := others_in(place):
+        pictures = any(Path(other).parent.name == "plots" for other in others)
+        mark = "; ertel plot DIR --overwrite marks the pictures of an earlier version" if pictures else ""
+        raise StoreError(f"{name}: holds other files ({', '.join(sorted(others)[:5])}); move them away first{mark}")
+    hidden = place.with_name(f".{place.name}-{uuid4().hex[:8]}")
+    with locked(place):
+        place.rename(hidden)
+    shutil.rmtree(hidden)

@@ -18,7 +18,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -32,14 +32,14 @@ from ertel.results.study_table import grouped
 from ertel.results.summary import ORDERS
 from ertel.runs import studies
 from ertel.runs.compile import check_jax
-from ertel.runs.directory import CASE, read_progress, write_progress
+from ertel.runs.directory import CASE, RUNS, read_progress, write_progress
 from ertel.runs.drive import warn
 from ertel.runs.engine import Engine
 from ertel.runs.files import Damaged, StoreError
 from ertel.runs.fit_problem import FitProblem, Given, fit_problem, under_the_law
 from ertel.runs.fit_result import FitPoint, FitResult, Values, amount, fit_dataset, with_laws
 from ertel.runs.result import Result
-from ertel.runs.store import RunStore
+from ertel.runs.store import RunStore, prune
 from ertel.runs.workers import Condition, Failure, Workers, never
 
 NAME = "fit"  # of the files with the outcome
@@ -49,6 +49,7 @@ NEAR = 1e-3  # a step of the search that is smaller, in the logarithms, is the l
 FLAT = 0.01  # a change of chi square that does not matter
 MOST_POINTS = 40  # of a search
 
+Keep = Literal["best", "all"]
 Runner = Callable[[Sequence[Case]], Sequence[Result | Failure]]
 
 
@@ -67,6 +68,7 @@ def fit(
     directory: str | Path | None = None,
     *,
     laws: Sequence[str] = (),
+    keep: Keep = "best",
     jobs: int | None = 1,
     scheduler: str | None = None,
     progress: bool = False,
@@ -87,6 +89,8 @@ def fit(
     directory : str or Path, optional
         Of the fit: a new or empty one, or that of an earlier fit, whose runs are used again as far as they are the
         same, so that a fit that was killed goes on.  Left out, no run is kept.
+    keep : "best" or "all"
+        The runs that stay in it when the fit is done: those with the values that were found, or all.
     laws : sequence of str, optional
         Two or more laws of viscosity, ("roelands", "barus"): a fit under each, and whether the data tell them apart.
         The result is that of the first one.
@@ -122,7 +126,8 @@ def fit(
     check_jax()
     engine = Engine(jobs, scheduler)
     problem = fit_problem(case, measurements, unknowns, laws)
-    result = studies.in_directory(directory, NAME, lambda place: store_fit(problem, place, engine, progress=progress))
+    do = partial(store_fit, problem, engine=engine, progress=progress, keep=keep)
+    result = studies.in_directory(directory, NAME, do)
     warn(result.warnings, frames=1)
     return result
 
@@ -264,7 +269,8 @@ def solve_fit(problem: FitProblem, runner: Runner, note: Callable[[Search], obje
     about = {
         "title": problem.case.name or problem.case.kind,
         "runs": len(search.runs),
-        "best": f"{studies.RUNS}/{best[0].digest}",
+        "best": f"{RUNS}/{best[0].digest}",
+        "kept": [case.digest for case in best],
         "under": under_the_law(problem),
         "grid": search.grid_in_words,
         "aligned": "; ".join(f"measurement {number}, {each.in_words}" for number, each in compared.items()),
@@ -286,11 +292,16 @@ def solve_fit(problem: FitProblem, runner: Runner, note: Callable[[Search], obje
 
 
 def store_fit(
-    problem: FitProblem, directory: Path, engine: Engine, asked: Condition = never, progress: bool = False
+    problem: FitProblem,
+    directory: Path,
+    engine: Engine,
+    asked: Condition = never,
+    progress: bool = False,
+    keep: Keep = "best",
 ) -> FitResult:
     """Solve a problem with the runs in a directory, and write the outcome there.
 
-    asked: whether to stop, see `studies.run_study`.  Raises FitError, StoreError.
+    asked: whether to stop, see `studies.run_study`.  keep: see `fit`.  Raises FitError, StoreError.
     """
     with engine.workers(len(problem.conditions) * (1 + len(problem.unknowns))) as workers, studies.alone(directory):
         note = partial(_note_progress, directory, time.monotonic())
@@ -299,6 +310,8 @@ def store_fit(
         studies.write_study(result, directory, NAME)
         so_far = read_progress(directory) or {}
         write_progress(directory, **{**so_far, "status": Status.CONVERGED.value, "done": 1.0})
+        if keep == "best":
+            prune(directory, result.dataset.attrs["kept"])
     return result
 
 

@@ -21,14 +21,13 @@ from numpy.typing import NDArray
 from ertel.case.case import Case
 from ertel.results.variables import in_celsius, with_prefix
 from ertel.runs.arrays import open_data
-from ertel.runs.directory import read_case
+from ertel.runs.directory import KINDS as KINDS
+from ertel.runs.directory import kind_of, read_case
 from ertel.runs.files import StoreError
 from ertel.runs.study_result import ConvergenceResult, StudyResult
 from ertel.version import installed_version
 
 Values = NDArray[np.float64]
-KINDS = "sweep", "traction", "convergence", "fit"  # of studies, by the names of their files
-
 UNDECIDED = 0.5  # relative uncertainty above which the data do not decide a product
 SMALLEST_POWER = 0.05  # of an unknown that is named in a product
 NEAR_BOUND = 0.01  # in ln p: an unknown so close ends at its bound
@@ -222,8 +221,7 @@ def open_study(directory: Path) -> StudyResult:
 
     Raises StoreError where there is none with numbers, or they cannot be read.
     """
-    kind = next((name for name in KINDS if (directory / f"{name}.zarr").exists()), "")
-    if not kind:
+    if not (kind := kind_of(directory)):
         raise StoreError(f"{directory} is not a study; there is no {', '.join(KINDS)}.zarr in it")
     try:
         data = open_data(directory / f"{kind}.zarr", consolidated=False).load()
@@ -258,8 +256,9 @@ def with_laws(fits: Mapping[str, "FitResult"]) -> "FitResult":
         under[f"{name}_under"] = ("law", "unknown"), values, first.dataset[name].attrs
     texts = [*(f"under {law}: {text}" for law, text in about.items()), apart]
     runs = sum(fit.dataset.attrs["runs"] for fit in fits.values())
+    kept = [digest for fit in fits.values() for digest in fit.dataset.attrs["kept"]]
     data = first.dataset.assign(under).assign_coords(law=np.array(list(fits), dtype=object))
-    return replace(first, dataset=data.assign_attrs(laws=texts, runs=runs, under=""))
+    return replace(first, dataset=data.assign_attrs(laws=texts, runs=runs, kept=kept, under=""))
 
 
 @dataclass(frozen=True, repr=False, eq=False, kw_only=True)

@@ -8,8 +8,8 @@ they are read.
 
 import json
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from functools import cached_property
 from io import BytesIO
 from pathlib import Path
@@ -33,14 +33,18 @@ from ertel.runs.directory import (
     CASE,
     CHECKPOINT,
     DATA,
+    RUNS,
     SUMMARY,
     ProgressFile,
+    folders_in,
     heeding_stop,
     is_asked_to_stop,
+    is_run,
     make,
     numbered,
     read_case,
     read_summary,
+    remove,
 )
 from ertel.runs.drive import Observer, Run, SteadyRun, StepResult, bars, drive, run_of, warn, watch
 from ertel.runs.files import Damaged, StoreError
@@ -353,3 +357,31 @@ def open_run(directory: str | Path) -> Result:
         There is no run, or it is damaged.
     """
     return RunStore.open(path_of("directory", directory, "a run directory")).result()
+
+
+# -- the runs of a study -----------------------------------------------------------------------------------------------
+
+
+def prune(study: Path, kept: Collection[str]) -> tuple[int, list[str]]:
+    """Delete the runs of a study that it no longer has: their number, and why others of them stay.
+
+    kept: the digests of the cases that it has.  A run is a directory with the digest of its case as its name; nothing
+    else is touched, and links are not followed.
+    """
+    files.require_no_links([study / RUNS])
+    removed, left = 0, []
+    for run in folders_in(study / RUNS):
+        if run.name not in kept and is_run(run) and _digest_in(run) == run.name:
+            try:
+                remove(run, f"{RUNS}/{run.name}")
+                removed += 1
+            except (StoreError, OSError) as error:
+                left.append(str(error))
+    return removed, left
+
+
+def _digest_in(run: Path) -> str:
+    """The digest of the case that the data of a run have; empty where they cannot be read."""
+    with suppress(OSError, ValueError, LookupError, TypeError, RecursionError):
+        return str(json.loads(files.content_of(run / DATA / arrays.ROOT))["attributes"]["digest"])
+    return ""

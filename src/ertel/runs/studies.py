@@ -12,7 +12,7 @@ stop                    made by whoever wants the study to stop, see `directory`
 ======================  =========================================================================================
 
 Nothing else is remembered: what is missing or unfinished in runs/ is done, so that a study can be stopped, killed,
-edited and started again.  Runs that the study no longer has are left alone.
+edited and started again.  Runs that the study no longer has stay, until `store.prune` deletes them.
 """
 
 import time
@@ -36,7 +36,17 @@ from ertel.results.convergence import with_limits
 from ertel.results.numbers import scalars
 from ertel.results.study_table import MISSING, StudyRun, grouped, study_dataset
 from ertel.runs.compile import check_jax
-from ertel.runs.directory import CASE, PROGRESS, STOP, Taken, heeding_stop, is_asked_to_stop, read_progress, status_of
+from ertel.runs.directory import (
+    CASE,
+    PROGRESS,
+    RUNS,
+    STOP,
+    Taken,
+    heeding_stop,
+    is_asked_to_stop,
+    read_progress,
+    status_of,
+)  # fmt: skip
 from ertel.runs.drive import bars
 from ertel.runs.engine import Engine
 from ertel.runs.files import NotDrawn, StoreError, delete, locked, require_no_links
@@ -44,9 +54,7 @@ from ertel.runs.store import RunStore, compute
 from ertel.runs.study_result import ConvergenceResult, StudyResult
 from ertel.runs.workers import Condition, Failure, StopSignal, Task, Workers, never
 
-RUNS = "runs"
 NAME, ENDINGS = "sweep", ("zarr", "csv", "png")  # of the files with the numbers
-LISTED = 5  # names of files in a message
 FAILED = "failed: "  # how the status of a run begins that raised an exception
 EVERY = (1, 1)  # the part that is all of it
 
@@ -192,7 +200,7 @@ def require_place(directory: str | Path, name: str = NAME, option: str = "direct
     own = {RUNS, STOP, PROGRESS, *(f"{name}.{ending}" for ending in ENDINGS)}
     is_own = f"{name}.zarr" in visible or (RUNS in visible and visible <= own)
     if visible and not is_own:
-        some = ", ".join(sorted(visible)[:LISTED])
+        some = ", ".join(sorted(visible)[:5])
         earlier = {NAME: "study", "traction": "curve", "convergence": "series"}.get(name, name)
         allowed = f"give a new or empty directory, or that of an earlier {earlier}"
         raise Taken(f"{option} {place}: holds other files ({some}); {allowed}")

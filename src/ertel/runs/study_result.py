@@ -122,11 +122,14 @@ class StudyResult:
         lines = (*aligned(self.table()), *self.remarks)
         return "\n".join([f"{type(self).__name__}: {self.heading}", *(f"  {line}" for line in lines)])
 
-    def _repr_html_(self) -> str:
-        table = html_columns(self.table())
+    @property
+    def html(self) -> str:
+        """The heading, the table and the remarks in HTML."""
         remarks = "".join(f"<div>{escape(line)}</div>" for line in self.remarks)
-        picture = html_image(self.plot, self.heading)
-        return f"<div><b>{escape(self.heading)}</b>{table}{remarks}</div>{picture}"
+        return f"<div><b>{escape(self.heading)}</b>{html_columns(self.table())}{remarks}</div>"
+
+    def _repr_html_(self) -> str:
+        return self.html + html_image(self.plot, self.heading)
 
 
 # -- convergence series -----------------------------------------------------------------------------------------------

@@ -30,11 +30,12 @@ class Canvas:
         self._shown: PlotRequest | None = None
         self._ahead: list[PlotRequest] = []
         self._readout: Readout | None = None
+        self._words = ""
         self._drawing: asyncio.Task[None] | None = None
         with ui.element("div").classes("canvas"):
             self._image = ui.element("img").props('alt="picture of the run"').mark("picture")
             self._image.on("pointermove", lambda event: self._read(*event.args), throttle=0.05, js_handler=PLACE)
-            self._image.on("pointerleave", lambda: self._under_pointer.set_text(""))
+            self._image.on("pointerleave", lambda: self._read(-1.0, -1.0))
             self._message = ui.label().classes("said")
             self._waits = ui.linear_progress(show_value=False).props("indeterminate size=2px").classes("waits")
         self._under_pointer: ui.label = ui.label().classes("readout").mark("readout")
@@ -70,7 +71,7 @@ class Canvas:
         self._waits.set_visibility(True)
         self._image.classes("old")
         try:
-            self._readout = (await self._worker.draw(request)).readout
+            _, self._readout, self._words = await self._worker.draw(request)
         except ValueError as error:
             message = str(error)
         if self._image.is_deleted:
@@ -79,10 +80,12 @@ class Canvas:
             self._image.props["src"] = request.address
             self._image.classes(replace="tall" if request.figure in TALL else "")
         self.say(message)
+        self._read(-1.0, -1.0)
         self._waits.set_visibility(False)
 
     def _read(self, across: float, down: float) -> None:
-        self._under_pointer.set_text(self._readout.at(across, down) if self._readout else "")
+        """Show what is at a place of the picture, or the words to it."""
+        self._under_pointer.set_text(self._readout.at(across, down) if self._readout else self._words)
 
     def say(self, message: str) -> None:
         """Show a message of ertel in place of the picture; an empty one shows the picture."""

@@ -4,25 +4,46 @@ The case and the summary of a run are read again only when a file has changed, a
 """
 
 import csv
+import json
 import os
 from collections.abc import Collection, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
+from datetime import datetime
 from functools import lru_cache
+from os.path import lexists
 from pathlib import Path
-from string import hexdigits
-from typing import Any
+from typing import Any, NamedTuple
 
 from ertel.apps.terminal import reason_of
+from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case, read_toml
-from ertel.runs.directory import CASE, DATA, SUMMARY, find_runs, is_run, numbered, read_progress, read_summary
-from ertel.runs.files import content_of, is_locked
+from ertel.results.numbers import Number, scalars
+from ertel.runs.directory import (
+    CASE,
+    DATA,
+    PROGRESS,
+    RUNS,
+    SUMMARY,
+    find_runs,
+    is_run,
+    kind_of,
+    numbered,
+    read_case,
+    read_progress,
+    read_summary,
+    status_of,
+    study_of,
+)  # fmt: skip
+from ertel.runs.files import StoreError, content_of, is_locked, reading
 
-RUNS = "runs"  # where `ertel run` puts a run, too
 # the commands that do the study of a file, and the section by which it is one; they put it into fits/ and sweeps/
 STUDIES = {"fit": "unknowns", "sweep": "sweep"}
+OF_COLUMNS = (".csv", ".txt", ".tsv", ".dat", ".asc")  # endings of files with measurements
 TO_DO = {"missing", "interrupted", "running", "unfinished"}  # in the table of a sweep
+IN_WORDS = {"fit": "fit of", "sweep": "study over", "traction": "curve over", "convergence": "convergence over"}
+LONGEST = 80  # characters of what is said of a study
 MOST_FOLDERS = 1000  # that are looked into
 MOST = 300  # runs that are listed
 Stamp = tuple[int, int] | None  # of a file: when it was changed, and its size
@@ -82,10 +103,14 @@ class Folder:
         """The case files at the top of the folder, by name."""
         return [file for file, command in self._files().items() if not command]
 
+    def measurements(self) -> list[Path]:
+        """The files of columns at the top of the folder, by name."""
+        return sorted(path for path in self.root.iterdir() if path.suffix.lower() in OF_COLUMNS and self._is_ours(path))
+
     def studies(self) -> list[Path]:
         """The directories of studies, by name; one whose file is here may not exist yet."""
         runs = find_runs(self.root, MOST_FOLDERS)
-        others = {study for run in runs if (study := study_of(run, self.root)) and kind_of(study)}
+        others = {study for run in runs if (study := study_of(run, self.root))}
         found = sorted(others.union(self._files_of_studies()))
         return [path for path in found if not is_run(path) and os.path.realpath(path) == str(path)]
 
@@ -132,6 +157,15 @@ class Folder:
                     return file, run
         raise AssertionError("there is always a next number")
 
+    def add(self, name: str, content: bytes) -> Path:
+        """Write a new file of this name, or NAME-2, ... before its ending; its path."""
+        path = Path(name)
+        for free in numbered(self.root / path.stem):
+            with suppress(FileExistsError), (file := free.with_name(free.name + path.suffix)).open("xb") as opened:
+                opened.write(content)
+                return file
+        raise AssertionError("there is always a next number")
+
 
 def _changed(run: Path) -> int:
     """The time when a run was last written to."""
@@ -153,28 +187,29 @@ def command_in(data: Mapping[str, Any]) -> str:
     return next((command for command, section in STUDIES.items() if section in data), "")
 
 
-def kind_of(study: Path) -> str:
-    """The command that made the numbers of a study; empty where there are none yet."""
-    return next((command for command in STUDIES if (study / f"{command}.zarr").exists()), "")
+@lru_cache(maxsize=MOST)
+def _about(study: Path, kind: str, stamp: Stamp) -> str:
+    with suppress(OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError):
+        attributes = json.loads(content_of(study / f"{kind}.zarr" / "zarr.json"))["attributes"]
+        unknowns = ", ".join(str(each).partition(" = ")[0] for each in attributes.get("found", ()))
+        return f"{IN_WORDS[kind]} {unknowns or attributes['over']}"[:LONGEST]
+    return ""
 
 
-def study_of(run: Path, root: Path) -> Path | None:
-    """The directory of the study that has a run, which is named by the digest of its case; None of other runs.
-
-    root: the folder of the app, which is none.
-    """
-    study = run.parent.parent
-    is_in_study = run.parent.name == RUNS and len(run.name) == 16 and set(run.name) <= set(hexdigits)
-    return study if is_in_study and root in study.parents else None
+def about_study(study: Path) -> str:
+    """A study in words, with what varies, or the unknowns of a fit, as far as its files tell."""
+    kind = kind_of(study) or ("fit" if study.parent.name == "fits" else "sweep")
+    about = _about(study, kind, _stamp(study / f"{kind}.zarr" / "zarr.json"))
+    return about or IN_WORDS[kind].partition(" ")[0]
 
 
 def progress_of(path: Path) -> dict[str, Any] | None:
-    """The progress of a run or a fit; a sweep keeps none, but has its runs, and its table when it has ended."""
+    """The progress of a run or a fit; other studies keep none, but have runs, and a table when they have ended."""
     if (found := read_progress(path)) or is_run(path) or not (path / RUNS).is_dir():
         return found
     status = Status.RUNNING if is_locked(path) else Status.INTERRUPTED
     with suppress(OSError, ValueError, LookupError, csv.Error):
-        rows = csv.DictReader(content_of(path / "sweep.csv").decode().splitlines())
+        rows = csv.DictReader(content_of(path / f"{kind_of(path)}.csv").decode().splitlines())
         if status is Status.INTERRUPTED and not TO_DO & {row["status"] for row in rows}:
             status = Status.CONVERGED
     done = sum(summary_of(run) is not None for run in find_runs(path))
@@ -220,3 +255,46 @@ def _read(run: Path, case: Stamp, summary: Stamp) -> tuple[dict[str, Any] | None
     except ValueError as error:
         return found, str(error)
     return found, ""
+
+
+# -- the runs below any folder, as `ertel ls` shows them ---------------------------------------------------------------
+
+
+class Listed(NamedTuple):
+    """A run directory.
+
+    case: None where it cannot be read.  status: as in the summary; "running", or "unfinished" where no process is at
+    it.  done: the share of the run.  written: when it was last changed.  numbers: those of its summary.
+    """
+
+    directory: Path
+    case: Case | None
+    status: str
+    done: float
+    written: datetime
+    numbers: Mapping[str, Number]
+
+
+def listed(folder: Path) -> list[Listed]:
+    """The runs in a folder and in those below it, in the order of their names; a run directory is itself one.
+
+    Raises OSError where the folder cannot be read; a folder below it that cannot be read is left out.
+    """
+    next(folder.iterdir(), None)
+    return [_listed(directory) for directory in sorted(find_runs(folder))]
+
+
+def _listed(directory: Path) -> Listed:
+    files = [directory / name for name in (CASE, PROGRESS, SUMMARY)]
+    changed = max((path.lstat().st_mtime for path in files if lexists(path)), default=0.0)
+    written = datetime.fromtimestamp(changed)
+    try:
+        case, summary = read_case(directory), read_summary(directory)
+        with reading(directory / SUMMARY, ""):
+            numbers = scalars(summary) if summary else {}
+    except (StoreError, OSError):
+        return Listed(directory, None, "damaged", 0.0, written, {})
+    status = status_of(directory, summary)
+    progress = read_progress(directory) or {"done": 0.0}
+    done = 1.0 if summary and Status(summary["status"]).ok else float(progress["done"])
+    return Listed(directory, case, status, done, written, numbers)

@@ -3,24 +3,31 @@
 import asyncio
 from collections.abc import Sequence
 from itertools import groupby
-from typing import Any
+from pathlib import Path
+from typing import Any, get_args
 
 import tomli_w
 from nicegui import ui
 
 from ertel.apps.browser import form
-from ertel.apps.browser.folder import RUNS, command_in
-from ertel.apps.browser.form import DECIDE, FOLDED, Form
+from ertel.apps.browser.folder import OF_COLUMNS, command_in
+from ertel.apps.browser.form import FOLDED, FURTHER, Form, decides
 from ertel.apps.browser.site import Site, address_of, show_line, show_notes, told
 from ertel.apps.tables import needs
+from ertel.case.conditions import Kind
+from ertel.case.reading import decoded
 from ertel.case.rules import plain_name
 from ertel.inputs.case_files import parse_toml, read_text
+from ertel.inputs.templates import about, template
 from ertel.results.variables import with_prefix
-from ertel.runs.directory import CASE
+from ertel.runs.directory import CASE, RUNS
 
-LARGEST_UPLOAD = 200_000  # characters; a message of a browser has at most 1 MB
-UPLOAD = f"({{target}}) => {{ const [f] = target.files; (f.size > {LARGEST_UPLOAD} ? Promise.resolve() : f.text())"
-UPLOAD += ".then(text => emit(f.name, text ?? null)) }"
+LARGEST_UPLOAD = 200_000  # bytes, each a character of a message, which has at most 1 MB
+UPLOAD = f"""({{target}}) => {{
+    const [f] = target.files, text = b => Array.from(new Uint8Array(b), c => String.fromCharCode(c)).join('');
+    f.size > {LARGEST_UPLOAD} ? emit(f.name, null) : f.arrayBuffer().then(b => emit(f.name, text(b)));
+}}"""
+EXAMPLES = {f"{line}{kind}": (kind, bool(line)) for line in ("", "line-") for kind in get_args(Kind)}  # new case files
 PAUSE = 0.5  # seconds after the last change before ertel is asked
 SHOWN_SCALES = {  # of `parameter_summary`: key, label, unit
     "a_m": ("half width a of the Hertz contact", "m"),
@@ -45,11 +52,16 @@ def home_page(site: Site) -> None:
         ui.label(text).classes("lead")
         with ui.element("div").classes("offers"):
             _offer("add_circle", "New case", "A form, or a case file", "/new")
-            with _offer("upload_file", "Add a file", "A case, a study or a fit"):
-                chosen = ui.element("input").props("type=file accept=.toml").mark("upload")
+            with _offer("upload_file", "Add a file", "A case, a study, a fit, or what was measured"):
+                endings = ",".join((".toml", *OF_COLUMNS))
+                chosen = ui.element("input").props(f"type=file accept={endings}").mark("upload")
                 chosen.on("change", lambda event: take(site, *event.args), js_handler=UPLOAD)
             for file in site.folder.case_files()[:4]:
                 _offer("description", file.stem, "Case file in this folder", address_of("/new", case=file.name))
+        ui.label("Start from an example").classes("eyebrow")
+        with ui.element("div").classes("offers"):
+            for name, (kind, is_line) in EXAMPLES.items():
+                _offer("science", about(kind, is_line), "An example", address_of("/new", example=name))
 
 
 def _offer(icon: str, title: str, text: str, target: str = "") -> ui.element:
@@ -60,16 +72,28 @@ def _offer(icon: str, title: str, text: str, target: str = "") -> ui.element:
     return card
 
 
-def take(site: Site, name: str, text: str | None) -> None:
+def take(site: Site, name: str, content: str | None) -> None:
     """Put a file that the user chose into the folder, where nothing is overwritten, and go to its page.
 
-    Neither is trusted: the name becomes a plain one, and a text that is too long or is not TOML is refused.
+    content: a character for each byte.  Neither is trusted: the name becomes a plain one, and what is too long, is not
+    a text, or has no ending that is known, is refused.
     """
     with told():
-        if not isinstance(text, str) or len(text) > LARGEST_UPLOAD:
+        ending = Path(name).suffix.lower()
+        if ending not in (".toml", *OF_COLUMNS):
+            raise ValueError(f"{name}: must be a case, a study or a fit, .toml, or columns, {', '.join(OF_COLUMNS)}")
+        if not isinstance(content, str) or len(content) > LARGEST_UPLOAD:
             raise ValueError(f"{name}: must be a text of at most {LARGEST_UPLOAD // 1000} kB; copy it into the folder")
-        command = command_in(parse_toml(text, name))
-        name = plain_name(name.removesuffix(".toml")) or "case"
+        try:
+            text = decoded(data := content.encode("latin-1"))
+        except ValueError as error:
+            raise ValueError(f"{name}: {error}") from error
+        plain = plain_name(name[: -len(ending)])
+        if ending != ".toml":
+            file = site.folder.add(f"{plain or 'measured'}{ending}", data)
+            ui.navigate.to(address_of("/measured", file=file.name))
+            return
+        command, name = command_in(parse_toml(text, name)), plain or "case"
         file, study = site.folder.write(name, text, f"{command}s" if command else RUNS)
         study_name = site.folder.name_of(study)
         ui.navigate.to(address_of("/study", name=study_name) if command else address_of("/new", case=file.name))
@@ -81,10 +105,10 @@ def take(site: Site, name: str, text: str | None) -> None:
 class NewCase:
     """The page: form and text, of which the tab that is open tells which counts.
 
-    case: a case file in the folder to begin from.
+    case: a case file in the folder to begin from.  example: one of `EXAMPLES`, the same.
     """
 
-    def __init__(self, site: Site, case: str = ""):
+    def __init__(self, site: Site, case: str = "", example: str = ""):
         self.site, self.form, self._client = site, Form(), ui.context.client
         self._inputs: dict[str, Any] = {}
         self._folds: dict[str, Any] = {}
@@ -111,18 +135,22 @@ class NewCase:
         self._text.bind_visibility_from(self._tabs, "value", value="text")
         self._build()
         self._tabs.on_value_change(self._turned)
-        self._tabs.set_value("form")
-        if case:
-            self._begin_from(case)
-
-    def _begin_from(self, name: str) -> None:
         with told():
-            path = self.site.folder.inside(name)
+            self._begin_from(case, example)
+        self._is_ahead = not self._text.value  # whether the form has changed since the text was made or read
+        self._tabs.set_value("form")
+
+    def _begin_from(self, case: str, example: str) -> None:
+        if example in EXAMPLES:
+            kind, is_line = EXAMPLES[example]
+            self._name.set_value(example)
+            self._text.set_value(template(kind, f"{example}.toml", is_line))
+        elif case:
+            path = self.site.folder.inside(case)
             text = read_text(path, path.name)
             data = parse_toml(text, path.name)
             here = form.relocated(data, path.parent, self.site.folder.root)
             self._text.set_value(text if here == data else tomli_w.dumps(here))
-            self._tabs.set_value("text")
             self._name.set_value(path.parent.name if path.name == CASE else path.stem)
 
     # -- the form -----------------------------------------------------------------------------------------------------
@@ -143,8 +171,8 @@ class NewCase:
     def _group(self, title: str, names: Sequence[str]) -> None:
         """A card with fields; some are folded while nothing is given in them."""
         with ui.element("div").classes("card group"):
-            if title in FOLDED:
-                is_used = any(self.form.values[name] for name in names)
+            if title in (*FOLDED, FURTHER):
+                is_used = title != FURTHER and any(self.form.values[name] for name in names)
                 place: Any = ui.expansion(title, value=is_used).props("dense").classes("fold").mark(f"fold-{title}")
                 self._folds[title] = place
             else:
@@ -171,16 +199,26 @@ class NewCase:
     def _set(self, name: str, value: Any) -> None:
         """Take over a value; the form is built again where other fields depend on it."""
         self.form.choose(name, value or "")
-        if name in DECIDE:
+        self._is_ahead = True
+        if decides(name):
             self._build()
         self._changed()
 
     # -- the answer ---------------------------------------------------------------------------------------------------
 
     def _turned(self) -> None:
-        """The form or the text was opened; the text begins as the case file that the form makes."""
-        if self._tabs.value == "text" and not self._text.value:
-            self._text.set_value(tomli_w.dumps(self.form.data()))
+        """The form or the text was opened: it takes over what the other one has; what has no fields stays a text."""
+        with told():
+            if self._tabs.value == "text" and self._is_ahead:
+                self._text.set_value(tomli_w.dumps(self.form.data()))
+                self._is_ahead = False
+            elif self._tabs.value == "form" and not self._is_ahead:
+                try:
+                    self.form = Form.of(parse_toml(self._text.value, "the text"))
+                    self._build()
+                except ValueError:
+                    self._tabs.set_value("text")
+                    raise
         self._changed()
 
     def _changed(self) -> None:

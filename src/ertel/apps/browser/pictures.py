@@ -20,12 +20,14 @@ from importlib import import_module
 from io import BytesIO
 from multiprocessing import active_children, get_context, parent_process
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ertel.apps.arguments import Measured
 from ertel.inputs.fits import interferometer
 from ertel.results.figures import figures_of, is_line, is_steady
 from ertel.results.numbers import Number, number, scales_in
@@ -38,7 +40,13 @@ if TYPE_CHECKING:  # imported in the process that draws
 
     from ertel.plots.view import View
 
-INTERFEROGRAM = "interferogram"
+INTERFEROGRAM, STUDY = "interferogram", "study"
+PACE = 5.0  # frames a second of a movie, so that it is there after some ten seconds
+LIGHTS = {"mono": "green light, 532 nm", "two-beam": "two beams", "white": "white light"}
+CHOICES = {  # the pictures that there are of a figure, where there are several
+    "maps": {"": "at a time", **{f"movie {what}": f"movie of the {what}" for what in ("film", "pressure")}},
+    INTERFEROGRAM: {**LIGHTS, **{f"movie {light}": f"movie, {LIGHTS[light]}" for light in LIGHTS}},
+}
 FIGURES = {  # in the order of their tabs: label, icon
     "maps": ("Film and pressure", "blur_circular"),
     "profiles": ("Mid-line", "show_chart"),
@@ -57,8 +65,7 @@ PICTURES = "pictures"  # where pages get them, as seen from a page
 MEMORY = {-3: 2**17, -1: 2**17, -8: 1}  # M_MMAP_THRESHOLD, M_TRIM_THRESHOLD, M_ARENA_MAX of glibc's malloc.h
 MOST_NODES = 128  # along a side of a map, of what is under the pointer
 NAMES = {"x": "X", "y": "X", "h": "H", "p": "P"}  # the variables that have the units of these
-KEPT = 16  # pictures, of some 0.4 MB each with the fields under the pointer
-KEPT_OPEN = 3  # Datasets
+KEPT, KEPT_OPEN = 16, 3  # pictures, of some 0.4 MB each with the fields under the pointer; Datasets
 LIMIT, PAUSE = 60.0, 600.0  # s for what the other process is asked, and until it is asked again
 LATE = "it takes too long to read, as a pipe or a device does; ertel show, or ertel check of a case, tells more"
 ENDED = "the process that draws has ended, perhaps for want of memory; it begins again"
@@ -79,31 +86,37 @@ class RunInfo:
     t0: float = 0.0
     zero: float = 0.0
     events: dict[str, int] = field(default_factory=dict)
-    latest: tuple[Number, ...] = ()
+    latest: Sequence[Number] = ()
 
 
 @dataclass(frozen=True)
 class PlotRequest:
-    """A picture.  figure: its name.  at: a time in t0 or an event.  light: of an interferogram, see `ertel plot`.
+    """A picture.  figure: its name.  at: a time in t0 or an event.  choice: see `CHOICES`.
 
-    dots: per inch.  stamp: of the data, see `stamp_of`.  columns: 1 for a narrow
-    window, as `plots.Sheet` has them.  beside: the picture that has equal scales.
+    dots: per inch.  stamp: of the data, see `stamp_of`.  columns: 1 for a narrow window, as `plots.Sheet` has them.
+    beside: the picture that has equal scales.  measured: a file, the direction of a profile, what is known of it.
     """
 
     run: Path
     figure: str
     at: float | str | None = None
-    light: str = "mono"
+    choice: str = ""
     kind: str = "png"
     dots: int = 110
     stamp: int = 0
     columns: Literal[1] | None = None
     beside: "PlotRequest | None" = None
+    measured: tuple[Path, str, Measured] | None = None
+
+    @property
+    def is_movie(self) -> bool:
+        """True for a movie of the whole run."""
+        return self.choice.startswith("movie")
 
     @property
     def address(self) -> str:
         """The address of the picture."""
-        return f"{PICTURES}/{hash(self) & (2**64 - 1):016x}"
+        return f"{PICTURES}/{hash(self) & (2**64 - 1):016x}.{self.kind}"
 
 
 @dataclass(frozen=True)
@@ -146,10 +159,11 @@ class Readout:
 
 
 class Picture(NamedTuple):
-    """A picture as a file, and what is under the pointer on its maps; None where it has none."""
+    """A picture as a file, what is under the pointer on its maps, None where it has none, and words to it."""
 
     content: bytes
-    readout: Readout | None
+    readout: Readout | None = None
+    words: str = ""
 
 
 def stamp_of(path: Path, data: str = DATA) -> int:
@@ -173,43 +187,69 @@ def run_info(run: Path, stamp: int) -> RunInfo:
     drawn = {*figures_of(data), *([INTERFEROGRAM] if scales and not is_line(about) else [])}
     figures = tuple(name for name in FIGURES if name in drawn and (name != "front" or about["kind"] == "impact"))
     there = [name for name in names_where(lambda variable: variable.shown) if name in data and data[name].size]
-    last = {name: float(data[name].values[-1]) for name in there}
-    latest = tuple(number(about["kind"], scales, name, value) for name, value in last.items() if value)
+    latest = [number(about["kind"], scales, name, x) for name in there if (x := float(data[name].values[-1]))]
     if steady:
         return RunInfo(str(about["title"]), figures, latest=latest)
     frames = with_clock(data)["frame"]
-    T = tuple(float(t) for t in frames.values)
     t0, zero = (frames.attrs.get(key, 0.0) for key in ("si_factor", "si_zero"))
-    return RunInfo(str(about["title"]), figures, T, t0, zero, dict(events_of(data)), latest)
+    return RunInfo(str(about["title"]), figures, tuple(frames.values.tolist()), t0, zero, dict(events_of(data)), latest)
 
 
 def draw_picture(request: PlotRequest) -> Picture:
     """A picture.  Raises ValueError where there is nothing to draw, or the data cannot be read."""
-    from ertel import plots
-    from ertel.plots.view import View
+    from ertel.plots.drawing import NoFigure
 
-    data, other = _opened(request.run, request.stamp), request.beside
     try:
-        if other:
-            runs = data, _opened(other.run, other.stamp)
-            moments = request.at, other.at
-            figure = plots.side_by_side(runs, request.figure, moments, columns=request.columns)[0]
-        elif request.figure == INTERFEROGRAM:
-            rig = interferometer(request.light)
-            figure = plots.interferogram(data, request.at, rig.light, rig.rig, columns=request.columns)
-        else:
-            figure = plots.draw(data, request.figure, request.at, columns=request.columns)
-        file = BytesIO()
-        figure.savefig(file, format=request.kind, dpi=request.dots)
-        picture = Picture(file.getvalue(), readout_of(figure, View.of(data, request.at)))
-    except plots.NoFigure:
-        raise
+        return _movie(request) if request.is_movie else _still(request)
     except Exception as error:  # of zarr, its codecs, the system
+        if isinstance(error, ValueError if request.measured else NoFigure):
+            raise
         raise _unreadable(request.run) from error
-    del figure
-    gc.collect()  # it refers to itself, and its arrays are large
-    keep_small()
-    return picture
+    finally:
+        gc.collect()  # a figure refers to itself, and its arrays are large
+        keep_small()
+
+
+def _movie(request: PlotRequest) -> Picture:
+    """A movie of the film, the pressure, or the fringes in a light."""
+    from ertel import plots
+
+    data = _opened.__wrapped__(request.run, request.stamp)  # its maps are all loaded, and are not to be kept
+    what = request.choice.removeprefix("movie ")
+    rig = interferometer(what) if what in LIGHTS else None
+    movie = plots.animation(data, rig.light, rig.rig, rate=PACE) if rig else plots.movie(data, what, PACE)
+    with TemporaryDirectory() as place:
+        movie.save(file := Path(place) / f"movie.{request.kind}", writer="pillow")
+        return Picture(file.read_bytes())
+
+
+def _still(request: PlotRequest) -> Picture:
+    from ertel import plots
+    from ertel.apps.measuring import beside, measurement_in
+    from ertel.plots.view import View
+    from ertel.runs.fit_result import open_study
+
+    sheet: Any = {"columns": request.columns}
+    run, at, words = request.run, request.at, ""
+    if request.measured:
+        file, along, given = request.measured
+        data, found = beside(run, measurement_in(file, given, along=along))
+        figure, words = plots.measured(data, found, **sheet), repr(found)
+    elif request.figure == STUDY:
+        figure = open_study(run).plot(**sheet)
+    elif other := request.beside:
+        runs = _opened(run, request.stamp), _opened(other.run, other.stamp)
+        figure = plots.side_by_side(runs, request.figure, (at, other.at), **sheet)[0]
+    elif request.figure == INTERFEROGRAM:
+        rig = interferometer(request.choice or "mono")
+        figure = plots.interferogram(_opened(run, request.stamp), at, rig.light, rig.rig, **sheet)
+    else:
+        figure = plots.draw(_opened(run, request.stamp), request.figure, at, **sheet)
+    content = BytesIO()
+    figure.savefig(content, format=request.kind, dpi=request.dots)
+    if request.measured or request.figure == STUDY:
+        return Picture(content.getvalue(), None, words)
+    return Picture(content.getvalue(), readout_of(figure, View.of(_opened(run, request.stamp), at)))
 
 
 def readout_of(figure: "Figure", view: "View") -> Readout | None:

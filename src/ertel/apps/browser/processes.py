@@ -5,7 +5,6 @@ a run comes from its directory, so that the app also shows, stops and resumes ru
 another machine too.  Signals go to child processes of the app only, never to a number that a file holds.
 """
 
-import shutil
 import signal
 import subprocess
 import sys
@@ -16,18 +15,18 @@ from enum import Enum
 from pathlib import Path
 from time import monotonic
 from typing import IO, Any
-from uuid import uuid4
 
 from ertel.apps.browser.folder import Folder, fault_of, progress_of, summary_of
 from ertel.apps.terminal import capital
 from ertel.case.status import Status
 from ertel.results.numbers import duration
 from ertel.runs import files
-from ertel.runs.directory import ask_to_stop, find_runs, is_asked_to_stop, others_in
+from ertel.runs.directory import CASE, ask_to_stop, find_runs, is_asked_to_stop, numbered, remove
 
 ERTEL = (sys.executable, "-P", "-m", "ertel")  # -P: a file typer.py in the folder is none of ours
 STOPPED = (0, 130, 143, -signal.SIGTERM)  # exit codes of a run that ended or was asked to
 KILLED = -9
+TRACTION = "traction"  # where curves are
 FLUSH = ("--flush", "2")  # seconds between what a live picture can show
 SAID = "ertel: "  # how a message begins
 
@@ -141,6 +140,12 @@ class Processes:
         self._launch(run, ["run", str(file), "--out", str(run), *FLUSH])
         return run
 
+    def trace(self, run: Path, values: str) -> Path:
+        """Compute the traction curve of a run over slide-to-roll ratios; its directory, which the process makes."""
+        place = next(each for each in numbered(self.folder.root / TRACTION / run.name) if not each.exists())
+        self._launch(place, ["traction", str(run / CASE), f"--slide-to-roll={values}", "--out", str(place)])
+        return place
+
     def resume(self, run: Path) -> None:
         """Continue a run, or begin again where it was stopped before it made its directory; begin or continue a study.
 
@@ -191,23 +196,15 @@ class Processes:
     def delete(self, place: Path) -> None:
         """Delete a run, or a study with all its runs.
 
-        It is moved to a hidden name first, so that it is gone as a whole.  Raises ValueError where a process works on
-        it, and where its directory has files that ertel does not write; OSError where the system refuses.
+        Raises ValueError where a process works on it, and where its directory has files that ertel does not write;
+        OSError where the system refuses.
         """
-        name = self.folder.name_of(place)
-        runs = list(find_runs(place))
-        if any(files.is_locked(each) for each in (place, *runs)) or {place, *runs} & {*self.ours()}:
+        name, runs = self.folder.name_of(place), list(find_runs(place))
+        if {place, *runs} & {*self.ours()}:
             raise ValueError(f"{name}: is running; stop it before you delete it")
-        if others := others_in(place):
-            pictures = any(Path(other).parent.name == "plots" for other in others)
-            mark = "; ertel plot DIR --overwrite marks the pictures of an earlier version" if pictures else ""
-            raise ValueError(f"{name}: holds other files ({', '.join(sorted(others)[:5])}); move them away first{mark}")
-        hidden = place.with_name(f".{place.name}-{uuid4().hex[:8]}")
-        with files.locked(place):
-            place.rename(hidden)
+        remove(place, name)
         for each in (place, *runs):
             self._started.pop(each, None)
-        shutil.rmtree(hidden)
 
     def knows(self, run: Path) -> bool:
         """True if this app started a run, the directory of which may not be there yet."""

@@ -9,15 +9,25 @@ from nicegui import ui
 
 from ertel.apps.browser.canvas import Canvas, Slider
 from ertel.apps.browser.folder import summary_of
-from ertel.apps.browser.pictures import FIGURES, INTERFEROGRAM, PlotRequest, RunInfo, stamp_of
+from ertel.apps.browser.pictures import CHOICES, FIGURES, INTERFEROGRAM, PlotRequest, RunInfo, stamp_of
 from ertel.apps.browser.processes import Phase
-from ertel.apps.browser.site import Site, WatchedPage, address_of, show_line, show_notes, show_number, told
+from ertel.apps.browser.site import (
+    Site,
+    WatchedPage,
+    address_of,
+    question,
+    sentence,
+    show_line,
+    show_notes,
+    show_number,
+    told,
+)
+from ertel.case.methods import METHODS
 from ertel.case.status import Status
-from ertel.results.numbers import key_numbers
-from ertel.runs.directory import CASE, SUMMARY
+from ertel.results.numbers import key_numbers, more_lines
+from ertel.runs.directory import CASE, SUMMARY, study_of
 from ertel.runs.files import content_of
 
-LIGHTS = {"mono": "green light, 532 nm", "two-beam": "two beams", "white": "white light"}
 LIVE = 3.0  # seconds between two live pictures, at least
 NARROW = {"film": "Film", "pressure": "Pressure"}  # figures of one panel, that stand beside each other
 WIDE = {name: FIGURES[name][0] for name in ("profiles", "history", "friction", INTERFEROGRAM)}  # one above the other
@@ -36,6 +46,9 @@ class RunPage(WatchedPage):
         self._info = RunInfo()
         self._stamp, self._drawn, self._is_there = 0, 0.0, self.path.exists()
         self._under = self.show_head("", self._downloads)
+        if study := study_of(self.path, site.folder.root):
+            name = site.folder.name_of(study)
+            ui.link(f"A run of {name}", address_of("/study", name=name)).classes("more")
         self.show_progress()
         with ui.element("div").classes("numbers"):
             self._show_numbers()
@@ -44,9 +57,9 @@ class RunPage(WatchedPage):
                 self._tabs = ui.tabs(on_change=self._show)
                 self._tabs.props("no-caps dense inline-label align=left narrow-indicator")
                 ui.space()
-                self._light = ui.select(LIGHTS, value="mono", on_change=self._show).mark("light")
-                self._light.props("dense borderless options-dense")
-                self._light.bind_visibility_from(self._tabs, "value", value=INTERFEROGRAM)
+                self._choices = {figure: ui.select(dict(of), value=next(iter(of))) for figure, of in CHOICES.items()}
+                for figure, choice in self._choices.items():
+                    choice.props("dense borderless options-dense").mark(f"choice-{figure}").on_value_change(self._show)
             self._canvas = Canvas(site.worker)
             self._slider = Slider(self._show)
         with ui.element("div").classes("notes"):
@@ -66,6 +79,10 @@ class RunPage(WatchedPage):
         with ui.button(icon="more_vert").props("flat round aria-label='More'"), ui.menu():
             ui.menu_item("New case from this one", lambda: ui.navigate.to(new))
             ui.menu_item("Compare with another run", lambda: ui.navigate.to(compare))
+            ui.menu_item("Compare with a measurement", lambda: ui.navigate.to(address_of("/measured", run=self.name)))
+            method = METHODS.get((summary_of(self.path) or {}).get("method", ""))
+            if method and method.is_steady:
+                ui.menu_item("Traction curve", self._ask_for_curve).mark("traction")
             ui.menu_item("Delete", lambda: self.site.ask_to_delete(self.path)).mark("delete-run")
 
     # -- asked for ----------------------------------------------------------------------------------------------------
@@ -74,11 +91,24 @@ class RunPage(WatchedPage):
         request = self._request(kind, dots=200)
         with told():
             picture = await self.site.worker.draw(request)
-            ui.download.content(picture.content, f"{self.path.name}-{request.figure}.{kind}")
+            ui.download.content(picture.content, f"{self.path.name}-{request.figure}.{request.kind}")
 
     def _download_file(self, name: str, ending: str) -> None:
         with told(f"{name} cannot be read; it is written when the run begins or ends: "):
             ui.download.content(content_of(self.path / name), f"{self.path.name}{ending}")
+
+    def _ask_for_curve(self) -> None:
+        """Ask for slide-to-roll ratios, and start a traction curve over them."""
+
+        def start() -> None:
+            dialog.close()
+            with told():
+                place = self.site.processes.trace(self.path, ratios.value)
+                ui.navigate.to(address_of("/study", name=self.site.folder.name_of(place)))
+
+        with question("Traction curve", "Slide-to-roll ratios: FIRST:LAST:NUMBER, or values with commas.") as dialog:
+            ratios = ui.input(value="0:0.2:9").props("outlined dense").mark("ratios")
+            ui.button("Start", on_click=start).props("unelevated").mark("start-curve")
 
     # -- renewed ------------------------------------------------------------------------------------------------------
 
@@ -134,13 +164,17 @@ class RunPage(WatchedPage):
     def _show(self) -> None:
         """Show the picture that is chosen."""
         if self._info.figures and self._tabs.value:
+            for figure, choice in self._choices.items():
+                choice.set_visibility(figure == self._tabs.value and (figure == INTERFEROGRAM or len(self._info.T) > 1))
             request = self._request()
-            self._canvas.show(request, [replace(request, at=self._slider.at(map_)) for map_ in self._slider.ahead])
+            ahead = () if request.is_movie else self._slider.ahead
+            self._canvas.show(request, [replace(request, at=self._slider.at(map_)) for map_ in ahead])
 
     def _request(self, kind: str = "png", dots: int = 130) -> PlotRequest:
-        light = self._light.value if self._tabs.value == INTERFEROGRAM else "mono"
         figure = self._tabs.value or "overview"
-        return PlotRequest(self.path, figure, self._slider.at(self._slider.index), light, kind, dots, self._stamp)
+        choice = self._choices[figure].value if figure in CHOICES else ""
+        request = PlotRequest(self.path, figure, self._slider.at(self._slider.index), choice, kind, dots, self._stamp)
+        return replace(request, at=None, kind="webp", dots=0) if request.is_movie else request
 
     @ui.refreshable_method
     def _show_numbers(self) -> None:
@@ -155,7 +189,11 @@ class RunPage(WatchedPage):
 
     @ui.refreshable_method
     def _show_warnings(self) -> None:
-        show_notes((summary_of(self.path) or {}).get("warnings", []))
+        """The rest of the summary in sentences, temperatures and stresses among them, and the warnings."""
+        summary = summary_of(self.path)
+        for line in more_lines(summary) if summary else ():
+            ui.label(sentence(line)).classes("more")
+        show_notes(summary["warnings"] if summary else [])
 
 
 # -- two runs ----------------------------------------------------------------------------------------------------------

@@ -37,7 +37,7 @@ from ertel.apps.browser.pictures import Worker, keep_small
 from ertel.apps.browser.processes import Processes
 from ertel.apps.browser.run_pages import Comparison, RunPage
 from ertel.apps.browser.site import LOGO, Site, frame
-from ertel.apps.browser.study_page import StudyPage
+from ertel.apps.browser.study_page import MeasuredPage, StudyPage
 
 LOOPBACK = "127.0.0.1"
 OURS = (LOOPBACK, "localhost")
@@ -51,7 +51,10 @@ HEADERS = {
 # No redirection: browsers send no strict cookie after one that another page began, such as that of `doorway`.
 DOORWAY = '<!doctype html><title>ertel</title><meta http-equiv="refresh" content="0; url={address}">'
 ENTRANCE = DOORWAY + '<a href="{address}">ertel</a>'
-PAGES: dict[str, Any] = {"/": home_page, "/new": NewCase, "/run": RunPage, "/study": StudyPage, "/compare": Comparison}
+PAGES: dict[str, Any] = {
+    "/": home_page, "/new": NewCase, "/run": RunPage, "/study": StudyPage, "/compare": Comparison,
+    "/measured": MeasuredPage,
+}  # fmt: skip
 
 
 # -- who is answered --------------------------------------------------------------------------------------------------

@@ -14,11 +14,12 @@ from urllib.parse import quote, urlencode
 from fastapi import Response
 from nicegui import app, ui
 
-from ertel.apps.browser.folder import Folder, in_unicode, study_of, summary_of
+from ertel.apps.browser.folder import Folder, about_study, in_unicode, summary_of
 from ertel.apps.browser.pictures import PICTURES, Worker
 from ertel.apps.browser.processes import Phase, Processes, RunStatus
 from ertel.apps.terminal import capital, reason_of
 from ertel.results.numbers import Number
+from ertel.runs.directory import RUNS, study_of
 
 LOOKS = {"As the system": None, "Light": False, "Dark": True}
 LOOK = "ertel-look"  # the cookie in which the browser keeps one of them
@@ -66,11 +67,12 @@ class Site:
             found = self.worker.kept.get(f"{PICTURES}/{name}")
             if found is None:
                 return Response("no such picture", 404)
-            return Response(found.content, media_type="image/png", headers={"Cache-Control": "max-age=600"})
+            kind = f"image/{name.rpartition('.')[2]}"
+            return Response(found.content, media_type=kind, headers={"Cache-Control": "max-age=600"})
 
     def entries(self) -> list[Entry]:
         """The runs of the folder, those that go on first, then the latest."""
-        ours = [path for path in self.processes.ours() if not self.folder.file_of(path)]
+        ours = [path for path in self.processes.ours() if path.parent.name == RUNS]
         paths = dict.fromkeys([*ours, *self.folder.runs()])
         found = [Entry(self.folder.name_of(path), path, self.processes.status(path), _about(path)) for path in paths]
         return sorted(found, key=lambda entry: not entry.status.phase.is_active)
@@ -78,7 +80,8 @@ class Site:
     def studies(self) -> list[Entry]:
         """The studies of the folder, by name."""
         named = {path: self.folder.name_of(path) for path in self.folder.studies()}
-        return [Entry(name, path, self.processes.status(path), "study", "/study") for path, name in named.items()]
+        status = self.processes.status
+        return [Entry(name, path, status(path), about_study(path), "/study") for path, name in named.items()]
 
     def find(self, name: str) -> Path:
         """The directory of a run, which may not be there yet if it was just started.  Raises ValueError."""
@@ -86,8 +89,12 @@ class Site:
         return path if self.processes.knows(path) else self.folder.run(name)
 
     def rows(self, root: str) -> str:
-        """The list of runs and studies in HTML, the same text for all pages.  root: of the addresses of pages."""
-        return sys.intern("".join(_row(entry, root) for entry in (*self.entries(), *self.studies())) or EMPTY)
+        """The list in HTML, the same text for all pages: the runs, then the studies, each of them for all of its runs.
+
+        root: of the addresses of pages.
+        """
+        runs = [entry for entry in self.entries() if not study_of(entry.path, self.folder.root)]
+        return sys.intern("".join(_row(entry, root) for entry in (*runs, *self.studies())) or EMPTY)
 
     def ask_about(self, key: str) -> None:
         """Ask whether a run or a study in the list is to be deleted.  key: see `_row`."""
@@ -129,7 +136,9 @@ def frame(site: Site, pages: dict[str, Callable[..., Any]]) -> None:
     """The page: a bar above, the list of runs at the left, and one of the pages."""
     ui.colors(primary="#0b5673", secondary="#3f7d94", accent="#d55e00", positive="#1b7f5c", negative="#b3261e")
     ui.add_css(Path(__file__).with_name("style.css"))
-    with ui.left_drawer(value=None, bordered=False).props("width=284 breakpoint=1000").classes("runs") as drawer:
+    # it opens by itself where there is room and says so; value=None would ask a page that may have been closed
+    drawer = ui.left_drawer(value=False, bordered=False).props("width=284 breakpoint=1000 show-if-above")
+    with drawer.classes("runs"):
         _list(site)
     mode = ui.dark_mode(LOOKS.get(ui.context.client.request.cookies.get(LOOK, "")))
 
@@ -349,7 +358,7 @@ def _symbol(name: str) -> str:
     if len(base) > 2 and base != "Delta":
         return ""
     base = {"mu": "µ", "Delta": "Δ"}.get(base, base)
-    return f"{escape(base)}<sub>{escape(index)}</sub>"
+    return f"{escape(base)}<sub>{escape(index.replace('_', ' '))}</sub>"
 
 
 def pretty(text: str) -> str:
