@@ -51,7 +51,8 @@ class Registry(Mapping[str, type]):
                 return name
         kind = type(record).__name__
         if isinstance(record, Mapping):
-            raise ValueError(f"{str(dict(record))[:60]}: a record takes a name or a law; tables are for cases")
+            records = ", ".join(law.__name__ for law in self.values())
+            raise ValueError(f"must be a name or a record of a {self.noun} ({records}); tables are for cases")
         raise ValueError(
             f"{kind}: is no registered {self.noun}, so it cannot be written down; put "
             f'@ertel.{self.group.partition(".")[2]}.register("a-name") above its class'
