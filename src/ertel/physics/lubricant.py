@@ -389,10 +389,7 @@ def _check_law(field_name: str, law: object, laws: Registry) -> None:
             allowed = f"{', '.join(others)} or {last}" if others else last
             raise ValueError(f"{given}: allowed: {allowed}")
     else:
-        try:
-            laws.name_of(law)
-        except ValueError as error:
-            raise ValueError(f"{field_name} = {repr(law)[:60]}: {error}") from error
+        laws.name_of(law, f"{field_name} = {repr(law)[:60]}: ")
 
 
 def _needed(oil: Oil, name: str) -> float:
