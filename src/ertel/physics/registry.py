@@ -45,7 +45,7 @@ class Registry(Mapping[str, type]):
         return decorate
 
     def name_of(self, record: object, place: str = "") -> str:
-        """The name under which the type of a record is registered.  Raises ValueError, which begins with `place`, if none."""
+        """The name under which the type of a record is registered.  Raises ValueError, with the place, if not."""
         for name, registered in self.items():
             if type(record) is registered:
                 return name
