@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from ertel.equations.flow import Flow, OilContent, Rate, rate_in_time, steady_rate
+from ertel.equations.flow import Flow, OilContent, Rate, downstream, kinked_at, rate_in_time, steady_rate, wedge
 from ertel.numerics import bdf, stencils
 
 SPACING = 0.125
@@ -150,6 +150,36 @@ def test_a_wave_that_rides_with_the_oil_keeps_its_height() -> None:
         assert 0 <= lost_per_wavelength([step] * 80) < 0.01
     random = np.random.default_rng(1).uniform(0.1, 2.5, 100)
     assert 0 <= lost_per_wavelength(list(random)) < 0.01
+
+
+def with_meniscus(node: int, before: float, U: float) -> tuple[OilContent, jax.Array]:
+    """A starved film that is full from a node on, with so much oil on the node before it, and its pressure."""
+    full, i = jnp.asarray(row(1.0 + (X - 1.0) ** 2)), jnp.arange(65)[None]
+    P = jnp.where(i >= node, 1.0, 0.0)
+    oil = jnp.where(i >= node, full, jnp.where(i == node - 1, before, 0.5))
+    kinked = kinked_at(P)
+    void = jnp.where(i >= node, 0.0, downstream(full, kinked) - oil)
+    there = OilContent(oil, full, void, oil, U, kinked)
+    fields = (there.oil, there.full, there.void, there.passing)
+    turned = [field[:, :: 1 if U > 0 else -1] for field in (*fields, kinked, P)]
+    return OilContent(*turned[:4], U, turned[4]), turned[5]
+
+
+@pytest.mark.parametrize("U", [1.0, -1.0])
+@pytest.mark.parametrize("node", [20, 30, 33])
+@pytest.mark.parametrize("step", [0.05, 0.12, 0.3])
+def test_a_starved_film_that_has_settled_has_the_rate_of_the_steady_film(U: float, node: int, step: float) -> None:
+    """Whatever the start, whose meniscus is elsewhere; without this the start decides how the oil passes it."""
+    (start, _), (late, P) = with_meniscus(30, 0.6, U), with_meniscus(node, 0.7, U)
+    flow = Flow(U, (U * step / SPACING,) * 2, start, settles=True)
+    weights = bdf.derivative_weights([0.0, -step, -2 * step])
+
+    def rate(flow: Flow) -> np.ndarray:
+        return np.asarray(rate_in_time(weights, [late.oil] * 2, flow, SPACING, [P] * 2).of(late.oil, SPACING))[0]
+
+    expected = np.asarray(wedge(late, U, SPACING))[0]
+    assert_allclose(rate(flow.beside(P, late.oil)), expected, atol=1e-11)
+    assert_allclose(rate(flow._replace(settles=False).beside(P, late.oil)), rate(flow), atol=0)
 
 
 def test_a_number_of_nodes_upstream_of_the_edge_is_none() -> None:

@@ -167,8 +167,11 @@ def test_laws_by_name_as_records_and_from_data(oil, viscosity, density):
         ({"viscosity": "tar"}, r"^viscosity = \"tar\": allowed: 'isoviscous', 'barus' or 'roelands'"),
         ({"viscosity": "µ" + "x" * 80}, rf'^viscosity = "µ{"x" * 59}": allowed: '),
         ({"density": "lead"}, r"^density = \"lead\": allowed: 'incompressible' or 'dowson-higginson'"),
-        ({"viscosity": PowerLaw(1.0, 2.0)}, r"^PowerLaw: .*registered viscosity.*ertel\.viscosity_laws\.register"),
-        ({"density": Barus(1.0)}, r"^Barus: .*registered density.*ertel\.density_laws\.register"),
+        (
+            {"viscosity": PowerLaw(1.0, 2.0)},
+            r"^viscosity = PowerLaw.*: PowerLaw: .*registered viscosity.*ertel\.viscosity_laws\.register",
+        ),
+        ({"density": Barus(1.0)}, r"^density = Barus.*: Barus: .*registered density.*ertel\.density_laws\.register"),
         ({"viscosity": "doolittle"}, r'^viscosity = "doolittle": has data of its own; give them as \{ law = "dool'),
     ],
     ids=str,

@@ -7,6 +7,7 @@ import pytest
 from made_up import BALL_ROLLS, solutions, steady
 
 import ertel
+from ertel.apps.browser.folder import listed
 from ertel.apps.browser.pictures import run_info, stamp_of
 from ertel.apps.looking import _print_runs
 from ertel.apps.tables import console, print_summary
@@ -16,7 +17,6 @@ from ertel.results.numbers import key_numbers, pairs, scalars
 from ertel.results.study_table import StudyRun, study_dataset
 from ertel.results.summary import comparisons, steady_summary, with_error
 from ertel.results.variables import FILM, VARIABLES, Variable
-from ertel.runs.directory import listed
 from ertel.runs.study_result import StudyResult
 from ertel.solvers.radial import RadialImpact
 

@@ -435,6 +435,17 @@ def test_the_film_under_a_load_that_swings_is_near_that_of_a_finer_grid() -> Non
     assert 0.0405 < late.min() and late.max() < 0.0430
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("speed", [1.2, 0.8])
+def test_a_film_that_settles_becomes_the_steady_one(speed: float) -> None:
+    """Whatever the start, whose menisci are elsewhere, and although a step is longer than a cell."""
+    given = {"M": 200, "L": 10, "layer": 0.0712, "nodes": 65}
+    motion = {"entrainment": [[0, speed], [1, 1]]}
+    run = simulate(ertel.rolling(**given, method="transient", motion=motion, until=14.0, step=0.1))
+    steady = simulate(ertel.rolling(**given)).summary["H_c"]
+    assert run.dataset["H_c"].values[-1] == pytest.approx(steady, rel=3e-3)
+
+
 TURNS = {"stop and start": [[0, 1], [2, 0], [3, 0], [5, 1]], "there and back": [[0, 1], [4, -1]]}
 
 

@@ -94,12 +94,43 @@ class Flow(NamedTuple):
     """The movement of the oil in one time step.
 
     entrainment: U at the new time.  distances: by which the oil has moved in this step and in the one before, newest
-    first, in nodes.  start: the film from which the run started.
+    first, in nodes.  start: the film from which the run started.  settles: whether load, speeds and gap do not change.
     """
 
     entrainment: FloatLike
     distances: Sequence[FloatLike]
     start: OilContent
+    settles: bool | Array = False
+
+    def beside(self, P: Array, mass: Array) -> "Flow":
+        """This movement, with a start film that has the menisci of a later one in the inlet, and its height there.
+
+        P, mass: of the later film, shape (n, n).  The two then differ little where transport is of first order, so that
+        a film which has settled is that of the steady scheme, whatever the start and the step.  In each row the oil
+        that enters is upstream of the meniscus, with what flows back to the last node that is not full; downstream is
+        the gap of the start, shifted.  A film that does not settle, or runs back, keeps its start film: a node that
+        fills would change the flow.
+        """
+        if self.start.kinked is None:
+            return self
+        turned = partial(flow_aligned, steady_rate(self.start.entrainment))
+        oil, full, void, extra = map(turned, (*self.start[:3], self.start.passing - self.start.oil))
+        P, mass, was_wet = turned(P), turned(mass), oil >= full
+        wet = (P > 0.0).at[:, 0].set(was_wet[:, 0])
+        was_dry, dry, behind = (jnp.cumsum(each, axis=1) == 0 for each in (was_wet, wet, wet[:, ::-1]))
+        last, filled = dry & jnp.pad(~dry[:, 1:], ((0, 0), (0, 1))), was_dry & ~dry & ~behind[:, ::-1]
+        inlet = upstream_of(dry | was_dry).at[:, 0].set(True)
+        kinked = jnp.where(inlet, kinked_at(P), turned(self.start.kinked))
+        back = HELD / jnp.maximum(jnp.abs(self.distances[0]), HELD) * (mass - oil[:, :1])
+        shift = jnp.sum(jnp.where(upstream_of(last), mass - full, 0.0), axis=1, keepdims=True)
+        moved = (dry != was_dry).any(axis=1, keepdims=True)
+        before = jnp.where(last, oil[:, :1] + back, jnp.where(moved, oil[:, :1], oil))
+        oil, full = jnp.where(dry, before, jnp.where(filled, full, oil) + shift), full + shift
+        void = jnp.where(dry, downstream(full, kinked) - oil, jnp.where(filled, 0.0, void))
+        oil, full, void, passing, kinked = map(turned, (oil, full, void, oil + extra, kinked))
+        there = OilContent(oil, full, void, passing, self.start.entrainment, kinked)
+        onwards = (jnp.asarray(self.entrainment) >= 0) == (jnp.asarray(self.start.entrainment) >= 0)
+        return self._replace(start=jax.tree.map(partial(jnp.where, onwards & self.settles), there, self.start))
 
     def passing(self, oil: Array) -> Array:
         """The oil that passes the nodes with the flow where so much is there, in unit flow.
@@ -230,6 +261,7 @@ def slope_of_full(full: Array, spacing: FloatLike, kinked: Array | None = None) 
     return jnp.pad(jnp.diff(downstream(full, kinked), axis=1), ((0, 0), (1, 0))) / spacing
 
 
+HELD = 2.5  # nodes that oil moves in a step; in longer ones less of what flowed back is held
 FULL = -1e30  # a change of the void that leaves none
 _Map = tuple[Array, Array]  # of the void upstream of each node to that downstream of it
 

@@ -200,7 +200,7 @@ class Extrapolation(NamedTuple):
 def extrapolate(coarse: float, fine: float, coarsest: float | None = None) -> Extrapolation:
     """Extrapolation from a grid and the grid with half its spacing; the error is proportional to spacing squared.
 
-    coarsest: a value where the order is not regular: the error is at least what the change from it lets expect.
+    coarsest: the value on a grid before: the error is at least what the change from it lets expect.
     """
     step, expected = (fine - coarse) / 3, 0.0 if coarsest is None else (coarse - coarsest) / 12
     return Extrapolation(fine, max(abs(step), abs(expected)), fine + step)
@@ -209,12 +209,12 @@ def extrapolate(coarse: float, fine: float, coarsest: float | None = None) -> Ex
 def on_grids(values: Sequence[float], regular: bool = True) -> list[Extrapolation]:
     """Values on grids, coarsest first and each with half the spacing, with their errors; the coarsest has none.
 
-    regular: whether the order is; where not, the error follows from three grids, and is at least `LEAST`.
+    From the third grid on the error is at least what the change of the grid before lets expect: two grids may agree by
+    chance, a minimum over nodes among others.  regular: whether the order is; where not, it is at least `LEAST`, too.
     """
     found = [Extrapolation(values[0], nan, nan)]
     for k in range(1, len(values)):
-        coarsest = None if regular or k < 2 else values[k - 2]
-        one = extrapolate(values[k - 1], values[k], coarsest)
+        one = extrapolate(values[k - 1], values[k], values[k - 2] if k > 1 else None)
         least = 0.0 if regular else LEAST / 2 ** (k - 1) * abs(values[k])
         found.append(one._replace(error=max(one.error, least)))
     return found

@@ -384,7 +384,7 @@ def _check_law(field_name: str, law: object, laws: Registry) -> None:
             allowed = f"{', '.join(others)} or {last}" if others else last
             raise ValueError(f"{given}: allowed: {allowed}")
     else:
-        laws.name_of(law)
+        laws.name_of(law, f"{field_name} = {repr(law)[:60]}: ")
 
 
 def _needed(oil: Oil, name: str) -> float:

@@ -44,16 +44,17 @@ class Registry(Mapping[str, type]):
 
         return decorate
 
-    def name_of(self, record: object) -> str:
-        """The name under which the type of a record is registered.  Raises ValueError if it is not registered."""
+    def name_of(self, record: object, place: str = "") -> str:
+        """The name under which the type of a record is registered.  Raises ValueError, with the place, if not."""
         for name, registered in self.items():
             if type(record) is registered:
                 return name
         kind = type(record).__name__
         if isinstance(record, Mapping):
-            raise ValueError(f"{str(dict(record))[:60]}: a record takes a name or a law; tables are for cases")
+            records = ", ".join(law.__name__ for law in self.values())
+            raise ValueError(f"{place}must be a name or a record of a {self.noun} ({records}); tables are for cases")
         raise ValueError(
-            f"{kind}: is not a registered {self.noun}, so it cannot be written down; put "
+            f"{place}{kind}: is not a registered {self.noun}, so it cannot be written down; put "
             f'@ertel.{self.group.partition(".")[2]}.register("a-name") above its class'
         )
 

@@ -185,11 +185,14 @@ class Transient2D(Stepper):
 
     def flow(self, T: float, times: Sequence[float]) -> Flow | None:
         """The movement of the oil up to a new time T from earlier times, newest first; None where it stays."""
-        if not self.case.motion.flows:
+        motion = self.case.motion
+        if not motion.flows:
             return None
-        distance = self.case.motion.entrainment.integral
+        distance = motion.entrainment.integral
         ways = [(distance(late) - distance(early)) / self.grid.spacing for late, early in pairwise([T, *times])]
-        return Flow(self.case.motion.entrainment(T), tuple(ways), self.start_content)
+        signals = motion.entrainment, motion.load, motion.curvature
+        changes = self.case.starts_apart or self.case.features or any(s(t) != s(T) for s in signals for t in times)
+        return Flow(motion.entrainment(T), tuple(ways), self.start_content, not changes)
 
     @cached_property
     def start_content(self) -> OilContent:
@@ -324,10 +327,9 @@ def _squeezed(
 def solve_step(p: StepProblem) -> StepSolution:
     """The fields and the numbers after one step."""
     s, known, masses = p.setting, Known.of(p.known), [level["mass"] for level in p.past[:2]]
-    pressures, bent = (
-        [own_pressure(level) for level in p.past[:2]],
-        (s.gap, known.curvatures[1:3] - known.curvatures[3]),
-    )
+    pressures = [own_pressure(level) for level in p.past[:2]]
+    bent = s.gap, known.curvatures[1:3] - known.curvatures[3]
+    p = p if p.flow is None else replace(p, flow=p.flow.beside(pressures[0], masses[0]))
     rate = rate_in_time(known.rates, masses, p.flow, p.contact.spacing, pressures, bent)
     P = _weighted(known.predict, [own_pressure(level) for level in p.past])
     P_old, H_old = own_pressure(p.past[0]), p.past[0]["H"]
