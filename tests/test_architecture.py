@@ -185,6 +185,12 @@ def test_files_are_neither_long_nor_crumbs():
     assert {module: lines[module] for module in pieces if lines[module] < SHORTEST_FILE} == {}
 
 
+def test_files_of_tests_have_tests():
+    """A merge may leave an empty file, of which pytest says nothing."""
+    files = Path(__file__).parent.rglob("test_*.py")
+    assert [file.name for file in files if "def test_" not in file.read_text(encoding="utf-8")] == []
+
+
 def lines_of_code(module: str) -> int:
     """The lines with code: no docstring, no comment, no blank."""
     source = FILES[module].read_text(encoding="utf-8")

@@ -1,7 +1,10 @@
 """The stored tables of validation are those of today's code: `validation/all.py` compares them."""
 
+import ast
 import importlib.util
+from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -43,6 +46,35 @@ def test_a_printed_table_takes_the_place_of_the_one_with_its_head():
 )
 def test_numbers_and_words_that_differ_are_found(old, new, count):
     assert len(validation.differences(PAGE, PAGE.replace(old, new))) == count
+
+
+def missing(program):
+    """The names of modules of ertel that a program uses, and that are not there."""
+    used, modules = list(ast.walk(ast.parse(program))), {"ertel": import_module("ertel")}
+    for line in used:
+        if isinstance(line, ast.ImportFrom) and (line.module or "").split(".")[0] == "ertel":
+            for name in [alias.name for alias in line.names]:
+                found = getattr(import_module(line.module), name, None)
+                try:
+                    found = found or import_module(f"{line.module}.{name}")
+                except ModuleNotFoundError:
+                    yield f"{line.module}.{name}"
+                modules |= {name: found} if isinstance(found, ModuleType) else {}
+    own = {name.id for name in used if isinstance(name, ast.Name) and isinstance(name.ctx, ast.Store)}
+    for name in used:
+        if isinstance(name, ast.Attribute) and isinstance(name.value, ast.Name) and name.value.id not in own:
+            module = modules.get(name.value.id)
+            if module and not hasattr(module, name.attr):
+                yield f"{module.__name__}.{name.attr}"
+
+
+def test_programs_use_names_that_are_there():
+    assert [*missing("from ertel import hertz, no_name\nhertz.pressure(hertz.no_law)")] == [
+        "ertel.no_name",
+        "ertel.physics.hertz.no_law",
+    ]
+    programs = [path for folder in ("validation", "benchmarks") for path in (validation.ROOT / folder).rglob("*.py")]
+    assert {path.name: names for path in programs if (names := [*missing(path.read_text(encoding="utf-8"))])} == {}
 
 
 @pytest.mark.slow

@@ -128,13 +128,13 @@ def test_the_balance_of_heat_and_of_the_temperatures_of_both_surfaces() -> None:
 def test_a_sweep_is_the_inverse_where_all_oil_flows_to_one_corner(flipped: bool) -> None:
     """Where no oil flows upstream, nor against a sweep along Y, one sweep is the solution."""
     energy = film_with_heat(NewtonianOil())
-    outwards = (2.0 * flipped - 1.0) * jnp.ones(SHAPE) * float(jnp.max(jnp.abs(energy.columns.gradient.x)))
+    outwards = (2.0 * flipped - 1.0) * 30.0 * jnp.ones(SHAPE) * float(jnp.max(jnp.abs(energy.columns.gradient.x)))
     gradient = Vector(jnp.zeros(SHAPE), outwards)
     energy = replace(energy, columns=replace(energy.columns, gradient=gradient))
     T = jnp.zeros((7, *SHAPE))
     m, warmer = jax.jvp(energy.columns.motion, (T,), (jnp.ones_like(T),))
     softer = jnp.minimum(warmer.heat, 0.0)
-    assert float(jnp.max(jnp.abs(m.v))) > 0.01 * float(jnp.min(m.u)) > 0.0
+    assert float(jnp.max(jnp.abs(m.v))) > 0.1 * float(jnp.min(m.u)) > 0.0
     d = jnp.asarray(np.random.default_rng(4).normal(size=T.shape))
     _, sweeps = sweeps_of(energy, m, softer)
     assert_allclose(sweeps[flipped](energy.change(d, m, softer), back=False), d, atol=1e-8)

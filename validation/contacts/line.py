@@ -25,13 +25,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 import ertel
-from ertel import Case, Feature, Waviness, amplitude_reduction, formulas, fronts, parse_case
+from ertel import Case, Feature, Waviness, formulas, fronts, parse_case
 from ertel.physics import line_films
 from ertel.physics.dry_contact import hertz_ellipse
 from ertel.physics.lubricant import Lubricant
 from ertel.physics.scales import HamrockDowson
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "papers"))
+from boundary_layers.theory import LINE_1997, LINE_REFIT
 from common import BARUS, ISOVISCOUS, table
 
 HERE = Path(__file__).parent
@@ -284,11 +286,11 @@ def _waves(aims: Aims) -> Iterator[list[str]]:
             nabla = [line(M, L).parameters.nabla2(each) for each in LENGTHS]
             yield [label, "published, 1997", *(f"{each:.3f}" for each in PUBLISHED)]
             yield [label, "curve of 1997", *(f"{each:.3f}" for each in _curve(nabla))]
-            refit = _curve(nabla, amplitude_reduction.LINE_REFIT)
+            refit = _curve(nabla, LINE_REFIT)
             yield [label, "its later fit", *(f"{each:.3f}" for each in refit)]
 
 
-def _curve(nabla1: list[float], coefficients: tuple[float, float] = amplitude_reduction.LINE_1997) -> Values:
+def _curve(nabla1: list[float], coefficients: tuple[float, float] = LINE_1997) -> Values:
     c1, c2 = coefficients
     return np.array([1 / (1 + c1 * each + c2 * each**2) for each in nabla1])
 

@@ -45,6 +45,7 @@ class Lobatto:
         """
         top = np.eye(points)[-1]  # the Legendre polynomial of degree n - 1
         x = np.concatenate([[-1.0], np.sort(legendre.legroots(legendre.legder(top)).real), [1.0]])
+        x = (x - x[::-1]) / 2  # symmetric to the last bit, so that a point in the middle is at 0
         weights = 2.0 / (points * (points - 1) * legendre.legval(x, top) ** 2)
         of_values = np.linalg.inv(legendre.legvander(x, points - 1))  # Legendre coefficients
         slopes = np.stack([legendre.legval(x, legendre.legder(column)) for column in of_values.T], axis=1)

@@ -76,8 +76,8 @@ def sweep(
     Parameters
     ----------
     study : str, Path or mapping
-        A case file, or plain data of the same layout, in which a list or { from, to, number, spacing } may stand for
-        any value; [sweep] mode is "product" or "zip".  See `ertel.inputs.studies`.
+        A case file, or plain data of the same layout, in which a list or a range, "FIRST:LAST:NUMBER", may stand
+        for any value; [sweep] mode is "product" or "zip".  See `ertel.inputs.studies`.
     directory : str or Path
         Of the study: made if it is not there.  Its runs are ordinary run directories, runs/DIGEST of the case.  What
         is missing or unfinished is done, and nothing else is remembered.
