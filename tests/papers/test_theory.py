@@ -1,5 +1,7 @@
 """The paper's laws and its waves: as the paper writes them, on made-up fields whose answer is known."""
 
+from typing import get_args
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -163,3 +165,19 @@ def test_the_front_by_the_pressure_of_a_dry_line_contact_is_its_edge(by):
     data = data.assign(P=(("frame", "X"), P), F=("time", load))
     front = theory.front(data, by)
     assert_allclose(front.A, np.sqrt(np.interp(front.T, data["frame"], load)), atol=0.008)
+
+
+def test_a_small_run():
+    """The three definitions of its front agree, oil slows it, and the film at maximum approach follows its speed."""
+    solver = {"method": "radial", "half_width": 4.0}
+    case = ertel.impact(M=1000, L=10, nodes=201, **solver, interval=0.02)
+    data = ertel.simulate(case).dataset
+    X = np.linspace(0.55, 0.85, 7)
+    speeds = np.array([theory.front(data, by).speed_at(X) for by in get_args(theory.FrontDefinition)])
+    assert len(speeds) == 3 and np.ptp(speeds, axis=0).max() < 0.1
+    assert_allclose(speeds, np.broadcast_to(hertz.front_speed(X), speeds.shape), rtol=0.2)
+    assert (speeds < hertz.front_speed(X)).all()
+    last = fronts.at_max_approach(data)
+    trace = theory.film_behind_front(last, fronts.front(data), np.linspace(0.75, 0.95, 41))
+    assert theory.deviation(theory.fit_power(trace) * trace.speed**0.67, trace.H).rms < 0.1
+    assert theory.deviation(theory.film_from_speed(case.parameters, trace.speed), trace.H).rms < 0.2

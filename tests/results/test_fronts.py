@@ -2,12 +2,10 @@
 
 import numpy as np
 import pytest
-from cases import impact
 from made_up import dry_front
 
 from ertel.physics import amplitude_reduction, hertz
 from ertel.results import fronts
-from ertel.runs.drive import simulate
 
 TOUCH = 1.0
 
@@ -42,17 +40,3 @@ def test_amplitude_reduction():
     assert amplitude_reduction.ratio_left(2.0, np.inf) == amplitude_reduction.ratio_left(2.0 * np.e)
     with pytest.raises(ValueError, match=r"^ratio = -1"):
         amplitude_reduction.ratio_left(2.0, -1)
-
-
-def test_a_small_run():
-    """Oil slows its front, and the film at maximum approach follows the speed of the front."""
-    case = impact(1000, 10, 201, solver={"method": "radial", "half_width": 4.0}, output={"interval": 0.02})
-    data = simulate(case).dataset
-    X = np.linspace(0.55, 0.85, 7)
-    speeds = fronts.front(data).speed_at(X)
-    np.testing.assert_allclose(speeds, hertz.front_speed(X), rtol=0.2)
-    assert (speeds < hertz.front_speed(X)).all()
-    X = np.linspace(0.75, 0.95, 41)
-    last = fronts.at_max_approach(data)
-    constant = np.interp(X, last["r"], last["H"]) / fronts.front(data).speed_at(X) ** 0.67
-    assert np.std(constant) < 0.1 * np.mean(constant)
