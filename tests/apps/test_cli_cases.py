@@ -10,17 +10,20 @@ import jsonschema
 import pytest
 import typer
 from app_runs import given, refused
-from cases import ertel_, names
+from cases import ertel_, impact, names
 from typer.testing import CliRunner
 
 import ertel
 from ertel.apps import arguments
 from ertel.apps.cli import app
+from ertel.apps.tables import film_rows
 from ertel.apps.terminal import placing
 from ertel.inputs import materials, oils
 from ertel.inputs.case_files import load_case
 from ertel.inputs.templates import SCHEMA_FILE, json_schema, template
 from ertel.results.figures import MADE_BY
+from ertel.results.numbers import Number
+from ertel.results.variables import FILMS, VARIABLES
 from ertel.runs import outlook, store
 from ertel.runs.directory import PROGRESS, read_progress
 
@@ -180,3 +183,9 @@ def test_a_table_replaces_no_file_that_only_has_the_mark(tmp_path):
 
 def test_an_unknown_word_is_answered_without_the_prefix_of_a_library():
     assert "for 'kind': 'sliding' is not one of" in refused("new", "sliding")
+
+
+def test_a_film_that_is_not_known_is_not_in_the_table_of_formulas():
+    films = [Number(name, VARIABLES[name], 0.1, error=error) for name, error in (("H_c", 0.01), ("H_min", 0.09))]
+    rows = film_rows(impact(1000.0, 10.0, 65), [], dict(zip(FILMS, films, strict=True)))
+    assert rows[1] == ["computed", "0.1", "+-10.0%", "", ""]
