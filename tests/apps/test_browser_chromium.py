@@ -171,7 +171,7 @@ class Page:
         return {part.netloc for part in parts if part.scheme in ("http", "https", "ws", "wss")}
 
 
-FINE_STEPS = "step = 5e-4\n"  # of [time], the last section: a run that lasts long enough to be watched
+FINE_STEPS = "step = 1e-3\n"  # of [time], the last section: a run that lasts long enough to be watched
 PAGES = {
     "first-page": "/", "new-case": "/new", "run": "/run?name=runs/mine",
     "compare": "/compare?a=runs/mine&b=runs/before",
@@ -224,7 +224,7 @@ def test_a_session(server, driver, folder):
     assert 0.0 < done < 1.0
     page.keep("interrupted")
     page.click("Resume")
-    page.until(lambda: "finished" in page.text(".chip"))
+    page.until(lambda: "finished" in page.text(".chip"), 600)  # minutes where other programs compute, too
     assert runs.status(run).phase is Phase.FINISHED
 
     first = page.until(page.picture)
@@ -264,8 +264,8 @@ def test_a_session(server, driver, folder):
             assert bar < 60  # one line, of icons where it is narrow
 
     for path in PAGES.values():  # closed as soon as they begin to load; a traceback in the terminal would be seen
-        page.driver.switch_to.new_window("tab")
-        page.driver.execute_script("location.href = arguments[0]", address + path)
+        page.driver.execute_script("window.open(arguments[0])", address + path)  # from a page of the app
+        page.driver.switch_to.window(page.driver.window_handles[-1])
         time.sleep(0.3)
         page.driver.close()
         page.driver.switch_to.window(page.driver.window_handles[0])

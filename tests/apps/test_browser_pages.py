@@ -323,6 +323,8 @@ async def test_what_was_measured_is_added_and_compared(user, site, monkeypatch):
     given = Measured(at="60 us", column=("x=Radius [um]", "h=nm"))
     await until(lambda: asked[-1].measured == (file, "x", given))
     assert asked[-1].run == site.folder.root / "runs" / "ball"
+    one(user, "given-index").set_value("1,48")
+    await user.should_see("index = '1,48': must be a number")
     count = len(asked)
     await user.open("/measured?file=../../etc/passwd&run=../../etc")
     await user.should_see("lies outside")

@@ -3,20 +3,27 @@
 import json
 import re
 import tomllib
+from contextlib import nullcontext
 from pathlib import Path
 
 import jsonschema
 import pytest
+import typer
 from app_runs import given, refused
-from cases import ertel_, names
+from cases import ertel_, impact, names
 from typer.testing import CliRunner
 
 import ertel
 from ertel.apps import arguments
 from ertel.apps.cli import app
+from ertel.apps.tables import film_rows
+from ertel.apps.terminal import placing
 from ertel.inputs import materials, oils
 from ertel.inputs.case_files import load_case
 from ertel.inputs.templates import SCHEMA_FILE, json_schema, template
+from ertel.results.figures import MADE_BY
+from ertel.results.numbers import Number
+from ertel.results.variables import FILMS, VARIABLES
 from ertel.runs import outlook, store
 from ertel.runs.directory import PROGRESS, read_progress
 
@@ -162,3 +169,23 @@ def test_progress_of_an_interrupted_run_and_where_it_cannot_be_written(here):
     assert store.compute(run)["status"] == "converged"
     assert read_progress(here / "run") is None
     assert not list((here / "run").glob("*.partial"))
+
+
+def test_a_table_replaces_no_file_that_only_has_the_mark(tmp_path):
+    """The mark is that of pictures; a text of the user may speak of it."""
+    notes = tmp_path / "notes.txt"
+    notes.write_text(f"drawn by {MADE_BY}")
+    for content, outcome in (("x_m,h_m", pytest.raises(typer.Exit)), (f"picture, {MADE_BY}", nullcontext())):
+        with outcome, placing(tmp_path) as place:
+            (place / notes.name).write_text(content)
+    assert notes.read_text() == content
+
+
+def test_an_unknown_word_is_answered_without_the_prefix_of_a_library():
+    assert "for 'kind': 'sliding' is not one of" in refused("new", "sliding")
+
+
+def test_a_film_that_is_not_known_is_not_in_the_table_of_formulas():
+    films = [Number(name, VARIABLES[name], 0.1, error=error) for name, error in (("H_c", 0.01), ("H_min", 0.09))]
+    rows = film_rows(impact(1000.0, 10.0, 65), [], dict(zip(FILMS, films, strict=True)))
+    assert rows[1] == ["computed", "0.1", "+-10.0%", "", ""]

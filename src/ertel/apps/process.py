@@ -285,7 +285,7 @@ def _judged(error: Exception) -> tuple[int, str]:
     if isinstance(error.__cause__, Interrupted):  # that a compiled module met while it was imported
         return error.__cause__.code, "interrupted"
     if isinstance(error, WrongUsage):
-        message = str(error.format_message()).rstrip(".")
+        message = str(error.format_message()).replace("Value error, ", "").rstrip(".")  # a prefix of pydantic
         return BAD_INPUT, f"{message}; see {error.ctx.command_path} --help" if error.ctx else message
     from ertel.case.records import ConfigError
     from ertel.runs.files import Damaged, StoreError

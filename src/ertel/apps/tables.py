@@ -205,7 +205,8 @@ def film_rows(case: "Case", films: "Sequence[FormulaFilm]", computed: Mapping[st
 
     rows = [["film", "central", "deviation", "minimum", "deviation"] if computed else ["film", "central", "minimum"]]
     if computed:
-        rows.append(row(title, [n.value for n in both], [n.text_of_error and f"+-{n.text_of_error}" for n in both]))
+        known = [n.value if n.known else None for n in both]
+        rows.append(row(title, known, [n.text_of_error and f"+-{n.text_of_error}" for n in both]))
     if any(each.error is not None for each in both):
         rows.append(row(f"{title}, on the grid", [each.on_grid for each in both], ["", ""]))
     for f in films:

@@ -108,9 +108,8 @@ def placing(
 def _require_own(place: Path, overwrite: bool, new: Path | None = None) -> None:
     """Leave where there is a file without the mark of ertel's pictures or NetCDF, which is not the same as the new one.
 
-    A table has no mark, and may be the user's own with the same columns.
+    A table has no mark, and may be the user's own with the same columns; it replaces no file that has one.
     """
-    from ertel.results.figures import MADE_BY
     from ertel.runs.files import content_of
 
     if not lexists(place) or (overwrite and (place.is_symlink() or not place.is_dir())):
@@ -119,13 +118,20 @@ def _require_own(place: Path, overwrite: bool, new: Path | None = None) -> None:
         content = content_of(place, LARGEST_OUTPUT)
     except OSError:  # a directory, a pipe, a link to nowhere
         content = b""
-    is_marked = MADE_BY.encode() in content or (content[:3] == b"CDF" and b"ertel" in content)
+    latest = new.read_bytes() if new and content else None
+    is_marked = _is_marked(content) and (latest is None or _is_marked(latest))
     if place.is_dir() and not place.is_symlink():
         leave(BAD_INPUT, f"{shown(place)}: is a directory; move it, or choose another name")
-    if not (is_marked or (content and new and content == new.read_bytes())):
+    if not (is_marked or (content and content == latest)):
         is_picture = place.suffix.lower() not in (".csv", ".nc", ".vti", ".pvd") and place.is_file()
         why = "has no mark of ertel (a picture of an earlier version has none)" if is_picture else "is another file"
         leave(BAD_INPUT, f"{shown(place)}: {why}; move it, or add --overwrite")
+
+
+def _is_marked(content: bytes) -> bool:
+    from ertel.results.figures import MADE_BY
+
+    return MADE_BY.encode() in content or (content[:3] == b"CDF" and b"ertel" in content)
 
 
 # -- paths ------------------------------------------------------------------------------------------------------------

@@ -20,7 +20,7 @@ from ertel.plots.drawing import NoFigure, Scale, Values
 from ertel.results.alignment import NOT_FULL, Comparison
 from ertel.results.dataset import maps_of
 from ertel.results.figures import figures_of, is_line
-from ertel.results.numbers import plus_minus
+from ertel.results.numbers import UNKNOWN, plus_minus
 from ertel.results.parameters import geometry_of
 from ertel.results.profiles import At, is_without_moments, mirrored, moment_of
 from ertel.results.variables import COEFFICIENT, FILMS, names_where, with_clock, with_prefix
@@ -234,10 +234,12 @@ class View:
         return [f"{self.dataset[name].attrs['long_name']} {self.with_unit(name, each)}" for name, each in shown.items()]
 
     def _film_with_error(self, name: str) -> str:
-        """A film, extrapolated, as h_c = 146 ± 10 nm: as many digits as the error deserves."""
+        """A film, extrapolated, as h_c = 146 ± 10 nm: as many digits as the error deserves; or that it is not known."""
         film = self.on_grids(name)[-1]
         best = film.value if isnan(film.extrapolated) else film.extrapolated
         z = self.scale(name, best)
+        if film.error > UNKNOWN * best:
+            return f"{z.symbol} not known"
         return f"{z.symbol} = {plus_minus(best * z.factor, film.error * z.factor)} {z.unit}"
 
     def on_grids(self, name: str) -> list[Extrapolation]:

@@ -49,7 +49,8 @@ HEADERS = {
     "Referrer-Policy": "no-referrer",
 }
 # No redirection: browsers send no strict cookie after one that another page began, such as that of `doorway`.
-DOORWAY = '<!doctype html><title>ertel</title><meta http-equiv="refresh" content="0; url={address}">'
+NO_ICON = '<link rel="icon" href="data:,">'  # or the browser asks for /favicon.ico, which is refused
+DOORWAY = f'<!doctype html><title>ertel</title>{NO_ICON}<meta http-equiv="refresh" content="0; url={{address}}">'
 ENTRANCE = DOORWAY + '<a href="{address}">ertel</a>'
 PAGES: dict[str, Any] = {
     "/": home_page, "/new": NewCase, "/run": RunPage, "/study": StudyPage, "/compare": Comparison,

@@ -21,6 +21,10 @@ from ertel.apps.browser.site import Site, WatchedPage, address_of, sentence, tol
 from ertel.inputs.case_files import read_text, read_toml
 from ertel.runs.directory import is_run, kind_of
 
+EXAMPLES = {  # in the fields of what is known of a measurement
+    "at": "such as 60 us, or end", "align": "such as centre, tilt", "column": "such as x=um; h=nm",
+    "wavelength": "such as 532 nm", "coatings": "such as chromium 8 nm", "index": "such as 1.48",
+}  # fmt: skip
 RUN = re.compile(r"<tr><td>(.*?)</td>(.*?)<td>(runs/[0-9a-f]{16})</td></tr>")  # a row of the table of a study
 
 
@@ -145,7 +149,7 @@ class MeasuredPage:
     def _field(self, each: Any) -> ui.input:
         """The field of an option of the command, with its help."""
         about = each.type.__metadata__[0]
-        field = ui.input(each.name.capitalize(), placeholder=about.metavar).mark(f"given-{each.name}")
+        field = ui.input(each.name.capitalize(), placeholder=EXAMPLES[each.name]).mark(f"given-{each.name}")
         with field:
             ui.tooltip(about.help).props("max-width=320px delay=500")
         return field.props("debounce=600")
@@ -155,9 +159,16 @@ class MeasuredPage:
             folder = self.site.folder
             texts = {name: field.value.strip() for name, field in self._given.items() if field.value.strip()}
             columns = tuple(each.strip() for each in texts.pop("column", "").split(";") if each.strip())
-            index = float(texts.pop("index")) if "index" in texts else None
-            given: Any = {**texts, "column": columns, "index": index}
+            given: Any = {**texts, "column": columns, "index": _number("index", texts.get("index"))}
             file, run = folder.inside(self._file.value), folder.inside(self._run.value)
             measured = file, self._along.value, Measured(**given)
             stamp = stamp_of(run) or stamp_of(run, f"{kind_of(run)}.zarr")
             self._canvas.show(PlotRequest(run, "measured", stamp=stamp + file.stat().st_mtime_ns, measured=measured))
+
+
+def _number(name: str, text: str | None) -> float | None:
+    """The number in a field; None where it is empty.  Raises ValueError, with the name of the field."""
+    try:
+        return float(text) if text else None
+    except ValueError as error:
+        raise ValueError(f"{name} = {text!r}: must be a number") from error
