@@ -168,6 +168,20 @@ def test_damaged_data_are_no_picture(tmp_path, form):
 # -- the process that draws -------------------------------------------------------------------------------------------
 
 
+def test_who_asks_for_a_picture_that_is_being_drawn_waits_for_it(monkeypatch):
+    """And a movie may take longer than a file that is read."""
+    drawn = []
+    monkeypatch.setattr(pictures, "LIMIT", 0.01)
+    monkeypatch.setattr(pictures, "draw_picture", lambda request: (time.sleep(0.1), drawn.append(request))[0])
+
+    async def asked():
+        worker, movie = Worker(lambda: ThreadPoolExecutor(1)), PlotRequest(Path("a"), "film", choice="movie")
+        await asyncio.gather(*(worker.draw(movie) for _ in range(3)))
+
+    asyncio.run(asked())
+    assert len(drawn) == 1
+
+
 def test_what_takes_too_long_is_ended_and_the_next_is_drawn(monkeypatch):
     """As reading a pipe does; it is not tried again, so that others need not wait for it a second time."""
 

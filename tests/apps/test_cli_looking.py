@@ -76,6 +76,9 @@ def test_exports_hold_the_whole_run(runs, tmp_path):
         assert all(np.array_equal(found[name], stored[name], equal_nan=True) for name in stored.variables)
         assert found.attrs["digest"] == stored.attrs["digest"]
         assert found["H"].attrs["long_name"] == "film thickness"
+    ertel_("export", str(runs / "plane"), "--to", "netcdf", "--out", str(tmp_path))  # over a file of its own
+    xr.Dataset(attrs={"title": "not by ertel 1"}).to_netcdf(tmp_path / "run.nc", engine="scipy")
+    assert "is another file" in refused("export", str(runs / "plane"), "--to", "netcdf", "--out", str(tmp_path))
     ertel_("export", str(runs / "plane"), "--to", "csv", "--si", "--out", str(tmp_path))
     with (tmp_path / "history.csv").open() as file:
         rows = list(csv.DictReader(file))

@@ -1,6 +1,7 @@
 """The words of a command: messages, JSON, paths, and the exit codes that go with them."""
 
 import json
+import re
 import shlex
 import sys
 from collections.abc import Iterable, Iterator
@@ -14,6 +15,7 @@ import typer
 
 LONGEST = 2000  # characters of a message
 FAILED, BAD_INPUT = 1, 2  # exit codes; and 128 + the number of a signal, see `process`
+OF_ERTEL = re.compile(rb"source\x00{5}\x02.{4}ertel ", re.DOTALL)  # an attribute: name, kind, length, text
 LARGEST_OUTPUT = 4 * 10**9  # bytes of a file
 ASKED = 130  # stopped by a file, see `ertel.runs.directory`: as by Ctrl-C
 
@@ -129,9 +131,10 @@ def _require_own(place: Path, overwrite: bool, new: Path | None = None) -> None:
 
 
 def _is_marked(content: bytes) -> bool:
+    """Whether it is a picture by its text, or a NetCDF file by its attribute `source`."""
     from ertel.results.figures import MADE_BY
 
-    return MADE_BY.encode() in content or (content[:3] == b"CDF" and b"ertel" in content)
+    return MADE_BY.encode() in content or (content[:3] == b"CDF" and bool(OF_ERTEL.search(content)))
 
 
 # -- paths ------------------------------------------------------------------------------------------------------------

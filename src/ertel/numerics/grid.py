@@ -165,10 +165,19 @@ def nodes_across(nodes: int, ratio: float) -> int:
     """
     cells = nodes - 1
     needed = max(ratio * cells, COARSE_ENOUGH - 1)
+
+    def units(unit: int) -> int:
+        return ceil(needed / unit - 1e-6)
+
+    def is_too_fine(unit: int) -> bool:
+        """Whether the coarsest grid has too many nodes, with half a unit as its spacing."""
+        long = min(cells, needed) / unit >= COARSE_ENOUGH - 1
+        return long or (2 * cells / unit + 1) * (2 * units(unit) + 1) > LARGEST_RECTANGLE
+
     unit = 2
-    while cells % (2 * unit) == 0 and min(cells, needed) / unit >= COARSE_ENOUGH - 1:
+    while cells % (2 * unit) == 0 and is_too_fine(unit):
         unit *= 2
-    return 1 + unit * ceil(needed / unit - 1e-6)
+    return 1 + unit * units(unit)
 
 
 def check_coarsening(grid: Grid) -> None:

@@ -66,7 +66,7 @@ MEMORY = {-3: 2**17, -1: 2**17, -8: 1}  # M_MMAP_THRESHOLD, M_TRIM_THRESHOLD, M_
 MOST_NODES = 128  # along a side of a map, of what is under the pointer
 NAMES = {"x": "X", "y": "X", "h": "H", "p": "P"}  # the variables that have the units of these
 KEPT, KEPT_OPEN = 16, 3  # pictures, of some 0.4 MB each with the fields under the pointer; Datasets
-LIMIT, PAUSE = 60.0, 600.0  # s for what the other process is asked, and until it is asked again
+LIMIT, OF_MOVIES, PAUSE = 60.0, 600.0, 600.0  # s for what the other process is asked, and until it is asked again
 LATE = "it takes too long to read, as a pipe or a device does; ertel show, or ertel check of a case, tells more"
 ENDED = "the process that draws has ended, perhaps for want of memory; it begins again"
 
@@ -342,10 +342,6 @@ def _end_with_the_app() -> None:
 # -- in the process of the app ----------------------------------------------------------------------------------------
 
 
-def _process() -> Executor:
-    return ProcessPoolExecutor(1, get_context("spawn"), _begin)
-
-
 class Worker:
     """Draws pictures and keeps the last ones by their addresses.  make: the executor of what takes long.
 
@@ -353,9 +349,10 @@ class Worker:
     tried again for some time, so that only its own page is without an answer.
     """
 
-    def __init__(self, make: Callable[[], Executor] = _process):
+    def __init__(self, make: Callable[[], Executor] = lambda: ProcessPoolExecutor(1, get_context("spawn"), _begin)):
         self._make, self._executor = make, make()
-        self._turn, self._endless = asyncio.Lock(), dict[frozenset[str], float]()  # until when, by the runs
+        self._turn, self._drawing = asyncio.Lock(), asyncio.Lock()
+        self._endless = dict[frozenset[str], float]()  # until when, by the runs
         self.kept: OrderedDict[str, Picture] = OrderedDict()
 
     def begin(self) -> None:
@@ -368,12 +365,13 @@ class Worker:
 
     async def draw(self, request: PlotRequest) -> Picture:
         """A picture, which then has its address.  Raises ValueError where there is nothing to draw."""
-        if request.address not in self.kept:
-            self.kept[request.address] = await self.result_of(draw_picture, request)
-            while len(self.kept) > KEPT:
-                self.kept.popitem(last=False)
-        self.kept.move_to_end(request.address)
-        return self.kept[request.address]
+        async with self._drawing:  # who asks for the same waits for it
+            if request.address not in self.kept:
+                self.kept[request.address] = await self.result_of(draw_picture, request)
+                if len(self.kept) > KEPT:
+                    self.kept.popitem(last=False)
+            self.kept.move_to_end(request.address)
+            return self.kept[request.address]
 
     async def result_of(self, function: Callable[..., Any], of: Any, *more: Any) -> Any:
         """The result from the other process; one that ended, for want of memory perhaps, is started again.
@@ -386,7 +384,7 @@ class Worker:
                 raise ValueError(LATE)
             work = asyncio.wrap_future(self._executor.submit(_with_plain_errors, function, of, *more))
             try:
-                return await asyncio.wait_for(work, LIMIT)
+                return await asyncio.wait_for(work, OF_MOVIES if getattr(of, "is_movie", False) else LIMIT)
             except (TimeoutError, BrokenProcessPool) as error:
                 for process in active_children():  # this program has no others of this kind
                     process.kill()
