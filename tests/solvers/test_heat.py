@@ -100,8 +100,9 @@ def test_without_heat_the_friction_is_the_isothermal_one(rheology: Any) -> None:
     hotter = float(np.max(warm.T_film)) - case.thermal.temperature
     left = 1.01e-8 * hotter  # of the viscosity, by the least beta that is allowed
     assert left < 1e-4
-    assert_allclose(warm.stress, cold.stress, rtol=left, atol=1e-9)
-    assert_allclose(warm.sliding, cold.sliding, rtol=left)
+    wrong = np.hypot(*(warm.stress - cold.stress))
+    assert (wrong <= left * np.hypot(*cold.stress) + 1e-9).all()  # along Y a Newtonian oil has none without heat
+    assert_allclose(warm.sliding, cold.sliding, rtol=left, atol=1e-12)
 
 
 def test_heat_reduces_the_traction_and_more_so_with_sliding() -> None:
