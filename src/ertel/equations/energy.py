@@ -141,7 +141,8 @@ class ColumnSweep(NamedTuple):
 
         def brought(carried: Array, beyond: Array, last: Array) -> Array:
             def from_row(T: Array, k: int) -> Array:
-                return jnp.pad(T, ((0, 0), (0, k) if back else (k, 0)))[:, k if back else 0 :][:, :rows]
+                around = jnp.pad(T, ((0, 0), (k, k)))
+                return around[:, 2 * k :] if back else around[:, :rows]
 
             along_y = from_row(beyond, 2) - 4.0 * from_row(last, 1)
             return carried[0] * (beyond - 4.0 * last) + carried[1] * along_y
@@ -191,10 +192,11 @@ def sweeps_of(energy: Energy, m: OilMotion, softer: Array) -> tuple[Array, list[
     def sweep(flipped: bool) -> ColumnSweep:
         skewed = partial(_skewed, flipped=flipped)
         flow = carried * jnp.array([1.0, -1.0 if flipped else 1.0])[:, None, None, None]
-        flows = skewed(jnp.maximum(flow, 0.0)), skewed(jnp.maximum(-flow, 0.0))
-        return ColumnSweep(skewed(inverse), skewed(ends), flows, skewed(own), (onwards, back), skewed(film), flipped)
+        ways = skewed(jnp.maximum(flow, 0.0)), skewed(jnp.maximum(-flow, 0.0))
+        return ColumnSweep(skewed(inverse), skewed(ends), ways, skewed(own), (onwards, back), skewed(film), flipped)
 
-    return matrix[jnp.arange(points), jnp.arange(points)], [sweep(flipped) for flipped in (False, True)[: 2 - is_line]]
+    size = matrix[jnp.arange(points), jnp.arange(points)]
+    return size, [sweep(False)] if is_line else [sweep(False), sweep(True)]
 
 
 def _skewed(field: Array, flipped: bool) -> Array:
@@ -202,6 +204,7 @@ def _skewed(field: Array, flipped: bool) -> Array:
     field = field[..., ::-1, :] if flipped else field
     *first, rows, columns = field.shape
     n = columns + rows - 1
+    # rows of n + 1 values that are read as rows of n: each begins one place later than the one before
     wide = jnp.pad(field, (*[(0, 0)] * (len(first) + 1), (0, rows))).reshape(*first, -1)
     return jnp.moveaxis(wide[..., : rows * n].reshape(*first, rows, n), -1, 0)
 

@@ -335,13 +335,17 @@ def _thermal_lines(summary: Outcome) -> Iterator[str]:
         yield f"without heat: {cold} (phi_T = {summary['phi_T']:.4g}, L_t = {summary['L_t']:.3g})"
     if "T_max" in table:
         warm = {name: f"{n.value - ZERO_CELSIUS:.1f} degC" for name, n in table.items() if n.about.unit == KELVIN}
-        place = f"at x = {table['X_T_max'].text_in_si}, zeta = {table['zeta_T_max'].text}"
-        walls = f"surface 1 {warm['T_1_max']}, surface 2 {warm['T_2_max']}"
-        yield f"highest temperatures: {walls}, oil {warm['T_max']} {place}"
+        oil = f"{warm['T_max']} at {_place(table, 'T_max')}, zeta = {table['zeta_T_max'].text}"
+        yield f"highest temperatures: surface 1 {warm['T_1_max']}, surface 2 {warm['T_2_max']}, oil {oil}"
         yield f"mean across the film: highest {warm['T_film_max']}, over the contact {warm['T_film_mean']}"
     if (heat := summary.get("thermal", {}).get("heat_W", {})) and None not in heat.values():
         watts = [with_prefix(heat[name], "W") for name in ("released", "into_body_1", "into_body_2", "with_the_oil")]
         yield "heat in the film {}; into body 1 {}, into body 2 {}, with the oil {}".format(*watts)
+
+
+def _place(table: Mapping[str, Number], of: str) -> str:
+    """The place of a largest value, "x = 12 µm, y = 0 m"."""
+    return ", ".join(f"{axis.lower()} = {n.text_in_si or n.text}" for axis in "XY" if (n := table.get(f"{axis}_{of}")))
 
 
 def _stress_line(summary: Outcome) -> Iterator[str]:
@@ -350,9 +354,8 @@ def _stress_line(summary: Outcome) -> Iterator[str]:
     if "von_mises_max" not in table:
         return
     shown = {name: each.text_in_si or each.text for name, each in table.items()}
-    place = ", ".join(f"{name[0].lower()} = {shown[name]}" for name in ("X_von_mises", "Y_von_mises") if name in table)
     ratio = f", {shown['yield_ratio']} of the yield stress of hardened steel, a guess" if "yield_ratio" in table else ""
-    where = f"{shown['Z_von_mises']} deep at {place}"
+    where = f"{shown['Z_von_mises']} deep at {_place(table, 'von_mises')}"
     shear = f"largest shear stress {shown['shear_max']}, {shown['Z_shear']} deep"
     when = " at maximum approach" * (summary["kind"] == "impact")
     yield f"largest von Mises stress in body 1{when}: {shown['von_mises_max']}{ratio}, {where}; {shear}"

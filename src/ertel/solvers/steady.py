@@ -157,15 +157,14 @@ def _with_heat(s: GridSolution, factors: WarmFactors, allowed: float) -> GridSol
         found = heated(s.case, s.P_f, s.H, s.grid, s.P_asperity, factors, heat.IN_A_ROUND)
         moved = np.max(np.abs(found.T - factors.T))
         factors, last = rounds.next(found), films
-        s = _continued(s, warm_contact(s.case, s.grid, factors), heat.LOOSE)
-        s = replace(s, share=factors.share, theta=factors.theta, T=factors.T)
+        c = warm_contact(s.case, s.grid, factors)
+        s = replace(_continued(s, c, heat.LOOSE), **factors._asdict())
         if not s.status.ok:
             return s
         films = s.measure()
         stays = max(abs(films[name] - last[name]) for name in ("H_c", "H_min")) <= allowed * films["H_c"]
         if stays and moved < 0.99 * heat.LARGEST_CHANGE:
-            s = _continued(s, warm_contact(s.case, s.grid, factors))
-            return replace(s, share=factors.share, theta=factors.theta, T=factors.T)
+            return replace(_continued(s, c), **factors._asdict())
     return replace(s, status=Status.NO_AGREEMENT)
 
 
@@ -246,10 +245,8 @@ def solve_on_grid(
     outside = discretise.outside_of(case, grid)
     around = outside.at(motion_of(case, approach))
     gap = jax.device_put(np.asarray(c.gap) + around.uplift)  # NumPy has nothing to compile
-    problem, P = (
-        problem_of(case, grid, replace(c, gap=gap), around.load, looser),
-        np.where(outside.is_edge, around.edge, P),
-    )
+    problem = problem_of(case, grid, replace(c, gap=gap), around.load, looser)
+    P = np.where(outside.is_edge, around.edge, P)
     P_f = None if c.asperities is None else np.where(outside.is_edge, around.edge, P if P_f is None else P_f)
     s, Delta = _program(problem, P, float(approach), P_f)
     s = s._replace(residual=np.asarray(s.residual))  # NumPy has nothing to compile
