@@ -1,17 +1,30 @@
 """Tables of heat.md: the warm film of a line contact, of a ball, with the grid and across the film; what it costs.
 
 python validation/friction/heat.py
+python validation/friction/heat.py one-mobility
+python validation/friction/heat.py across-the-film
+
+The last two change the equations, as trials did, and are for one of them in a process.
 """
 
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
+from scipy.interpolate import lagrange
 
 import ertel
 from ertel.case.case import Case
+from ertel.equations.across import Vector, length
+from ertel.equations.columns import WarmColumns
+from ertel.equations.energy import Energy
+from ertel.equations.thinning import ThinningFlow
+from ertel.numerics.lobatto import Lobatto
 from ertel.numerics.programs import Program, double_precision
 from ertel.physics.fluidity import ReeEyring
 from ertel.physics.lubricant import Oil
@@ -105,7 +118,64 @@ def finer() -> None:
     table(["nodes", "points across", "H_c, 10 m/s, S = 0", "H_c, 5 m/s, S = 1"], rows)
 
 
+def changed(*functions: tuple[Any, str, Any]) -> None:
+    """Put other functions into the equations of this process, before any program is compiled."""
+    for owner, name, function in functions:
+        setattr(owner, name, function)
+
+
+def one_mobility(nodes: int = 65) -> None:
+    """Sliding balls with the mobility along the sliding for both directions, as the trial of the method had it."""
+    film, force, mobility = ThinningFlow._film, ThinningFlow._force, WarmColumns.mobility
+
+    def along_x(gradient: Vector) -> Vector:
+        return Vector(length(gradient), 0.0 * gradient.x)
+
+    def one_force(flow: ThinningFlow, contact: Any, points: Any, solution: Any) -> Vector:
+        return force(flow, contact, points, solution).x / length(points.slope) * points.slope
+
+    def one(columns: WarmColumns, warmer: Any) -> Any:
+        both = mobility(replace(columns, gradient=along_x(columns.gradient)), warmer)
+        return jnp.stack([both[0], both[0]])
+
+    changed(
+        (ThinningFlow, "_film", lambda flow, c, points: film(flow, c, points._replace(slope=along_x(points.slope)))),
+        (ThinningFlow, "_force", one_force),
+        (WarmColumns, "mobility", one),
+    )
+    rows = []
+    for speed, slides in BALL[4:]:
+        films = [steady_film(ball(speed, slides, nodes, way)).finest.measure()["H_c"] for way in ("solved", "none")]
+        rows.append([f"{speed:g}", f"{slides:g}", f"{films[0] / films[1]:.4f}"])
+    table(["u (m/s)", "S", "H_c over cold, one mobility"], rows)
+
+
+def across_the_film(nodes: int = 129) -> None:
+    """Lines whose oil takes its heat along from one height to another, too: rho c w dT/dz, with w by continuity."""
+    kept, z = Energy._kept, np.ravel(Lobatto.of(heat.POINTS).z)
+    slope = np.array([[lagrange(z, row).deriv()(at) for row in np.eye(len(z))] for at in z])
+
+    def with_lift(energy: Energy, T: Any, m: Any, released: Any, inlet: Any) -> Any:
+        columns, across = energy.columns, energy.columns.across
+        flow = jnp.pad(energy.capacity * columns.film * m.u, ((0, 0), (0, 0), (1, 1)), mode="edge")
+        up = -across.from_below(flow[..., 2:] - flow[..., :-2]) / (2.0 * energy.spacing)
+        up = (up - (across.z + 0.5) * up[-1]) / columns.film  # the film of both grids keeps its mass to their error
+        return kept(energy, T, m, released, inlet) + across.weights * up * jnp.tensordot(jnp.asarray(slope), T, 1)
+
+    changed((Energy, "_kept", with_lift))
+    rows = []
+    for speed, slides, *bodies, ratio, _, _, _ in PROGRAM:
+        given = speed, slides, *bodies
+        warm, cold = (steady_film(roller(*given, nodes=nodes, inlet=way)).finest for way in ("solved", "none"))
+        films = [each.measure()["H_c"] for each in (warm, cold)]
+        found = f"{films[0] / films[1]:.4f}", f"{ratio:.3f}", str(warm.status)
+        rows.append([f"{speed:g}", f"{slides:g}", ", ".join(bodies), *found])
+    table(["u (m/s)", "S", "bodies, the fast one first", "H_c over cold", "program", "status"], rows)
+
+
+TRIALS = {"one-mobility": one_mobility, "across-the-film": across_the_film}
+
 if __name__ == "__main__":
     with double_precision():
-        for part in (factors, lines, balls, finer):
+        for part in [TRIALS[name] for name in sys.argv[1:]] or (factors, lines, balls, finer):
             part()
