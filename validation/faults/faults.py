@@ -32,7 +32,9 @@ from typing import Any
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("JAX_PLATFORMS", "cpu")  # before JAX is imported
-os.environ.setdefault("XLA_FLAGS", "--xla_backend_optimization_level=0")  # each program runs some ten times
+# each program runs some ten times; a child by fork has not the threads of its parent, for which large arrays would wait
+os.environ.setdefault("XLA_FLAGS", "--xla_backend_optimization_level=0 --xla_cpu_multi_thread_eigen=false")
+os.environ.setdefault("NPROC", "1")
 
 import bits
 import kills
