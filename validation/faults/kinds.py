@@ -82,7 +82,7 @@ BALL = (  # of the fit
 FILM = "x_um,h_um\n0,14.9\n114,15.6\n229,18.0\n"  # about that of the ball, so that the search ends soon
 STUDIES = {"study": "sweep", "converge": "converge", "fit": "fit"}  # their commands
 FLAGS = {"error": ("--quiet", "--error"), **dict.fromkeys(STUDIES, ("--quiet", "--jobs", "1"))}
-FLAGS["fit"] += ("--keep", "all")  # otherwise a fit that is done deletes runs, and does them again when it is asked again
+FLAGS["fit"] += ("--keep", "all")  # a fit that deletes its runs does them again when it is asked again
 NAMES = [*CASES]
 
 
