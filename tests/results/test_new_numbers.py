@@ -7,9 +7,8 @@ import pytest
 from made_up import BALL_ROLLS, solutions, steady
 
 import ertel
-from ertel.apps.browser.folder import listed
 from ertel.apps.browser.pictures import run_info, stamp_of
-from ertel.apps.looking import _print_runs
+from ertel.apps.looking import _print_runs, listed
 from ertel.apps.tables import console, print_summary
 from ertel.case.status import Status
 from ertel.results.dataset import to_csv
