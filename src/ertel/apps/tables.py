@@ -11,11 +11,11 @@ from ertel.apps.terminal import capital, printable
 from ertel.case.records import ConfigError, show
 from ertel.inputs import materials, oils
 from ertel.physics.materials import Material, NamedOil, Sourced, celsius
-from ertel.physics.units import COMPLIANCE, KINEMATIC_VISCOSITY, TEMPERATURE, Unit, marks
+from ertel.physics.units import Unit, marks
 from ertel.results.figures import is_line
 from ertel.results.numbers import Number, aligned, duration, moment, more_lines, nodes_in_words, numbers, values_of
 from ertel.results.parameters import domain, formula_films, parameter_summary, rheology_of, values_in_si
-from ertel.results.variables import FILMS, with_prefix
+from ertel.results.variables import FILMS, in_celsius, with_prefix
 
 if TYPE_CHECKING:
     from ertel.case.case import Case
@@ -284,7 +284,9 @@ def print_entry(entry: NamedOil | Material) -> None:
         marks_of = marks(type(part.data))
         for name, value in asdict(part.data).items():
             if value is not None:
-                out.print(f"  {name} = {_in_unit(value, marks_of.get(name))}")
+                mark = marks_of.get(name)
+                text = with_prefix(*in_celsius(value, mark.unit)) if isinstance(mark, Unit) else f"{value:g}"
+                out.print(f"  {name} = {text}")
         out.print(f"  source: {part.source}")
         if part.note:
             out.print(f"  note: {' '.join(part.note.split())}")
@@ -309,16 +311,6 @@ def _parts(entry: NamedOil | Material) -> Iterator[tuple[str, Sourced[Any]]]:
     for name, part in vars(entry).items():
         if isinstance(part, Sourced):
             yield TITLES.get(name, name), part
-
-
-def _in_unit(value: float, mark: object) -> str:
-    if mark is TEMPERATURE:
-        return celsius(value)
-    if mark is KINEMATIC_VISCOSITY:
-        return f"{1e6 * value:.4g} mm^2/s"
-    if mark is COMPLIANCE:
-        return f"{1e9 * value:.4g} 1/GPa"
-    return with_prefix(value, mark.unit) if isinstance(mark, Unit) else f"{value:g}"
 
 
 def _range(coldest: float, hottest: float) -> str:
