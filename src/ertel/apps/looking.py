@@ -24,7 +24,7 @@ from ertel.apps.arguments import (
     run_directories,
 )
 from ertel.apps.measuring import compare_measured, measurement_in
-from ertel.apps.terminal import BAD_INPUT, bad_input, leave, placing, print_json, print_path, say, shown
+from ertel.apps.terminal import BAD_INPUT, bad_input, leave, placing, print_json, print_text, say, shown
 
 SIGMA_HELP = 'Rms roughness for the lambda ratio: "20 nm, 60 nm", one for both together, or "Ra 50 nm", times 1.25.'
 Along = Annotated[Literal["x", "y"], option("The direction of a profile.")]
@@ -168,7 +168,7 @@ def compare(
         short = [run.case.name or run.directory.name for run in (one, two)]
         with bad_input(), placing(plot.parent, overwrite, named, [plot.name]) as place:
             plots.comparison(data, names if short[0] == short[1] else short).savefig(place / plot.name)
-        print_path(plot)
+        print_text(shown(plot))
 
 
 def _print_differences(differing: Sequence[Mapping[str, Any]], names: Sequence[str]) -> None:
@@ -290,7 +290,7 @@ def plot(
                 else:
                     plots.draw(data, name, given.at, **sheet).savefig(place / file)
     for file in files:
-        print_path(target / file)
+        print_text(shown(target / file))
 
 
 def _find_ffmpeg() -> None:
@@ -365,4 +365,4 @@ def export(
         else:
             paths = EXPORTS[to](to_si(data) if in_si else data, place)
     for path in paths:
-        print_path(target / path.name)
+        print_text(shown(target / path.name))
