@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from ertel.apps.arguments import Json, Set, case_files, path_argument
+from ertel.apps.arguments import Json, Set, path_argument
 from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, print_json, print_text, shown
 
 if TYPE_CHECKING:
@@ -102,7 +102,7 @@ def print_keys(requested: bool) -> None:
 
 def check(
     case_file: Annotated[
-        Path | None, path_argument("CASE.toml", "Case file; without one --set gives the contact.", case_files)
+        Path | None, path_argument("CASE.toml", "Case file; without one --set gives the contact.")
     ] = None,
     set_: Set = None,
     as_json: Json = False,

@@ -24,7 +24,6 @@ from ertel.apps.arguments import (
     RunDirectory,
     RunOptions,
     Set,
-    case_files,
     grouped,
     option,
     path_argument,
@@ -176,7 +175,7 @@ def stribeck(
 @app.command()
 @grouped
 def sweep(
-    study_file: Annotated[Path, path_argument("SWEEP.toml", "Case file with lists or ranges of values.", case_files)],
+    study_file: Annotated[Path, path_argument("SWEEP.toml", "Case file with lists or ranges of values.")],
     engine: EngineOptions,
     report: Report,
     out: Annotated[Path | None, path_option("Directory of the study; default sweeps/NAME.")] = None,
@@ -234,9 +233,7 @@ def converge(
 @app.command()
 @grouped
 def fit(
-    fit_file: Annotated[
-        Path, path_argument("FIT.toml", "Case, unknowns and measurements; see examples/fits.", case_files)
-    ],
+    fit_file: Annotated[Path, path_argument("FIT.toml", "Case, unknowns and measurements; see examples/fits.")],
     engine: EngineOptions,
     report: Report,
     out: Annotated[Path | None, path_option("Directory of the fit; default fits/NAME.")] = None,

@@ -21,7 +21,6 @@ from ertel.apps.arguments import (
     option,
     path_argument,
     path_option,
-    run_directories,
 )
 from ertel.apps.measuring import compare_measured, measurement_in
 from ertel.apps.terminal import BAD_INPUT, bad_input, leave, placing, print_json, print_text, say, shown
@@ -35,9 +34,7 @@ Format = Literal["png", "svg", "pdf", "webp", "gif", "mp4"]
 MOVIES = ("webp", "gif", "mp4")
 
 
-def ls(
-    folder: Annotated[Path | None, path_argument("DIR", FOLDER_HELP, run_directories)] = None, as_json: Json = False
-) -> None:
+def ls(folder: Annotated[Path | None, path_argument("DIR", FOLDER_HELP)] = None, as_json: Json = False) -> None:
     """List the runs in a folder: case, status, time and key numbers of each."""
     folder = folder or Path.cwd()
     runs = listed(folder)
@@ -120,7 +117,7 @@ def _minute(written: str) -> str:
 @grouped
 def compare(
     first: RunDirectory,
-    second: Annotated[Path, path_argument("DIR|FILE", "Directory of a run, or a file of columns.", run_directories)],
+    second: Annotated[Path, path_argument("DIR|FILE", "Directory of a run, or a file of columns.")],
     given: Measured,
     plot: Annotated[
         Path | None, path_option("Draw both; without FILE into DIR/plots, as compared-NAME.png.", "[FILE]")

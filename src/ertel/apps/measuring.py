@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ertel.apps.arguments import Measured, Overwrite, option, path_argument, path_option, run_directories
+from ertel.apps.arguments import Measured, Overwrite, option, path_argument, path_option
 from ertel.apps.terminal import BAD_INPUT, bad_input, leave, local_path, placing, print_json, print_text, say, shown
 
 if TYPE_CHECKING:  # it takes long to import
@@ -112,7 +112,7 @@ def fringes(
 
 
 def report(
-    directory: Annotated[Path, path_argument("DIR", "Directory of a run, or of a study or fit.", run_directories)],
+    directory: Annotated[Path, path_argument("DIR", "Directory of a run, or of a study or fit.")],
     out: Annotated[
         Path | None,
         typer.Option("--out", "-o", parser=local_path, metavar="FILE", help="File; default DIR/report.pdf."),
