@@ -74,7 +74,7 @@ def test_files_of_a_case_outside_the_folder(tmp_path, named):
 def test_a_new_case_takes_no_name_twice(tmp_path):
     folder = Folder.at(tmp_path)
     (tmp_path / "runs" / "ball-2").mkdir(parents=True)
-    names = [folder.write("ball", "text")[0].name for _ in range(2)]
+    names = [folder.write("ball", b"text", "runs")[0].name for _ in range(2)]
     assert names == ["ball.toml", "ball-3.toml"]
 
 

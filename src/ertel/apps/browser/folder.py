@@ -136,27 +136,21 @@ class Folder:
                 found.add(os.path.normpath(str(read_toml(file).get("case"))))
         return found
 
-    def write(self, name: str, text: str, place: str = RUNS, but: Collection[str] = ()) -> tuple[Path, Path]:
-        """Write a new file NAME.toml; its path, and that of its run or study, in `place`, which does not exist yet.
+    def write(
+        self, name: str, content: bytes, place: str = "", ending: str = ".toml", but: Collection[str] = ()
+    ) -> tuple[Path, Path]:
+        """Write a new file, NAME and its ending; its path, and that of its run or study, in `place`, not yet there.
 
-        Where either is taken, the first of NAME-2, NAME-3, ... that is free.  but: names of files that are not written.
+        Where either is taken, the first of NAME-2, NAME-3, ... that is free.  place: "" of a file that has none.  but:
+        names of files that are not written.
         """
         for run in numbered(self.root / place / name):
-            file = self.root / f"{run.name}.toml"
+            file = self.root / f"{run.name}{ending}"
             with suppress(FileExistsError):
-                if not run.exists() and file.name not in but:
-                    with file.open("x", encoding="utf-8") as opened:
-                        opened.write(text)
+                if not (place and run.exists()) and file.name not in but:
+                    with file.open("xb") as opened:
+                        opened.write(content)
                     return file, run
-        raise AssertionError("there is always a next number")
-
-    def add(self, name: str, content: bytes) -> Path:
-        """Write a new file of this name, or NAME-2, ... before its ending; its path."""
-        path = Path(name)
-        for free in numbered(self.root / path.stem):
-            with suppress(FileExistsError), (file := free.with_name(free.name + path.suffix)).open("xb") as opened:
-                opened.write(content)
-                return file
         raise AssertionError("there is always a next number")
 
 
