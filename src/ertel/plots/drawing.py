@@ -80,10 +80,11 @@ class Scale:
     def of(cls, variable: xr.DataArray, largest: float = 1.0, kind: str = "") -> "Scale":
         """The scale of a variable: in SI with the prefix that fits `largest`, as stored, or in dimensionless units.
 
-        variable: with the attribute si_factor or without, or in SI already.  kind: "rolling" or "impact", for the names
-        of dimensionless units.
+        variable: with the attribute si_factor or without, or in SI already; a plain number, called as it is, where its
+        attributes say nothing else.  kind: "rolling" or "impact", for the names of dimensionless units.
         """
-        about = variable.attrs
+        name = str(variable.name)
+        about = {"symbol": name, "long_name": name, "units": "1", **variable.attrs}
         symbol, long_name = mathtext(about.get("si_name", about["symbol"])), about["long_name"]
         unit, factor = about.get("si_units", about["units"]), about.get("si_factor", 1.0)
         if unit == "1":

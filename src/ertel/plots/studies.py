@@ -96,7 +96,7 @@ def panels_of(dataset: xr.Dataset, panel: Callable[[Variable], str], cold: bool 
 def _draw(axes: Axes, dataset: xr.Dataset, names: list[str]) -> None:
     """Numbers of one unit over what varies most, the second of them with hollow markers."""
     along = _abscissa(dataset)
-    z = _scale(dataset[names[0]], max(largest_of(dataset[name]) for name in names))
+    z = Scale.of(dataset[names[0]], max(largest_of(dataset[name]) for name in names))
     x, label = _x(axes, along)
     for name, face in zip(names, FACES, strict=False):
         for place, colour, (marker, line) in _lines(dataset, along):
@@ -197,7 +197,7 @@ def _draw_curve(axes: Axes, dataset: xr.Dataset, title: str, names: Sequence[str
     largest = max(largest_of(values) for values in variables)
     colours = iter(COLOURS)
     for name, values in zip(names, variables, strict=True):
-        z = _scale(values, largest, dataset.attrs["kind"])
+        z = Scale.of(values, largest, dataset.attrs["kind"])
         colour, line = (GREY, "o--") if f"{name}_warm" in names else (next(colours), "o-")
         axes.plot(x, z.shown(values.values), line, color=colour, markersize=3.5, label=z.long_name)
     if title != "Temperature":
@@ -271,12 +271,6 @@ def _draw_distances(axes: Axes, dataset: xr.Dataset) -> None:
 # -- axes -------------------------------------------------------------------------------------------------------------
 
 
-def _scale(values: xr.DataArray, largest: float, kind: str = "") -> Scale:
-    """The scale of the numbers of a study, whose symbol is their name where they have no other."""
-    named = {"long_name": str(values.name), "symbol": str(values.name), "units": "1", **values.attrs}
-    return Scale.of(values.assign_attrs(named), largest, kind)
-
-
 def _x(axes: Axes, along: xr.DataArray) -> tuple[np.ndarray, str]:
     """The abscissae and their label."""
     if along.dtype.kind != "f":
@@ -288,7 +282,7 @@ def _x(axes: Axes, along: xr.DataArray) -> tuple[np.ndarray, str]:
         _name_ticks(axes.xaxis, along.values)
     else:
         axes.xaxis.set_major_locator(MaxNLocator(6))
-    scale = _scale(along.assign_attrs(in_units_of=""), largest_of(along))
+    scale = Scale.of(along.assign_attrs(in_units_of=""), largest_of(along))
     if "symbol" in along.attrs:
         return scale.shown(along.values), scale.label
     return scale.shown(along.values), f"{_spoken(along)} {scale.in_brackets}".rstrip().replace("*", " ")
