@@ -290,11 +290,10 @@ def about(
     cite: Annotated[bool, typer.Option("--cite", help="Print BibTeX entries of ertel and of the paper.")] = False,
 ) -> None:
     """Print versions, devices and how to cite ertel; ertel show --about prints those of a run."""
-    from ertel import __version__
     from ertel.apps import about, tables
 
     if cite:
-        print(about.BIBTEX.format(version=__version__), end="")
+        print(about.bibtex(), end="")
     else:
         tables.print_names(about.about())
 
