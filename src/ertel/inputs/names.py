@@ -28,19 +28,18 @@ from typing import Any
 from ertel.case.case import Case
 from ertel.case.estimates import LARGEST_NEWTONIAN_STRESS, newtonian_stress
 from ertel.case.methods import METHODS, as_written
-from ertel.case.records import ConfigError, data_of, law_fields, named, oil_data, refusing, show, with_unit
+from ertel.case.records import ConfigError, data_of, law_fields, named, oil_data, show, with_unit
 from ertel.case.sections import Thermal
 from ertel.inputs import oils
 from ertel.inputs.layout import READER, DataSheet, Machines, Materials, NamedLubricant, field_names
-from ertel.inputs.quantities import parse_quantity, parse_temperature
+from ertel.inputs.quantities import parse_temperature
 from ertel.physics.fluidity import Carreau, Limited
 from ertel.physics.materials import RHEOLOGY, NamedOil, Sourced
-from ertel.physics.units import DENSITY, LENGTH, RMS, STRESS, Unit, fields_of, in_si, marks
+from ertel.physics.units import DENSITY, STRESS, Unit, fields_of, marks
 
 OIL_KEYS, MATERIAL_KEYS = field_names(NamedLubricant), field_names(Materials)
 OF_PRESSURE = ("alpha", "z", "p0")  # a given one makes the law Roelands', unless the law is given too
 FOLLOWING = ("slide_to_roll", "speed_1", "speed_2", "radius", "radius_1", "radius_2")  # from a gear or a cam, too
-RMS_OVER_MEAN = 1.25  # sigma over Ra, of Gaussian heights
 DIMENSIONLESS = ("M", "L", "lambda_bar", "alpha_bar")
 
 
@@ -54,30 +53,12 @@ def without_names(data: Mapping[str, Any], folder: Path = Path()) -> dict[str, A
     (lubricant,) = _tables(data, "lubricant")
     if isinstance(file := lubricant.get("oils"), str):
         data = {**data, "lubricant": {**lubricant, "oils": str(folder / file)}}
-    resolved = _with_thermal_data(_with_hardness(_with_rms(data)))
+    resolved = _with_thermal_data(_with_hardness(data))
     for section, keys, resolve in (("lubricant", OIL_KEYS, _lubricant), ("contact", MATERIAL_KEYS, _contact)):
         written = data.get(section)
         if isinstance(written, Mapping) and any(key in written for key in keys):
             resolved[section] = named(section, resolve, written, data)
     return resolved
-
-
-def rms_roughness(given: float | str) -> float:
-    """An rms roughness in m, given as such or, "Ra 50 nm", as the arithmetic mean of Gaussian heights."""
-    if isinstance(given, str) and given.startswith("Ra"):
-        return RMS_OVER_MEAN * parse_quantity(given.removeprefix("Ra"), LENGTH)
-    return in_si(given, RMS.in_si)
-
-
-def _with_rms(data: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The data with rms roughnesses in place of arithmetic means, sigma = "Ra 50 nm"."""
-    (surfaces,) = _tables(data, "surfaces")
-    rms = dict(surfaces)
-    for key in ("sigma", "sigma_1", "sigma_2"):
-        if isinstance(text := surfaces.get(key), str) and text.startswith("Ra"):
-            with refusing(f"surfaces.{key}", text):
-                rms[key] = with_unit(rms_roughness(text), LENGTH)
-    return {**data, "surfaces": rms} if rms != surfaces else data
 
 
 def _with_hardness(data: Mapping[str, Any]) -> Mapping[str, Any]:

@@ -18,13 +18,14 @@ import numpy as np
 from ertel.case.reading import parse_number
 from ertel.case.records import is_number, refusing, show, with_unit
 from ertel.physics.temperature_laws import ZERO_CELSIUS
-from ertel.physics.units import KINEMATIC_VISCOSITY, PREFIXED, Bounds, Mark, Unit, reads_quantities
+from ertel.physics.units import KINEMATIC_VISCOSITY, PREFIXED, ROUGHNESS, Bounds, Mark, Unit, reads_quantities
 
 NumberOrText = float | str  # in SI, or a text with a unit
 HOTTER_THAN_ANY = 1e4  # K
 ANGULAR = re.compile("rpm|rad|deg|rev|turn")
 PIXELS = ("px", "pixel", "pixels", "dot", "pel", "css_pixel")  # pint has sizes for some of them
 LONGEST = 60  # characters of a quantity
+RMS_OVER_MEAN = 1.25  # an rms roughness over Ra, of Gaussian heights
 
 # What pint may see: names of units with powers of at most two digits, * and / between them, one level of parentheses.
 # Without it pint computes numbers, such as 9**9**9, for ever.
@@ -79,6 +80,8 @@ def parse_quantity(value: object, unit: Unit) -> float:
         if unit.unit != KINEMATIC_VISCOSITY.unit:
             raise ValueError("is a viscosity at 40 degC; give an oil by name (ertel oils), or nu40, nu100 and density")
         value = f"{grade[1]} mm^2/s"
+    if unit == ROUGHNESS and isinstance(value, str) and (mean := value.lstrip()).startswith("Ra"):
+        return RMS_OVER_MEAN * parse_quantity(mean.removeprefix("Ra"), unit)
     if isinstance(value, str) and _THOUSANDS.match(value[:LONGEST]):
         raise ValueError("has a comma that may part thousands or decimals; write a point, and nothing for thousands")
     description = f'a quantity {"" if unit.signed else "above zero "}with a unit such as "{unit.example}"'
