@@ -377,13 +377,11 @@ def prefixed(unit: str, largest: float) -> tuple[float, str]:
 
     Other quotients than those of `AS_WRITTEN`, temperatures, masses and angles have no prefix, a plain number no unit.
     """
-    if unit in AS_WRITTEN:
-        return AS_WRITTEN[unit]
     power, times = 0, {"m2": 2, "m3": 3}.get(unit, 1)  # a prefix of an area counts twice
     if abs(largest) > 0 and "/" not in unit and unit not in ("1", KELVIN, CELSIUS, "kg", "deg"):
         power = min(max(3 * floor(log10(abs(largest)) / (3 * times) + 0.1), min(PREFIXES)), max(PREFIXES))
     written = unit.replace("m2", "m²").replace("m3", "m³")
-    return 10.0 ** (power * times), "" if unit == "1" else PREFIXES[power] + written
+    return AS_WRITTEN.get(unit) or (10.0 ** (power * times), "" if unit == "1" else PREFIXES[power] + written)
 
 
 def in_celsius(values: Any, unit: str) -> tuple[Any, str]:
