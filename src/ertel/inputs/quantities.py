@@ -281,17 +281,14 @@ def _ranged(text: str, mark: Mark) -> tuple[float, ...]:
 
 def marked_value(given: Any, mark: Mark) -> float:
     """A plain number, or a quantity in SI; one without its unit is in SI."""
-    given = given.item() if isinstance(given, np.generic) else given
+    given = plain_data(given)
+    if isinstance(given, str) and (isinstance(mark, Bounds) or not split(given)[1]):
+        try:
+            given = float(given)
+        except ValueError as error:
+            raise ValueError(f"{show(given)} must be a number") from error
     if isinstance(mark, Bounds):
-        return parse_number(_plain(given) if isinstance(given, str) else given, mark)
+        return parse_number(given, mark)
     if isinstance(given, bool) or not isinstance(given, int | float | str):
         raise ValueError(f'must be numbers in {mark.unit}, or quantities such as "{mark.example}"')
-    has_unit = isinstance(given, str) and split(given)[1]
-    return parse_quantity(str(given).strip() if has_unit else f"{given} {mark.unit}", mark)
-
-
-def _plain(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError as error:
-        raise ValueError(f"{show(text)} must be a number") from error
+    return number_or_quantity(given, mark)
