@@ -147,6 +147,12 @@ def parse_temperature(value: object) -> float:
     return kelvin
 
 
+def quantity_of(name: str, given: object, unit: Unit) -> float:
+    """A quantity as `parse_quantity` reads it.  Raises ConfigError, which names the argument."""
+    with refusing(name, given):
+        return parse_quantity(given, unit)
+
+
 @reads_quantities
 def number_or_quantity(value: object, unit: Unit) -> float:
     """A quantity given in Python, in SI: a number in the SI unit, or a text with a unit."""
