@@ -299,7 +299,8 @@ def test_each_key_of_the_form_has_the_help_of_the_command():
 
 
 def test_the_command_without_the_package(monkeypatch):
-    monkeypatch.setitem(sys.modules, "nicegui", None)
+    for name in ("nicegui", "aiohttp", "requests", "tornado"):  # the command hides the others itself, for good
+        monkeypatch.setitem(sys.modules, name, None)
     monkeypatch.delitem(sys.modules, "ertel.apps.browser.server", raising=False)
     monkeypatch.delattr(browser, "server", raising=False)
     assert "pip install 'ertel[app]'" in ertel_("app", code=2).stderr

@@ -310,9 +310,10 @@ def browse(
     whoever has the address can use the app. Each run is a process of its own that goes on
     when the app is closed; its Close button can stop the runs, too. Ctrl-C closes the app.
     """
+    for name in ("aiohttp", "requests", "tornado"):  # 15 MB of web clients and servers, which NiceGUI would import
+        sys.modules.setdefault(name, None)  # type: ignore[arg-type]
     try:
-        with process.without("aiohttp", "requests", "tornado"):
-            from ertel.apps.browser import server
+        from ertel.apps.browser import server
     except ModuleNotFoundError as error:
         if error.name != "nicegui":
             raise
