@@ -74,7 +74,7 @@ def test_files_of_a_case_outside_the_folder(tmp_path, named):
 def test_a_new_case_takes_no_name_twice(tmp_path):
     folder = Folder.at(tmp_path)
     (tmp_path / "runs" / "ball-2").mkdir(parents=True)
-    names = [folder.write("ball", "text")[0].name for _ in range(2)]
+    names = [folder.write("ball", b"text", "runs")[0].name for _ in range(2)]
     assert names == ["ball.toml", "ball-3.toml"]
 
 
@@ -299,7 +299,8 @@ def test_each_key_of_the_form_has_the_help_of_the_command():
 
 
 def test_the_command_without_the_package(monkeypatch):
-    monkeypatch.setitem(sys.modules, "nicegui", None)
+    for name in ("nicegui", "aiohttp", "requests", "tornado"):  # the command hides the others itself, for good
+        monkeypatch.setitem(sys.modules, name, None)
     monkeypatch.delitem(sys.modules, "ertel.apps.browser.server", raising=False)
     monkeypatch.delattr(browser, "server", raising=False)
     assert "pip install 'ertel[app]'" in ertel_("app", code=2).stderr

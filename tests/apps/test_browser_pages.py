@@ -175,11 +175,11 @@ async def test_a_run_is_deleted_after_a_question(user, site):
     make_run(other)
     await user.open("/run?name=runs/ball")
     await user.should_see("finished")
-    user.find(marker="delete-run").click()
+    user.find(marker="delete").click()
     await user.should_see("Delete runs/ball?")
     user.find("Cancel").click()
     assert run.exists()
-    user.find(marker="delete-run").click()
+    user.find(marker="delete").click()
     await until(lambda: all_of(user, "delete-it"))
     user.find(marker="delete-it").click()
     await user.should_see("Impact and rolling of lubricated point and line contacts", retries=50)  # the page has ended

@@ -14,7 +14,6 @@ from cases import ertel_, impact, names
 from typer.testing import CliRunner
 
 import ertel
-from ertel.apps import arguments
 from ertel.apps.cli import app
 from ertel.apps.tables import film_rows
 from ertel.apps.terminal import placing
@@ -145,17 +144,11 @@ def completed(*words):
     return CliRunner().invoke(app, [], env=environment, prog_name="ertel").stdout
 
 
-def test_completion_of_run_directories(here):
-    for name in ("runs/small", "runs/smooth", "runs/other", ".hidden"):
-        (here / name).mkdir(parents=True)
-    for name in ("runs/small", "runs/smooth"):
-        (here / name / "case.toml").touch()
-    assert arguments.run_directories("") == ["runs/"]
-    assert arguments.run_directories("runs/") == ["runs/other/", "runs/small", "runs/smooth"]
-    assert arguments.run_directories("nowhere/") == []
-    for command in ("show", "plot", "resume"):
-        said = completed(command, "runs/sm")
-        assert "runs/small" in said and "runs/smooth" in said and "other" not in said
+def test_completion_of_names_is_by_ertel_and_of_paths_by_the_shell():
+    for words, name in ((("plot", "ball", "--what", "fi"), "film"), (("check", "--set", "solver.n"), "solver.nodes=")):
+        assert name in completed(*words)
+    for command in ("show", "check"):
+        assert completed(command, "runs/sm").strip() == "_files"
 
 
 def test_progress_of_an_interrupted_run_and_where_it_cannot_be_written(here):

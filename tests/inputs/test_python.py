@@ -146,7 +146,7 @@ BALL = {**IN_SI, "oil": OIL}
 @pytest.mark.parametrize(
     ("function", "given", "said"),
     [
-        (ertel.impact, {**BALL, "radius": -0.01}, 'contact.radius = "-0.01 m": must be'),
+        (ertel.impact, {**BALL, "radius": -0.01}, "contact.radius = -0.01: must be"),
         (ertel.impact, {**BALL, "radius": np.ones(2)}, 'contact.radius = "[1. 1.]": must be a quantity above zero'),
         (ertel.impact, {**BALL, "motion": {"load": np.ones((2, 2))}}, "motion.load = "),
         (ertel.impact, {**BALL, "roughness": 5}, "roughness = 5: must be a list of shapes, features or tables"),

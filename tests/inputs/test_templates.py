@@ -137,7 +137,7 @@ RIGHT = [
     *[("time.until", "max-approach"), ("time.until", "5 ms")],
     ("motion.load", [[0, 1], ["1 ms", 2.5]]),
     ("motion.load", {"mean": 1, "amplitude": 0.2, "period": "1 ms"}),
-    ("roughness.0.x", "-80 um"),
+    *[("roughness.0.x", "-80 um"), ("surfaces.sigma", "Ra 40 nm")],
 ]
 WRONG = [
     *[("contact.radius", value) for value in ("mm", "12.5", 0.0125)],

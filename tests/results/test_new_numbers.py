@@ -7,10 +7,9 @@ import pytest
 from made_up import BALL_ROLLS, solutions, steady
 
 import ertel
-from ertel.apps.browser.folder import listed
 from ertel.apps.browser.pictures import run_info, stamp_of
-from ertel.apps.looking import _print_runs
-from ertel.apps.tables import console, print_summary
+from ertel.apps.looking import _print_runs, listed
+from ertel.apps.tables import print_summary
 from ertel.case.status import Status
 from ertel.results.dataset import to_csv
 from ertel.results.numbers import key_numbers, pairs, scalars
@@ -50,7 +49,7 @@ def test_all_views_of_a_run_and_of_a_study_have_it(tmp_path: Path, capsys: pytes
     assert "mean film thickness H_mean" in repr(result) and "H_mean" in result._repr_html_()
     assert "h_mean_m" in to_csv(result.si, tmp_path)[0].read_text().splitlines()[0]
     assert "h_mean" in [row["name"] for row in pairs(summary, summary)]
-    print_summary(console(), CASE, summary)
+    print_summary(CASE, summary)
     assert "mean film thickness" in capsys.readouterr().out
     _print_runs(listed(tmp_path), tmp_path)
     assert "H_mean" in capsys.readouterr().out

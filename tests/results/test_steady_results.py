@@ -11,7 +11,7 @@ import pytest
 from cases import STEEL_BODIES
 
 import ertel
-from ertel.apps.tables import console, print_summary
+from ertel.apps.tables import print_summary
 from ertel.case.estimates import grid_of
 from ertel.case.sections import Inlet
 from ertel.inputs.case_files import parse_case
@@ -102,7 +102,7 @@ def test_maps_and_summary(run: ertel.Result, capsys: pytest.CaptureFixture[str])
     ):
         assert line in text
     # The cold ones follow in one line; tables of runs have the warm ones and a temperature.
-    print_summary(console(), run.case, run.summary)
+    print_summary(run.case, run.summary)
     rows = [line for line in capsys.readouterr().out.splitlines()]
     films, heat = rows[3:5], next(line for line in rows if line.startswith("Without heat"))
     assert [row.split()[4] for row in films] == ["H_c_warm", "H_min_warm"] and all(" nm " in row for row in films)

@@ -55,6 +55,9 @@ def test_the_rule_for_the_size_of_the_output_counts_all_maps():
         (98.5, "N", "98.5 N"),
         (8.7e-10, "m2", "870 µm²"),
         (0.00123, "1", "0.00123"),
+        (2.05e-8, "1/Pa", "20.5 /GPa"),
+        (6.8e-5, "m^2/s", "68 mm²/s"),
+        (3e-3, "kg", "0.003 kg"),
     ],
 )
 def test_values_for_reading(value, unit, text):

@@ -3,7 +3,9 @@
 import json
 import os
 import platform
+import re
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 from typing import Any
 
 import ertel
@@ -15,24 +17,19 @@ from ertel.runs.directory import read_progress
 from ertel.runs.store import RunStore
 
 PACKAGES = {"JAX": "jax", "jaxlib": "jaxlib", "NumPy": "numpy", "SciPy": "scipy", "xarray": "xarray", "zarr": "zarr"}
-CITATION = (
-    "The ertel developers. ertel: elastohydrodynamic lubrication of point contacts, impact and rolling by one "
-    "equation. Version {version}. Cite with it: Lubrecht AA, Biboulet N, Venner CH. Boundary layers: unifying the "
-    "impact and rolling EHL point contacts. Tribology International."
-)
-BIBTEX = """\
-@software{{ertel,
-  author  = {{{{The ertel developers}}}},
-  title   = {{ertel: elastohydrodynamic lubrication of point contacts, impact and rolling by one equation}},
-  version = {{{version}}}
-}}
 
-@article{{lubrecht_boundary_layers,
-  author  = {{Lubrecht, A. A. and Biboulet, N. and Venner, C. H.}},
-  title   = {{Boundary layers: Unifying the impact and rolling {{EHL}} point contacts}},
-  journal = {{Tribology International}}
-}}
-"""
+
+def bibtex() -> str:
+    """BibTeX entries of ertel, of this version, and of the paper whose equations it solves."""
+    text = Path(__file__).with_name("citation.bib").read_text(encoding="utf-8")
+    return text.replace("VERSION", ertel.__version__)
+
+
+def _citation() -> str:
+    """The same in a line."""
+    entries = [dict(re.findall(r"(\w+) += {(.*)}", entry)) for entry in bibtex().split("\n\n")]
+    software, paper = (re.sub(r"[{}]|\.(?=\. )", "", ". ".join(entry.values())) for entry in entries)
+    return f"{software}. Cite with it: {paper}."
 
 
 def about() -> dict[str, str]:
@@ -45,7 +42,7 @@ def about() -> dict[str, str]:
         "devices": _devices(),
         "compile cache": str(cache_directory() or "none: there is no home directory"),
         "own oils": str(own_file()),
-        "citation": CITATION.format(version=ertel.__version__),
+        "citation": _citation(),
     }
 
 

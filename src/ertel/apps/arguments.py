@@ -1,7 +1,7 @@
 """Arguments and flags that several commands have, with what the tab key completes."""
 
 import inspect
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, fields, is_dataclass
 from functools import wraps
 from pathlib import Path
@@ -12,19 +12,7 @@ from typer.core import TyperCommand
 
 from ertel.apps.terminal import local_path
 
-CASE = "case.toml"  # in a run directory
-
-# -- completion: these functions run at each press of the tab key and import little -----------------------------------
-
-
-def run_directories(incomplete: str) -> list[str]:
-    """Directories of runs that begin so, and directories in which there may be some."""
-    return [text for path, text in _entries(incomplete) if path.is_dir()]
-
-
-def case_files(incomplete: str) -> list[str]:
-    """Case files that begin so, and directories in which there may be some."""
-    return [text for path, text in _entries(incomplete) if path.is_dir() or path.suffix == ".toml"]
+# -- completion: these functions run at each press of the tab key and import little; shells complete paths -------------
 
 
 def settings(incomplete: str) -> list[str]:
@@ -41,23 +29,6 @@ def figures(incomplete: str) -> list[str]:
     from ertel.results.figures import FIGURES_IN_TIME, FIGURES_STEADY
 
     return [name for name in dict.fromkeys(FIGURES_IN_TIME + FIGURES_STEADY) if name.startswith(incomplete)]
-
-
-def _entries(incomplete: str) -> Iterator[tuple[Path, str]]:
-    """The entries of the directory that a text names so far, if they begin like its end: path and whole text.
-
-    A directory of a run is complete; any other one ends with a slash, so that one can go on.
-    """
-    folder, slash, start = incomplete.rpartition("/")
-    place = Path(f"{folder}{slash}").expanduser() if slash else Path()
-    try:
-        entries = sorted(place.iterdir())
-    except OSError:
-        return
-    for path in entries:
-        if path.name.startswith(start) and (start or not path.name.startswith(".")):
-            is_open = path.is_dir() and not (path / CASE).exists()
-            yield path, f"{folder}{slash}{path.name}{'/' if is_open else ''}"
 
 
 # -- a flag without its value -----------------------------------------------------------------------------------------
@@ -79,9 +50,9 @@ class PlotCommand(TyperCommand):
 # -- arguments and flags ----------------------------------------------------------------------------------------------
 
 
-def path_argument(metavar: str, text: str, completes: Any = None) -> Any:
+def path_argument(metavar: str, text: str) -> Any:
     """An argument that is a file or a directory."""
-    return typer.Argument(parser=local_path, metavar=metavar, help=text, autocompletion=completes, show_default=False)
+    return typer.Argument(parser=local_path, metavar=metavar, help=text, show_default=False)
 
 
 def option(text: str, metavar: str | None = None, completes: Any = None, name: str = "", **more: Any) -> Any:
@@ -99,9 +70,9 @@ def values_option(quantity: str, example: str) -> Any:
     return option(f"Values of the {quantity}, for example {example}.", "VALUES")
 
 
-CaseFile = Annotated[Path, path_argument("CASE.toml", "Case file; see examples/.", case_files)]
+CaseFile = Annotated[Path, path_argument("CASE.toml", "Case file; see examples/.")]
 Moment = Annotated[str | None, option('A time, "60 us" from touch, a number in t0, max-approach or end.', "TIME|EVENT")]
-RunDirectory = Annotated[Path, path_argument("DIR", "Directory of a run.", run_directories)]
+RunDirectory = Annotated[Path, path_argument("DIR", "Directory of a run.")]
 SET_HELP = "Replace a value of the case, e.g. solver.nodes=129."
 Set = Annotated[list[str] | None, option(SET_HELP, "KEY=VALUE", settings, "--set")]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace files that ertel did not write, too.")]

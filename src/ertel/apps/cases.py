@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from ertel.apps.arguments import Json, Set, case_files, path_argument
-from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, print_json, print_path, shown
+from ertel.apps.arguments import Json, Set, path_argument
+from ertel.apps.terminal import BAD_INPUT, bad_input, in_shell, leave, print_json, print_text, shown
 
 if TYPE_CHECKING:
     from ertel.case.case import Case
@@ -69,10 +69,10 @@ def new(
     path.parent.mkdir(parents=True, exist_ok=True)
     if not _write_new(path, template(kind, in_shell(path), line)):
         leave(BAD_INPUT, f"{shown(path)} exists already and is left as it is; give another FILE")
-    print_path(path)
+    print_text(shown(path))
     beside = path.with_name(SCHEMA_FILE)
     if _write_new(beside, json_schema_text()):
-        print_path(beside)
+        print_text(shown(beside))
 
 
 def _write_new(path: Path, text: str) -> bool:
@@ -102,7 +102,7 @@ def print_keys(requested: bool) -> None:
 
 def check(
     case_file: Annotated[
-        Path | None, path_argument("CASE.toml", "Case file; without one --set gives the contact.", case_files)
+        Path | None, path_argument("CASE.toml", "Case file; without one --set gives the contact.")
     ] = None,
     set_: Set = None,
     as_json: Json = False,
@@ -136,13 +136,12 @@ def check(
     if as_json:
         print_json({**content, "films": tables.films_as_data(case)})
         return
-    out = tables.console()
-    out.print(f"{case.name or case.kind}: {case.kind}, {case.solver.method}", style="bold")
+    print_text(f"{case.name or case.kind}: {case.kind}, {case.solver.method}", bold=True)
     tables.print_formulas(case)
-    out.print()
+    print_text()
     tables.print_names(tables.needs(content))
     for warning in content["warnings"]:
-        out.print(f"Warning: {warning}", style="yellow")
+        print_text(f"Warning: {warning}", fg="yellow")
 
 
 def oils(

@@ -24,7 +24,6 @@ from ertel.apps.arguments import (
     RunDirectory,
     RunOptions,
     Set,
-    case_files,
     grouped,
     option,
     path_argument,
@@ -176,7 +175,7 @@ def stribeck(
 @app.command()
 @grouped
 def sweep(
-    study_file: Annotated[Path, path_argument("SWEEP.toml", "Case file with lists or ranges of values.", case_files)],
+    study_file: Annotated[Path, path_argument("SWEEP.toml", "Case file with lists or ranges of values.")],
     engine: EngineOptions,
     report: Report,
     out: Annotated[Path | None, path_option("Directory of the study; default sweeps/NAME.")] = None,
@@ -234,9 +233,7 @@ def converge(
 @app.command()
 @grouped
 def fit(
-    fit_file: Annotated[
-        Path, path_argument("FIT.toml", "Case, unknowns and measurements; see examples/fits.", case_files)
-    ],
+    fit_file: Annotated[Path, path_argument("FIT.toml", "Case, unknowns and measurements; see examples/fits.")],
     engine: EngineOptions,
     report: Report,
     out: Annotated[Path | None, path_option("Directory of the fit; default fits/NAME.")] = None,
@@ -293,11 +290,10 @@ def about(
     cite: Annotated[bool, typer.Option("--cite", help="Print BibTeX entries of ertel and of the paper.")] = False,
 ) -> None:
     """Print versions, devices and how to cite ertel; ertel show --about prints those of a run."""
-    from ertel import __version__
     from ertel.apps import about, tables
 
     if cite:
-        print(about.BIBTEX.format(version=__version__), end="")
+        print(about.bibtex(), end="")
     else:
         tables.print_names(about.about())
 
@@ -314,9 +310,10 @@ def browse(
     whoever has the address can use the app. Each run is a process of its own that goes on
     when the app is closed; its Close button can stop the runs, too. Ctrl-C closes the app.
     """
+    for name in ("aiohttp", "requests", "tornado"):  # 15 MB of web clients and servers, which NiceGUI would import
+        sys.modules.setdefault(name, None)  # type: ignore[arg-type]
     try:
-        with process.without("aiohttp", "requests", "tornado"):
-            from ertel.apps.browser import server
+        from ertel.apps.browser import server
     except ModuleNotFoundError as error:
         if error.name != "nicegui":
             raise

@@ -1,8 +1,10 @@
 """Commands that look at runs: `ertel ls` at many, `compare` at two, `show`, `plot` and `export` at one."""
 
 from collections.abc import Mapping, Sequence
+from datetime import datetime
+from os.path import lexists
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 import typer
 
@@ -19,13 +21,9 @@ from ertel.apps.arguments import (
     option,
     path_argument,
     path_option,
-    run_directories,
 )
 from ertel.apps.measuring import compare_measured, measurement_in
-from ertel.apps.terminal import BAD_INPUT, bad_input, leave, placing, print_json, print_path, say, shown
-
-if TYPE_CHECKING:  # these take long to import
-    from ertel.apps.browser.folder import Listed
+from ertel.apps.terminal import BAD_INPUT, bad_input, leave, placing, print_json, print_text, say, shown
 
 SIGMA_HELP = 'Rms roughness for the lambda ratio: "20 nm, 60 nm", one for both together, or "Ra 50 nm", times 1.25.'
 Along = Annotated[Literal["x", "y"], option("The direction of a profile.")]
@@ -36,62 +34,90 @@ Format = Literal["png", "svg", "pdf", "webp", "gif", "mp4"]
 MOVIES = ("webp", "gif", "mp4")
 
 
-def ls(
-    folder: Annotated[Path | None, path_argument("DIR", FOLDER_HELP, run_directories)] = None, as_json: Json = False
-) -> None:
+def ls(folder: Annotated[Path | None, path_argument("DIR", FOLDER_HELP)] = None, as_json: Json = False) -> None:
     """List the runs in a folder: case, status, time and key numbers of each."""
-    from ertel.apps.browser.folder import listed
-
     folder = folder or Path.cwd()
     runs = listed(folder)
     if as_json:
-        print_json([_as_data(run, folder) for run in runs])
+        print_json(runs)
     elif not runs:
         say(f"no runs in {shown(folder)}")
     else:
         _print_runs(runs, folder)
 
 
-def _as_data(run: "Listed", folder: Path) -> dict[str, Any]:
-    case, directory = run.case, str(run.directory.relative_to(folder))
-    state = {"directory": directory, "status": run.status, "done": run.done}
-    about = {"name": case.name, "kind": case.kind, "method": case.solver.method} if case else {}
-    numbers = {name: {"value": number.value, **number.attributes} for name, number in run.numbers.items()}
-    return {**state, "written": run.written.isoformat(timespec="seconds"), **about, "numbers": numbers}
+def listed(folder: Path) -> list[dict[str, Any]]:
+    """The runs in a folder and in those below it as data, in the order of their names; a run directory is itself one.
+
+    status: as in the summary; "running", or "unfinished" where no process is at it; "damaged" of a run that cannot be
+    read, which has no name, kind, method and numbers.  done: the share of the run.  written: when it was last changed.
+    Raises OSError where the folder cannot be read; a folder below it that cannot be read is left out.
+    """
+    from ertel.runs.directory import find_runs
+
+    next(folder.iterdir(), None)
+    return [_run_as_data(run, folder) for run in sorted(find_runs(folder))]
 
 
-def _print_runs(every: "Sequence[Listed]", folder: Path) -> None:
+def _run_as_data(run: Path, folder: Path) -> dict[str, Any]:
+    from ertel.case.status import Status
+    from ertel.results.numbers import scalars
+    from ertel.runs.directory import CASE, PROGRESS, SUMMARY, read_case, read_progress, read_summary, status_of
+    from ertel.runs.files import StoreError, reading
+
+    files = [run / name for name in (CASE, PROGRESS, SUMMARY)]
+    changed = max((path.lstat().st_mtime for path in files if lexists(path)), default=0.0)
+    written = datetime.fromtimestamp(changed).isoformat(timespec="seconds")
+    data = {"directory": str(run.relative_to(folder)), "status": "damaged", "done": 0.0, "written": written}
+    try:
+        case, summary = read_case(run), read_summary(run)
+        with reading(run / SUMMARY, ""):
+            table = scalars(summary) if summary else {}
+    except (StoreError, OSError):
+        return {**data, "numbers": {}}
+    finished = summary and Status(summary["status"]).ok
+    data |= {"status": status_of(run, summary), "done": 1.0 if finished else (read_progress(run) or data)["done"]}
+    data |= {"name": case.name, "kind": case.kind, "method": case.solver.method}
+    return {**data, "numbers": {name: {"value": each.value, **each.attributes} for name, each in table.items()}}
+
+
+def _print_runs(every: Sequence[Mapping[str, Any]], folder: Path) -> None:
     """Print the runs, then a row for each study in the place of its runs."""
     from ertel.apps.browser.folder import about_study
     from ertel.apps.tables import print_rows
     from ertel.results.variables import VARIABLES, in_celsius, name_in_si, stored_in, with_prefix
     from ertel.runs.directory import study_of
 
-    studies: dict[Path | None, list[Listed]] = {None: []}
+    runs: list[Mapping[str, Any]] = []
+    studies: dict[Path, list[Mapping[str, Any]]] = {}
     for run in every:
-        studies.setdefault(study_of(run.directory, folder), []).append(run)
-    runs = studies.pop(None)
-    shown = {about for run in runs for about in stored_in(run.numbers, lambda variable: variable.shown).values()}
+        study = study_of(folder / run["directory"], folder)
+        (studies.setdefault(study, []) if study else runs).append(run)
+    shown = {about for run in runs for about in stored_in(run["numbers"], lambda variable: variable.shown).values()}
     names = ["M", "L", *(name for name, about in VARIABLES.items() if about in shown)]
     rows = [["run", "case", "status", "written", *names]]
     for run in runs:
-        case = f"{run.case.name or run.case.kind}, {run.case.solver.method}" if run.case else ""
-        status = run.status if run.done >= 1 else f"{run.status} {run.done:.0%}"
-        numbers = [run.numbers.get(name_in_si(name)) or run.numbers.get(name) for name in names]
-        known = [number and in_celsius(number.value, number.attributes["units"]) for number in numbers]
-        texts = [with_prefix(*each) if each else "" for each in known]
-        rows.append([str(run.directory.relative_to(folder)), case, status, f"{run.written:%Y-%m-%d %H:%M}", *texts])
+        case = f"{run['name'] or run['kind']}, {run['method']}" if "kind" in run else ""
+        status = run["status"] if run["done"] >= 1 else f"{run['status']} {run['done']:.0%}"
+        numbers = [run["numbers"].get(name_in_si(name)) or run["numbers"].get(name) for name in names]
+        texts = [with_prefix(*in_celsius(each["value"], each["units"])) if each else "" for each in numbers]
+        rows.append([run["directory"], case, status, _minute(run["written"]), *texts])
     for study, of in studies.items():
-        done, last = sum(run.done >= 1 for run in of), max(run.written for run in of)
-        about = [str(study.relative_to(folder)), about_study(study), f"{done} of {len(of)} runs done"] if study else []
-        rows.append([*about, f"{last:%Y-%m-%d %H:%M}", *("" for _ in names)])
+        done, last = sum(run["done"] >= 1 for run in of), max(run["written"] for run in of)
+        about = [str(study.relative_to(folder)), about_study(study), f"{done} of {len(of)} runs done"]
+        rows.append([*about, _minute(last), *("" for _ in names)])
     print_rows(rows, left=4)
+
+
+def _minute(written: str) -> str:
+    """A time in ISO 8601 without its seconds, for reading."""
+    return written[:16].replace("T", " ")
 
 
 @grouped
 def compare(
     first: RunDirectory,
-    second: Annotated[Path, path_argument("DIR|FILE", "Directory of a run, or a file of columns.", run_directories)],
+    second: Annotated[Path, path_argument("DIR|FILE", "Directory of a run, or a file of columns.")],
     given: Measured,
     plot: Annotated[
         Path | None, path_option("Draw both; without FILE into DIR/plots, as compared-NAME.png.", "[FILE]")
@@ -139,7 +165,7 @@ def compare(
         short = [run.case.name or run.directory.name for run in (one, two)]
         with bad_input(), placing(plot.parent, overwrite, named, [plot.name]) as place:
             plots.comparison(data, names if short[0] == short[1] else short).savefig(place / plot.name)
-        print_path(plot)
+        print_text(shown(plot))
 
 
 def _print_differences(differing: Sequence[Mapping[str, Any]], names: Sequence[str]) -> None:
@@ -261,7 +287,7 @@ def plot(
                 else:
                     plots.draw(data, name, given.at, **sheet).savefig(place / file)
     for file in files:
-        print_path(target / file)
+        print_text(shown(target / file))
 
 
 def _find_ffmpeg() -> None:
@@ -336,4 +362,4 @@ def export(
         else:
             paths = EXPORTS[to](to_si(data) if in_si else data, place)
     for path in paths:
-        print_path(target / path.name)
+        print_text(shown(target / path.name))

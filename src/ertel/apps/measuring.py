@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ertel.apps.arguments import Measured, Overwrite, option, path_argument, path_option, run_directories
-from ertel.apps.terminal import BAD_INPUT, bad_input, leave, local_path, placing, print_json, print_path, say, shown
+from ertel.apps.arguments import Measured, Overwrite, option, path_argument, path_option
+from ertel.apps.terminal import BAD_INPUT, bad_input, leave, local_path, placing, print_json, print_text, say, shown
 
 if TYPE_CHECKING:  # it takes long to import
     import xarray as xr
@@ -67,7 +67,7 @@ def compare_measured(
     else:
         print(found)
     if plot:
-        print_path(plot)
+        print_text(shown(plot))
 
 
 def fringes(
@@ -108,11 +108,11 @@ def fringes(
             np.savetxt(place / file.name, table, "%.6g", ",", header=header, comments="")
     column, row = found.centre
     say(f"centre in column {column:g}, row {row:g}; {len(table)} of {len(found.x)} points are known")
-    print_path(file)
+    print_text(shown(file))
 
 
 def report(
-    directory: Annotated[Path, path_argument("DIR", "Directory of a run, or of a study or fit.", run_directories)],
+    directory: Annotated[Path, path_argument("DIR", "Directory of a run, or of a study or fit.")],
     out: Annotated[
         Path | None,
         typer.Option("--out", "-o", parser=local_path, metavar="FILE", help="File; default DIR/report.pdf."),
@@ -128,4 +128,4 @@ def report(
     reports.require_content(directory)
     with bad_input(), placing(file.absolute().parent, overwrite, out is not None, [file.name]) as place:
         reports.drawn(reports.page_of(directory)).savefig(place / file.name)
-    print_path(file)
+    print_text(shown(file))

@@ -54,21 +54,6 @@ def keep_freed_memory() -> None:
                 os.environ[f"MALLOC_{name}"] = str(value)
 
 
-@contextmanager
-def without(*modules: str) -> Iterator[None]:
-    """Hide modules from imports in this block.
-
-    NiceGUI's own libraries take 15 MB for web clients and servers that an app has no use for.
-    """
-    hidden = dict.fromkeys(set(modules) - set(sys.modules))
-    sys.modules.update(hidden)  # type: ignore[arg-type] # None: an import fails
-    try:
-        yield
-    finally:
-        for name in hidden:
-            del sys.modules[name]
-
-
 # -- streams ----------------------------------------------------------------------------------------------------------
 
 

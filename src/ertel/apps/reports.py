@@ -21,7 +21,6 @@ from ertel.case.case import Case
 from ertel.case.records import show
 from ertel.case.status import Status
 from ertel.inputs.quantities import split
-from ertel.physics.units import PREFIXED
 from ertel.plots.drawing import NoFigure, Picture, families
 from ertel.results.numbers import aligned, differences, moment, more_lines, numbers, values_of
 from ertel.results.variables import in_celsius, with_prefix
@@ -39,7 +38,6 @@ COLUMNS = int((PAPER[0] - 2 * MARGIN) * 72.0 / (0.602 * LETTER))  # letters acro
 HALF = COLUMNS // 2 - 2
 WIDEST = 60  # letters of a heading in its full size
 MOST_LINES, MOST_NOTES, MOST_OF_CASE = 38, 24, 20
-HAVE_PREFIXES = {unit for _, unit in PREFIXED}
 LEFT_OUT = ("solver.", "time.", "output.", "schema", "contact.kind")  # of the case: how it is computed, and names
 
 
@@ -137,10 +135,7 @@ def _value(value: Any) -> str:
     number, unit = split(value)
     if not number:
         return value if isinstance(value, str) else show(value)
-    if unit == "1/Pa":
-        return f"{1e9 * float(number):.4g} /GPa"
-    with_unit = in_celsius(float(number), unit)
-    return with_prefix(*with_unit) if unit in HAVE_PREFIXES else f"{with_unit[0]:.4g} {with_unit[1]}".strip()
+    return with_prefix(*in_celsius(float(number), unit or "1"))
 
 
 def drawn(page: Page) -> Figure:

@@ -157,12 +157,9 @@ def report(run: RunStore, summary: Mapping[str, Any], options: Report, sigma: Se
     if options.as_json:
         print_json(summary)
     elif not options.quiet:
-        out, status = tables.console(), Status(summary["status"])
+        status = Status(summary["status"])
         data = run.dataset() if run.case.roughness else xr.Dataset()  # a summary is shown without data, too
         with bad_input():
             line = verdict(Result(run.case, data, dict(summary), status), *sigma) if status.ok else ""
-        tables.print_summary(out, run.case, summary)
-        if line:
-            out.say(line, style="bold")
         figures = "" if status.failed else f"; for figures: ertel plot {in_shell(run.directory)}"
-        out.print(f"Stored in {shown(run.directory)}{figures}")
+        tables.print_summary(run.case, summary, line, f"Stored in {shown(run.directory)}{figures}")

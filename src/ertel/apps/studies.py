@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
 
-from ertel.apps import running, tables
+from ertel.apps import running
 from ertel.apps.arguments import Report
 from ertel.apps.process import interruptible
-from ertel.apps.terminal import FAILED, in_shell, leave, print_json, say, shown, writing_to
+from ertel.apps.terminal import FAILED, capital, in_shell, leave, print_json, print_text, say, shown, writing_to
 from ertel.case.case import Case
 from ertel.case.estimates import newtonian_stress
 from ertel.case.records import ConfigError
@@ -114,11 +114,10 @@ def _report(result: StudyResult, directory: Path, name: str, options: Report) ->
     if options.as_json:
         print_json(result.as_data())
     elif not options.quiet:
-        out = tables.console()
-        out.print(result.heading, style="bold")
+        print_text(result.heading, bold=True)
         for line in aligned(result.table()):
-            out.print(line)
+            print_text(line)
         for remark in result.remarks:
-            out.say(remark, style="yellow" if remark.startswith("warning") else None)
+            print_text(capital(remark), fg="yellow" if remark.startswith("warning") else None)
         *files, last = stored.files_in(directory, name)
-        out.print(f"Stored in {shown(directory)}, with {', '.join(files)} and {last}")
+        print_text(f"Stored in {shown(directory)}, with {', '.join(files)} and {last}")

@@ -5,17 +5,15 @@ from dataclasses import asdict
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
-from rich.console import Console
-
-from ertel.apps.terminal import capital, printable
+from ertel.apps.terminal import capital, print_text
 from ertel.case.records import ConfigError, show
 from ertel.inputs import materials, oils
 from ertel.physics.materials import Material, NamedOil, Sourced, celsius
-from ertel.physics.units import COMPLIANCE, KINEMATIC_VISCOSITY, TEMPERATURE, Unit, marks
+from ertel.physics.units import Unit, marks
 from ertel.results.figures import is_line
 from ertel.results.numbers import Number, aligned, duration, moment, more_lines, nodes_in_words, numbers, values_of
 from ertel.results.parameters import domain, formula_films, parameter_summary, rheology_of, values_in_si
-from ertel.results.variables import FILMS, with_prefix
+from ertel.results.variables import FILMS, in_celsius, with_prefix
 
 if TYPE_CHECKING:
     from ertel.case.case import Case
@@ -27,28 +25,10 @@ CAPTION = "(eta0 in mPa s, alpha in 1/GPa, at 40 and 100 degC; ertel oils NAME: 
 TITLES = {"shear": "shear thinning", "limiting_stress": "limiting stress"}
 
 
-class PlainConsole(Console):
-    """A console that shows control characters in texts as escapes."""
-
-    def print(self, *objects: Any, **options: Any) -> None:
-        """Print as rich does."""
-        super().print(*(printable(item) if isinstance(item, str) else item for item in objects), **options)
-
-    def say(self, message: str, style: str | None = None) -> None:
-        """Print a message as a sentence begins."""
-        self.print(capital(message), style=style)
-
-
-def console() -> PlainConsole:
-    """The console for tables: stdout, without markup."""
-    return PlainConsole(highlight=False, markup=False, soft_wrap=True)
-
-
 def print_rows(rows: Sequence[Sequence[str]], left: int = 1) -> None:
     """Rows of texts below each other, the first columns aligned to the left, the others to the right."""
-    out = console()
     for line in aligned(list(zip(*rows, strict=True)), left):
-        out.print(line)
+        print_text(line)
 
 
 def print_names(content: Mapping[str, str]) -> None:
@@ -109,22 +89,26 @@ def _rough(rough: Mapping[str, Any]) -> str:
 # -- a run ------------------------------------------------------------------------------------------------------------
 
 
-def print_summary(out: PlainConsole, case: "Case", summary: Mapping[str, Any]) -> None:
-    """The outcome of a run."""
+def print_summary(case: "Case", summary: Mapping[str, Any], verdict: str = "", stored: str = "") -> None:
+    """The outcome of a run; below it the same in one line, and where it is stored."""
     parameters = f"M = {summary['M']:.5g}, L = {summary['L']:.4g}"
     grid = f"{case.method.in_words}, {domain(case)}"
-    out.print(f"{case.name or case.kind}: {parameters} ({grid}): {summary['status']}", style="bold")
+    print_text(f"{case.name or case.kind}: {parameters} ({grid}): {summary['status']}", bold=True)
     if case.scales:
-        out.print(f"Rheology: {rheology_of(case)}")
-    _print_values(out, case, summary)
+        print_text(f"Rheology: {rheology_of(case)}")
+    _print_values(case, summary)
     steps = f"{summary['steps']} steps, " if "steps" in summary else ""
     work = "{newton_iterations} Newton and {krylov_iterations} Krylov iterations, {wall_s:.1f} s"
-    out.print(steps + work.format_map(summary))
+    print_text(steps + work.format_map(summary))
     for warning in summary["warnings"]:
-        out.print(f"Warning: {warning}", style="yellow")
+        print_text(f"Warning: {warning}", fg="yellow")
+    if verdict:
+        print_text(capital(verdict), bold=True)
+    if stored:
+        print_text(stored)
 
 
-def _print_values(out: PlainConsole, case: "Case", summary: Mapping[str, Any]) -> None:
+def _print_values(case: "Case", summary: Mapping[str, Any]) -> None:
     """Values with their errors, restitution, what holds of the whole run, and the film formulas at that moment.
 
     With a section [thermal] film and traction are the warm ones; those without heat follow in a line.
@@ -136,23 +120,23 @@ def _print_values(out: PlainConsole, case: "Case", summary: Mapping[str, Any]) -
         values = {name: table.get(f"{name}_warm", number) for name, number in computed.items()}
         print_rows(value_rows(heading, list(values.values())), left=2)
     else:
-        out.print(f"{moment(summary).capitalize()}.")
+        print_text(f"{moment(summary).capitalize()}.")
     estimate = summary.get("error_estimate") or {}
     for part in sorted({parts["dominant"] for parts in estimate.values()}):
         names = ", ".join(name for name, parts in estimate.items() if parts["dominant"] == part)
-        out.print(f"The largest error is that of the {part} in {names}.")
+        print_text(f"The largest error is that of the {part} in {names}.")
     if estimate:
-        out.print("Each error is the change that is expected if grid, time steps and domain are refined without end.")
+        print_text("Each error is the change that is expected if grid, time steps and domain are refined without end.")
     whole = [number for number in table.values() if number.about.of_impact]
     if whole:
-        out.print()
+        print_text()
         print_rows(value_rows("of the whole impact", whole), left=2)
     for line in more_lines(summary):
-        out.say(line)
+        print_text(capital(line))
     T = computed["T"].value if "T" in computed else 0.0
     formulas = formula_films(case, *case.motion.moment(T)) if computed else ()
     if formulas:
-        out.print()
+        print_text()
         print_films(case, formulas, computed)
 
 
@@ -183,9 +167,9 @@ def _with_si(number: Number, value: float, in_si: Sequence[str]) -> list[str]:
 def print_films(case: "Case", films: "Sequence[FormulaFilm]", computed: Mapping[str, Number] = NOTHING) -> None:
     """The films by the formulas, beside the computed ones if there are some."""
     print_rows(film_rows(case, films, computed))
-    console().print("(in brackets: the contact is outside the range of the formula)")
+    print_text("(in brackets: the contact is outside the range of the formula)")
     if case.layer is not None:
-        console().print("(starved: on the layers of oil, Chevalier et al. 1998; the others: flooded)")
+        print_text("(starved: on the layers of oil, Chevalier et al. 1998; the others: flooded)")
 
 
 def film_rows(case: "Case", films: "Sequence[FormulaFilm]", computed: Mapping[str, Number]) -> list[list[str]]:
@@ -231,7 +215,7 @@ def print_formulas(case: "Case") -> None:
     """The parameters and scales of a case, and the films by the formulas at T = 0."""
     print_parameters(parameter_summary(case))
     if films := formula_films(case, *case.motion.moment(0.0)):
-        console().print()
+        print_text()
         print_films(case, films)
 
 
@@ -277,17 +261,18 @@ def print_library() -> None:
 
 def print_entry(entry: NamedOil | Material) -> None:
     """All data of an oil or a material, each part with its range, its source and a note."""
-    out = console()
-    out.print(f"{entry.name}: {entry.text}", style="bold")
+    print_text(f"{entry.name}: {entry.text}", bold=True)
     for title, part in _parts(entry):
-        out.print(f"\n{title}, {_range(part.coldest, part.hottest)}: {part.data.title}")
+        print_text(f"\n{title}, {_range(part.coldest, part.hottest)}: {part.data.title}")
         marks_of = marks(type(part.data))
         for name, value in asdict(part.data).items():
             if value is not None:
-                out.print(f"  {name} = {_in_unit(value, marks_of.get(name))}")
-        out.print(f"  source: {part.source}")
+                mark = marks_of.get(name)
+                text = with_prefix(*in_celsius(value, mark.unit)) if isinstance(mark, Unit) else f"{value:g}"
+                print_text(f"  {name} = {text}")
+        print_text(f"  source: {part.source}")
         if part.note:
-            out.print(f"  note: {' '.join(part.note.split())}")
+            print_text(f"  note: {' '.join(part.note.split())}")
 
 
 def entry_as_data(entry: NamedOil | Material) -> dict[str, Any]:
@@ -309,16 +294,6 @@ def _parts(entry: NamedOil | Material) -> Iterator[tuple[str, Sourced[Any]]]:
     for name, part in vars(entry).items():
         if isinstance(part, Sourced):
             yield TITLES.get(name, name), part
-
-
-def _in_unit(value: float, mark: object) -> str:
-    if mark is TEMPERATURE:
-        return celsius(value)
-    if mark is KINEMATIC_VISCOSITY:
-        return f"{1e6 * value:.4g} mm^2/s"
-    if mark is COMPLIANCE:
-        return f"{1e9 * value:.4g} 1/GPa"
-    return with_prefix(value, mark.unit) if isinstance(mark, Unit) else f"{value:g}"
 
 
 def _range(coldest: float, hottest: float) -> str:

@@ -1,6 +1,7 @@
 """The words of a command: messages, JSON, paths, and the exit codes that go with them."""
 
 import json
+import os
 import re
 import shlex
 import sys
@@ -37,9 +38,9 @@ def print_json(content: Any) -> None:
     print(json.dumps(content, indent=2, allow_nan=False))
 
 
-def print_path(path: Path) -> None:
-    """Print the path of a file that was written."""
-    print(printable(shown(path)))
+def print_text(text: str = "", **style: Any) -> None:
+    """Print a text, with its control characters escaped, in a style of typer where a terminal has it."""
+    typer.secho(printable(text), color=False if "NO_COLOR" in os.environ else None, **style)
 
 
 def capital(text: str) -> str:

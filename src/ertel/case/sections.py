@@ -189,15 +189,15 @@ class Surfaces:
 
     sigma: Annotated[
         Given,
-        units.LENGTH,
+        units.ROUGHNESS,
         Meaning(
             'rms roughness, one value for both surfaces together, or sigma_1 and sigma_2; "Ra 40 nm" is 1.25 Ra, that '
             "of Gaussian heights",
             "50 nm",
         ),
     ] = None
-    sigma_1: Annotated[Given, units.LENGTH, Meaning("rms roughness of surface 1", "50 nm")] = None
-    sigma_2: Annotated[Given, units.LENGTH, Meaning("rms roughness of surface 2", "10 nm")] = None
+    sigma_1: Annotated[Given, units.ROUGHNESS, Meaning("rms roughness of surface 1", "50 nm")] = None
+    sigma_2: Annotated[Given, units.ROUGHNESS, Meaning("rms roughness of surface 2", "10 nm")] = None
     asperities: Annotated[
         AsperityLaw | None,
         Meaning(

@@ -14,7 +14,7 @@ import numpy as np
 
 from ertel.case.case import Case
 from ertel.case.conditions import Conditions
-from ertel.case.reading import regular_content
+from ertel.case.reading import Reader, regular_content
 from ertel.case.records import ConfigError, amounts, field_name, shortened, show
 from ertel.case.rules import plain_name
 from ertel.inputs.height_maps import with_maps
@@ -78,17 +78,19 @@ def parse_case(data: Mapping[str, object], folder: str | Path = ".") -> Case:
     return case_in(data, Path(folder))
 
 
-def case_in(data: Mapping[str, object], folder: Path = Path(), features: Sequence[Feature] = ()) -> Case:
-    """The case in plain data, see `parse_case`, with features besides those in the data."""
+def case_in(
+    data: Mapping[str, object], folder: Path = Path(), features: Sequence[Feature] = (), reader: Reader = READER
+) -> Case:
+    """The case in plain data, see `parse_case`, with features besides those in the data.  reader: of quantities."""
     data = plain_data(data)
     if "contact" not in data:
         keys = ", ".join((*field_names(Materials), *field_names(Conditions)))
         raise ConfigError(f"contact: the section [contact] is missing; it takes {keys}")
     named = data
     try:
-        named = without_names(data, folder)
+        named = without_names(data, folder, reader)
         read, maps = with_maps(named, folder)
-        case = Case.from_data(read, maps, READER, features)
+        case = Case.from_data(read, maps, reader, features)
     except ValueError as error:
         raise ConfigError(_as_written(str(error), named["contact"])) from error
     require_rheology(case, data.get("lubricant"))

@@ -55,7 +55,7 @@ from ertel.inputs.case_files import (
     written,
 )
 from ertel.inputs.layout import READER
-from ertel.inputs.quantities import marked_value, parse_quantity, plain_data, split
+from ertel.inputs.quantities import marked_value, plain_data, quantity_of, split
 from ertel.optics import CHROMIUM, SILICA, Constant, Interferometer, Layer, Light, Monochromatic, Rig, TwoBeams, White
 from ertel.optics.light import GREEN
 from ertel.optics.rig import COATINGS, OIL_INDEX
@@ -284,7 +284,8 @@ def interferometer(
         raise ValueError(f"light = {light!r}: {hint_for(light, tuple(LIGHTS))}")
     if light == "white" and wavelength:
         raise ValueError(f"wavelength = {wavelength!r}: white light has none; leave it out")
-    lamp: Light = White() if light == "white" else Monochromatic(_length("wavelength", wavelength or f"{GREEN} m"))
+    length = quantity_of("wavelength", wavelength or f"{GREEN} m", LENGTH)
+    lamp: Light = White() if light == "white" else Monochromatic(length)
     parts = [] if coatings == "none" else [each.split(maxsplit=1) for each in (coatings or "").split(",")]
     layers = tuple(_layer(*part) for part in parts) if coatings else COATINGS
     return Interferometer(LIGHTS[light](coatings=layers, oil_index=index or OIL_INDEX), lamp)
@@ -294,9 +295,4 @@ def _layer(medium: str = "", thickness: str = "") -> Layer:
     is_index = medium.replace(".", "", 1).isdecimal() and float(medium) > 0.0
     if not is_index and medium not in MEDIA:
         raise ValueError(f"coatings = {medium!r}: {hint_for(medium, tuple(MEDIA))} or an index, each with thickness")
-    return Layer(Constant(float(medium)) if is_index else MEDIA[medium], _length("coatings", thickness))
-
-
-def _length(name: str, given: str) -> float:
-    with refusing(name, given):
-        return parse_quantity(given, LENGTH)
+    return Layer(Constant(float(medium)) if is_index else MEDIA[medium], quantity_of("coatings", thickness, LENGTH))

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ertel.case.reading import regular_content
 from ertel.case.records import refusing
-from ertel.inputs.quantities import parse_quantity
+from ertel.inputs.quantities import parse_quantity, quantity_of
 from ertel.optics import DoubtfulFilm, Interferometer, Monochromatic, Rig, film_of_intensity
 from ertel.physics.hertz import pressure
 from ertel.physics.lubricant import DowsonHigginson
@@ -94,8 +94,7 @@ def line_of_frame(
         The file is not such a picture, or a value is not allowed; the message names it.
     """
     grey = _picture(path, page)
-    with refusing("pixel", pixel):
-        size = parse_quantity(pixel, LENGTH)
+    size = quantity_of("pixel", pixel, LENGTH)
     with refusing("frame", path.name):
         middle = _symmetric(grey) if centre == "auto" else None
     middle = middle or _given(centre, grey)
@@ -110,8 +109,7 @@ def line_of_frame(
         return FrameLine(size * x, intensity, noise, None, None, middle)
     if optics is None or not isinstance(optics.light, Monochromatic):
         raise ValueError("optics: must have monochromatic light for a film")
-    with refusing("film", film):
-        start = parse_quantity(film, LENGTH)
+    start = quantity_of("film", film, LENGTH)
     dark, bright = np.percentile(intensity, [ENDS, 100.0 - ENDS])
     rig, wavelength = optics.rig, optics.light.wavelength
     density = _density(size * x, hertz)
@@ -248,8 +246,7 @@ def _given(centre: str, grey: Array) -> tuple[float, float]:
 def _angle(line: str) -> float:
     if line in ("x", "y"):
         return 0.0 if line == "x" else np.pi / 2
-    with refusing("line", line):
-        return float(np.deg2rad(parse_quantity(line, ANGLE)))
+    return float(np.deg2rad(quantity_of("line", line, ANGLE)))
 
 
 def _along(grey: Array, centre: tuple[float, float], angle: float) -> tuple[Array, Array, float]:

@@ -15,7 +15,7 @@ from ertel.case.methods import METHODS, of_kind
 from ertel.case.reading import LAWS, Reader
 from ertel.case.records import points_in, show
 from ertel.case.sections import SECTIONS, START_APPROACH, Drive, Solver, Thermal, Time
-from ertel.inputs.quantities import parse_quantity
+from ertel.inputs.quantities import number_or_quantity, parse_quantity
 from ertel.physics import units
 from ertel.physics.cams import Cam
 from ertel.physics.gears import Gear
@@ -108,6 +108,7 @@ def field_names(record: Any) -> tuple[str, ...]:
 
 
 READER = Reader(parse_quantity, named={record: field_names(further) for record, further in NAMING.items()})
+IN_SI = replace(READER, quantity=number_or_quantity)  # of Python: quantities may be numbers in SI
 
 
 # -- the walk over all keys -------------------------------------------------------------------------------------------

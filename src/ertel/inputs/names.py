@@ -28,56 +28,38 @@ from typing import Any
 from ertel.case.case import Case
 from ertel.case.estimates import LARGEST_NEWTONIAN_STRESS, newtonian_stress
 from ertel.case.methods import METHODS, as_written
-from ertel.case.records import ConfigError, data_of, law_fields, named, oil_data, refusing, show, with_unit
+from ertel.case.reading import Reader
+from ertel.case.records import ConfigError, data_of, law_fields, named, oil_data, show, with_unit
 from ertel.case.sections import Thermal
 from ertel.inputs import oils
 from ertel.inputs.layout import READER, DataSheet, Machines, Materials, NamedLubricant, field_names
-from ertel.inputs.quantities import parse_quantity, parse_temperature
+from ertel.inputs.quantities import parse_temperature
 from ertel.physics.fluidity import Carreau, Limited
 from ertel.physics.materials import RHEOLOGY, NamedOil, Sourced
-from ertel.physics.units import DENSITY, LENGTH, RMS, STRESS, Unit, fields_of, in_si, marks
+from ertel.physics.units import DENSITY, STRESS, Unit, fields_of, marks
 
 OIL_KEYS, MATERIAL_KEYS = field_names(NamedLubricant), field_names(Materials)
 OF_PRESSURE = ("alpha", "z", "p0")  # a given one makes the law Roelands', unless the law is given too
 FOLLOWING = ("slide_to_roll", "speed_1", "speed_2", "radius", "radius_1", "radius_2")  # from a gear or a cam, too
-RMS_OVER_MEAN = 1.25  # sigma over Ra, of Gaussian heights
 DIMENSIONLESS = ("M", "L", "lambda_bar", "alpha_bar")
 
 
-def without_names(data: Mapping[str, Any], folder: Path = Path()) -> dict[str, Any]:
+def without_names(data: Mapping[str, Any], folder: Path = Path(), reader: Reader = READER) -> dict[str, Any]:
     """The plain data of a case with the numbers of the oil and the materials that it names.
 
-    folder: that in which the file lubricant.oils lies.  Raises ValueError, naming the field, for a name that is not in
-    the library, a temperature outside its data, and data of [thermal] that are missing.
+    folder: that in which the file lubricant.oils lies.  reader: of quantities.  Raises ValueError, naming the field,
+    for a name that is not in the library, a temperature outside its data, and data of [thermal] that are missing.
     """
     data = _with_machine(data)
     (lubricant,) = _tables(data, "lubricant")
     if isinstance(file := lubricant.get("oils"), str):
         data = {**data, "lubricant": {**lubricant, "oils": str(folder / file)}}
-    resolved = _with_thermal_data(_with_hardness(_with_rms(data)))
+    resolved = _with_thermal_data(_with_hardness(data), reader)
     for section, keys, resolve in (("lubricant", OIL_KEYS, _lubricant), ("contact", MATERIAL_KEYS, _contact)):
         written = data.get(section)
         if isinstance(written, Mapping) and any(key in written for key in keys):
             resolved[section] = named(section, resolve, written, data)
     return resolved
-
-
-def rms_roughness(given: float | str) -> float:
-    """An rms roughness in m, given as such or, "Ra 50 nm", as the arithmetic mean of Gaussian heights."""
-    if isinstance(given, str) and given.startswith("Ra"):
-        return RMS_OVER_MEAN * parse_quantity(given.removeprefix("Ra"), LENGTH)
-    return in_si(given, RMS.in_si)
-
-
-def _with_rms(data: Mapping[str, Any]) -> Mapping[str, Any]:
-    """The data with rms roughnesses in place of arithmetic means, sigma = "Ra 50 nm"."""
-    (surfaces,) = _tables(data, "surfaces")
-    rms = dict(surfaces)
-    for key in ("sigma", "sigma_1", "sigma_2"):
-        if isinstance(text := surfaces.get(key), str) and text.startswith("Ra"):
-            with refusing(f"surfaces.{key}", text):
-                rms[key] = with_unit(rms_roughness(text), LENGTH)
-    return {**data, "surfaces": rms} if rms != surfaces else data
 
 
 def _with_hardness(data: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -234,7 +216,7 @@ def completed(law: Any, oil: NamedOil, T: float, place: str = "rheology") -> tup
 # -- temperatures: [thermal] completed from the oil and the materials that the case names -----------------------------
 
 
-def _with_thermal_data(data: Mapping[str, Any]) -> dict[str, Any]:
+def _with_thermal_data(data: Mapping[str, Any], reader: Reader) -> dict[str, Any]:
     """The plain data of a case, its section [thermal] complete with the data of the named oil and bodies.
 
     Raises ValueError, naming the key and what to give, for what is missing and for what is not a temperature.
@@ -245,7 +227,7 @@ def _with_thermal_data(data: Mapping[str, Any]) -> dict[str, Any]:
     given = {key: value for key, value in data["thermal"].items() if value is not None}
     if "temperature" in lubricant:
         given.setdefault("temperature", lubricant["temperature"])
-    T = _inlet_temperature(given, lubricant)
+    T = _inlet_temperature(given, lubricant, reader)
     units = {key: mark for key, mark in marks(Thermal).items() if isinstance(mark, Unit)}
     library = _of_the_library(lubricant, contact, T)
     completed = {**{key: with_unit(value, units[key]) for key, value in library.items()}, **given}
@@ -260,10 +242,10 @@ def _with_thermal_data(data: Mapping[str, Any]) -> dict[str, Any]:
     return {**data, "thermal": completed}
 
 
-def _inlet_temperature(given: Mapping[str, Any], lubricant: Mapping[str, Any]) -> float | None:
+def _inlet_temperature(given: Mapping[str, Any], lubricant: Mapping[str, Any], reader: Reader) -> float | None:
     """The temperature of the inlet (K), which must be that of the named oil; None if it is missing."""
     T, of_oil = (
-        READER.values(Thermal, {"temperature": section.get("temperature")}, name).get("temperature")
+        reader.values(Thermal, {"temperature": section.get("temperature")}, name).get("temperature")
         for name, section in (("thermal", given), ("lubricant", lubricant))
     )
     if of_oil is not None and T != of_oil:

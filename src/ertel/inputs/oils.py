@@ -38,10 +38,10 @@ from typing import Annotated, Any
 
 from platformdirs import user_config_path
 
-from ertel.case.reading import Reader, check_keys, regular_content
+from ertel.case.reading import check_keys, regular_content
 from ertel.case.records import ConfigError, refusing, show
-from ertel.inputs.layout import READER, DataSheet
-from ertel.inputs.quantities import NumberOrText, number_or_quantity, parse_temperature, plain_data
+from ertel.inputs.layout import IN_SI, READER, DataSheet
+from ertel.inputs.quantities import NumberOrText, parse_temperature, plain_data
 from ertel.physics import temperature_laws
 from ertel.physics.fluidity import Carreau, Fluidity
 from ertel.physics.lubricant import Oil
@@ -209,7 +209,7 @@ def data_sheet(
     """
     given = {"nu40": nu40, "nu100": nu100, "density": density, "expansion": expansion, "alpha": alpha}
     try:
-        sheet = Reader(number_or_quantity).record(DataSheet, {**given, "reference": reference}, "data_sheet")
+        sheet = IN_SI.record(DataSheet, {**given, "reference": reference}, "data_sheet")
     except ValueError as error:
         raise ConfigError(str(error).removeprefix("data_sheet.")) from error
     return oil_at(oil_of_sheet(sheet), temperature)

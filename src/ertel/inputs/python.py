@@ -17,9 +17,9 @@ from ertel.case.case import Case
 from ertel.case.conditions import FOREIGN, Conditions, Kind
 from ertel.case.reading import hint_for, parse_number
 from ertel.case.records import ConfigError, law_data, oil_data, refusing, show, with_own_numbers, with_unit
-from ertel.case.sections import Output, Solver, Surfaces, Thermal, Time
+from ertel.case.sections import Output, Solver, Time
 from ertel.inputs.case_files import case_in
-from ertel.inputs.layout import READER, Materials, NamedLubricant, field_names
+from ertel.inputs.layout import IN_SI, READER, Materials, NamedLubricant, field_names
 from ertel.inputs.quantities import NumberOrText, parse_quantity, plain_data
 from ertel.physics import units
 from ertel.physics.fluidity import Fluidity
@@ -335,17 +335,18 @@ def _case(kind: Kind, given: Mapping[str, Any], keywords: Any) -> Case:
     records, tables = _sorted(values.get("roughness", ()))
     sections: dict[str, Any] = {
         "name": values.get("name"),
-        "contact": {"kind": kind, **_with_units(section(Materials, Conditions), Conditions)},
+        "contact": {"kind": kind, **section(Materials, Conditions)},
         "lubricant": _lubricant(values),
         "solver": section(Solver),
         "motion": values.get("motion"),
-        "thermal": _with_units(values.get("thermal"), Thermal),
+        "thermal": values.get("thermal"),
         "roughness": tables,
         "surfaces": _surfaces(values.get("surfaces")),
         "time": time or None,
         "output": section(Output) or None,
     }
-    return case_in({name: table for name, table in sections.items() if table is not None}, features=records)
+    given = {name: table for name, table in sections.items() if table is not None}
+    return case_in(given, features=records, reader=IN_SI)
 
 
 def _in_tables(name: str, known: Sequence[str]) -> list[str]:
@@ -370,24 +371,10 @@ def _lubricant(values: Mapping[str, Any]) -> dict[str, Any] | None:
     return data or None
 
 
-def _surfaces(given: Any) -> Any:
-    """The section [surfaces], its law as a table, in which numbers are in SI."""
-    section = _with_units(given, Surfaces)
-    if not isinstance(section, Mapping):
-        return section
-    law = section.get("asperities")
-    if hasattr(law, "curve"):
-        return {**section, "asperities": law_data(law, ASPERITY_LAWS)}
-    record = ASPERITY_LAWS.get(str(law.get("law"))) if isinstance(law, Mapping) else None
-    return {**section, "asperities": _with_units(law, record)} if record else section
-
-
-def _with_units(section: Any, record: Any) -> Any:
-    """A section in which numbers of quantities have their SI unit."""
-    kinds = marks(record)
-    if not isinstance(section, Mapping):
-        return section
-    return {key: with_unit(value, kinds.get(key)) for key, value in section.items()}
+def _surfaces(section: Any) -> Any:
+    """The section [surfaces], its law as a table."""
+    law = section.get("asperities") if isinstance(section, Mapping) else None
+    return {**section, "asperities": law_data(law, ASPERITY_LAWS)} if hasattr(law, "curve") else section
 
 
 def _sorted(roughness: Any) -> tuple[list[Feature], list[dict[str, Any]]]:

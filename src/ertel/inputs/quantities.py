@@ -18,13 +18,14 @@ import numpy as np
 from ertel.case.reading import parse_number
 from ertel.case.records import is_number, refusing, show, with_unit
 from ertel.physics.temperature_laws import ZERO_CELSIUS
-from ertel.physics.units import KINEMATIC_VISCOSITY, PREFIXED, Bounds, Mark, Unit, reads_quantities
+from ertel.physics.units import KINEMATIC_VISCOSITY, PREFIXED, ROUGHNESS, Bounds, Mark, Unit, reads_quantities
 
 NumberOrText = float | str  # in SI, or a text with a unit
 HOTTER_THAN_ANY = 1e4  # K
 ANGULAR = re.compile("rpm|rad|deg|rev|turn")
 PIXELS = ("px", "pixel", "pixels", "dot", "pel", "css_pixel")  # pint has sizes for some of them
 LONGEST = 60  # characters of a quantity
+RMS_OVER_MEAN = 1.25  # an rms roughness over Ra, of Gaussian heights
 
 # What pint may see: names of units with powers of at most two digits, * and / between them, one level of parentheses.
 # Without it pint computes numbers, such as 9**9**9, for ever.
@@ -79,6 +80,8 @@ def parse_quantity(value: object, unit: Unit) -> float:
         if unit.unit != KINEMATIC_VISCOSITY.unit:
             raise ValueError("is a viscosity at 40 degC; give an oil by name (ertel oils), or nu40, nu100 and density")
         value = f"{grade[1]} mm^2/s"
+    if unit == ROUGHNESS and isinstance(value, str) and (mean := value.lstrip()).startswith("Ra"):
+        return RMS_OVER_MEAN * parse_quantity(mean.removeprefix("Ra"), unit)
     if isinstance(value, str) and _THOUSANDS.match(value[:LONGEST]):
         raise ValueError("has a comma that may part thousands or decimals; write a point, and nothing for thousands")
     description = f'a quantity {"" if unit.signed else "above zero "}with a unit such as "{unit.example}"'
@@ -142,6 +145,12 @@ def parse_temperature(value: object) -> float:
     if not kelvin > 0:
         raise ValueError('must be a temperature with its unit, "40 degC" or "313.15 K"')
     return kelvin
+
+
+def quantity_of(name: str, given: object, unit: Unit) -> float:
+    """A quantity as `parse_quantity` reads it.  Raises ConfigError, which names the argument."""
+    with refusing(name, given):
+        return parse_quantity(given, unit)
 
 
 @reads_quantities
@@ -278,17 +287,14 @@ def _ranged(text: str, mark: Mark) -> tuple[float, ...]:
 
 def marked_value(given: Any, mark: Mark) -> float:
     """A plain number, or a quantity in SI; one without its unit is in SI."""
-    given = given.item() if isinstance(given, np.generic) else given
+    given = plain_data(given)
+    if isinstance(given, str) and (isinstance(mark, Bounds) or not split(given)[1]):
+        try:
+            given = float(given)
+        except ValueError as error:
+            raise ValueError(f"{show(given)} must be a number") from error
     if isinstance(mark, Bounds):
-        return parse_number(_plain(given) if isinstance(given, str) else given, mark)
+        return parse_number(given, mark)
     if isinstance(given, bool) or not isinstance(given, int | float | str):
         raise ValueError(f'must be numbers in {mark.unit}, or quantities such as "{mark.example}"')
-    has_unit = isinstance(given, str) and split(given)[1]
-    return parse_quantity(str(given).strip() if has_unit else f"{given} {mark.unit}", mark)
-
-
-def _plain(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError as error:
-        raise ValueError(f"{show(text)} must be a number") from error
+    return number_or_quantity(given, mark)

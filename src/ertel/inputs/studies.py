@@ -26,19 +26,17 @@ from pathlib import Path
 from typing import Any, Literal
 
 from ertel.case.case import Case
-from ertel.case.records import ConfigError, field_name, refusing, show
+from ertel.case.records import ConfigError, field_name, points_in, refusing, show
 from ertel.case.sections import FEWEST_NODES, SECTIONS
 from ertel.inputs.case_files import case_data, in_the_case, parse_case, path_of, put
 from ertel.inputs.layout import READER, Key, section, shape_place
 from ertel.inputs.quantities import Range, parse_quantity, plain_data, split
+from ertel.physics.motion import Signal
 from ertel.physics.registry import SHAPES
 from ertel.physics.units import Unit
 
 SWEEP = "sweep"
 TEXT = "reference"  # of an oil: any text, and no range
-MOVING = ("load", "entrainment", "slide_to_roll", "sliding", "curvature")
-SIGNALS = [("motion", name, *inner) for name in MOVING for inner in ((), ("smooth",))]
-SIGNALS += [("lubricant", "layer"), ("motion", "gear", "sharing"), ("motion", "cam", "lift")]
 MOST_RUNS = 10_000
 
 Place = tuple[str | int, ...]  # of a value in a case: section, key, ... ; ("roughness", 0, "amplitude")
@@ -126,16 +124,15 @@ def _axes(data: Mapping[str, Any]) -> Iterator[Axis]:
     for name, table in data.items():
         if name == "roughness" and isinstance(table, list):
             for number, shape in enumerate(table):
-                yield from _axes_in(shape, (name, number))
+                yield from _axes_in(shape, (name, number), data)
         elif name in SECTIONS:
-            yield from _axes_in(table, (name,))
+            yield from _axes_in(table, (name,), data)
 
 
-def _axes_in(table: Any, place: Place) -> Iterator[Axis]:
+def _axes_in(table: Any, place: Place, data: Mapping[str, Any]) -> Iterator[Axis]:
     for key, value in table.items() if isinstance(table, Mapping) else ():
         here = (*place, key)
-        is_points = here in SIGNALS and isinstance(value, list) and all(map(_is_point, value))
-        if isinstance(value, list) and not is_points:
+        if isinstance(value, list) and not (_has_points(here, data) and all(map(_is_point, value))):
             if not value:
                 raise ConfigError(f"{field_name(here)} = []: must have one value or more")
             yield Axis(here, tuple(value))
@@ -143,7 +140,13 @@ def _axes_in(table: Any, place: Place) -> Iterator[Axis]:
             with refusing(field_name(here), value):
                 yield Axis(here, _values(Range.read(value)))
         else:
-            yield from _axes_in(value, here)
+            yield from _axes_in(value, here, data)
+
+
+def _has_points(place: Place, data: Mapping[str, Any]) -> bool:
+    """Whether points may be the plain value of a key: those of a signal or a track."""
+    options = key.options if (key := _key(place, data)) else ()
+    return place[-1] == "smooth" or Signal in options or points_in(options) is not None
 
 
 def _is_point(point: Any) -> bool:
@@ -276,7 +279,7 @@ def _key(place: Place, data: Mapping[str, Any]) -> Key | None:
     if name == "roughness":
         table = table[inner.pop(0)]
         shape = table.get("shape")
-        keys = shape_place(shape).keys if shape in SHAPES else ()
+        keys = shape_place(shape).keys if isinstance(shape, str) and shape in SHAPES else ()
     else:
         keys = section(str(name)).keys
     for part in inner[:-1]:

@@ -207,7 +207,7 @@ def _law_schema(laws: Registry, by_name: bool) -> Schema:
 
 # -- numbers and quantities -------------------------------------------------------------------------------------------
 
-QUANTITY = "^ *[-+]?[.0-9].*[A-Za-zµμ]"  # a number and a unit; ertel itself says which units it takes
+QUANTITY = "^ *(Ra *)?[-+]?[.0-9].*[A-Za-zµμ]"  # a number and a unit; ertel itself says which units it takes
 
 
 def _marked_schema(mark: Mark) -> Schema:

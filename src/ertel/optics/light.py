@@ -214,17 +214,11 @@ BLUR = 0.8  # pixels: the standard deviation of a microscope's own blur
 
 
 def _between(table: Array, row: Array, column: Array) -> Array:
-    """Entries of a table (rows, columns, channels) at places between them."""
-    (i, s), (j, t) = (_place(each, entries) for each, entries in zip((row, column), table.shape, strict=False))
-    found: Array = (1 - s) * ((1 - t) * table[i, j] + t * table[i, j + 1])
-    return found + s * ((1 - t) * table[i + 1, j] + t * table[i + 1, j + 1])
+    """Entries of a table (rows, columns, channels) at places between them; beyond it those at its edge."""
+    from scipy.ndimage import map_coordinates  # here: it takes long to import
 
-
-def _place(place: Array, entries: int) -> tuple[Array, Array]:
-    """The entry before a place, and the share of the way to the next one, with a last axis of 1; inside the table."""
-    inside = np.clip(place, 0.0, entries - 1)
-    before = np.minimum(inside.astype(int), entries - 2)
-    return before, (inside - before)[..., None]
+    channels = np.moveaxis(table, -1, 0)
+    return np.stack([map_coordinates(each, (row, column), order=1, mode="nearest") for each in channels], axis=-1)
 
 
 @dataclass(frozen=True)

@@ -95,6 +95,7 @@ WIDTH = Unit("m", "50 um", scale="a", own="a", least=1e-6, most=1e6)
 POSITION = Unit("m", "50 um", signed=True, scale="a", own="a", most=1e6)
 LAYER = Unit("m", "2 um", scale="film", own="a^2/R", least=1e-9, most=1e6)
 HEIGHT = Unit("m", "20 nm", signed=True, scale="film", own="a^2/R", most=1e6)
+ROUGHNESS = Unit("m", "50 nm")
 RMS = Unit("m", "50 nm", scale="film", own="a^2/R", least=1e-12, most=1e6)
 
 # the usual units with a prefix: the power of ten that one of them is, by its name and that of the SI unit

@@ -56,6 +56,7 @@ __all__ = [
 ]  # fmt: skip
 
 Rows = Sequence[Sequence[Callable[[Axes, View], None]]]
+ALONG_THE_FLOW, ACROSS_THE_FLOW = (partial(fields.draw_section, along=axis) for axis in "xy")
 
 
 def _friction_rows(view: View) -> Rows:
@@ -74,7 +75,7 @@ def _friction_rows(view: View) -> Rows:
 def _overview_rows(view: View) -> Rows:
     """Maps of film and pressure, their profiles, and how the run went; of a line contact the film through time."""
     if view.geometry.is_line and view.frame is None:
-        return [[fields.draw_along_the_flow, histories.draw_grids, histories.draw_convergence]]
+        return [[ALONG_THE_FLOW, histories.draw_grids, histories.draw_convergence]]
     if view.geometry.is_line:
         return [
             [fields.draw_film_profiles, histories.draw_film_through_time, histories.draw_film_history],
@@ -83,8 +84,8 @@ def _overview_rows(view: View) -> Rows:
     touches = [fields.draw_asperity_map] if "P_asperity" in view.dataset else []  # in place of how it was computed
     if view.frame is None:
         return [
-            [fields.draw_film_map, fields.draw_along_the_flow, histories.draw_grids],
-            [fields.draw_pressure_map, fields.draw_across_the_flow, *(touches or [histories.draw_convergence])],
+            [fields.draw_film_map, ALONG_THE_FLOW, histories.draw_grids],
+            [fields.draw_pressure_map, ACROSS_THE_FLOW, *(touches or [histories.draw_convergence])],
         ]
     return [
         [fields.draw_film_map, fields.draw_film_profiles, histories.draw_film_history],
@@ -100,7 +101,7 @@ PANELS: Mapping[str, Rows | Callable[[View], Rows]] = {  # of each figure
     "oil": [[fields.draw_oil_map]],
     "maps": [[fields.draw_film_map, fields.draw_pressure_map]],
     "profiles": [[fields.draw_film_profiles, fields.draw_pressure_profiles]],
-    "midlines": lambda view: [[fields.draw_along_the_flow, fields.draw_across_the_flow][: 2 - view.geometry.is_line]],
+    "midlines": lambda view: [[ALONG_THE_FLOW, ACROSS_THE_FLOW][: 2 - view.geometry.is_line]],
     "history": [
         [histories.draw_motion, histories.draw_film_history],
         [histories.draw_place, histories.draw_pressure_history],

@@ -22,8 +22,9 @@ from matplotlib.font_manager import get_font_names
 from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 
+from ertel.physics.temperature_laws import ZERO_CELSIUS
 from ertel.results.figures import MADE_BY
-from ertel.results.variables import prefixed, unit_of
+from ertel.results.variables import KELVIN, prefixed, unit_of
 
 Values = NDArray[np.float64]
 Subject = TypeVar("Subject")
@@ -31,7 +32,6 @@ Panel = Callable[[Axes, Subject], object]
 
 BLUE, ORANGE, GREEN, PURPLE, GREY = "#0072B2", "#D55E00", "#009E73", "#CC2F8E", "#777777"
 ORDERED_COLOURS = LinearSegmentedColormap.from_list("ordered", colormaps["viridis"](np.linspace(0.0, 0.88, 256)))
-WRITTEN = {"W/m2": (1e6, "W/mm²"), "degC": (1.0, "°C")}  # units that are shown in another one, or in another way
 GREEK = "Delta|delta|^mu|^tau|^sigma"
 COLUMN = 85.0 / 25.4  # inches: a column of a journal
 IN_PRINT: Any = {  # letters of 7 to 9 pt, "small" ones of 7.1 pt
@@ -61,7 +61,10 @@ class NoFigure(ValueError):
 
 @dataclass(frozen=True)
 class Scale:
-    """The factor and the label under which a variable is shown.  unit: "" of a plain number.  zero: the T at t = 0."""
+    """The factor and the label under which a variable is shown.
+
+    unit: "" of a plain number.  zero: the value that is shown as zero, of times and temperatures.
+    """
 
     factor: float
     symbol: str
@@ -69,25 +72,28 @@ class Scale:
     long_name: str
     zero: float = 0.0
 
-    def shown(self, T: Any) -> Any:
-        """Times as they are shown, from t = 0."""
-        return (T - self.zero) * self.factor
+    def shown(self, values: Any) -> Any:
+        """Values as they are shown: times from t = 0, temperatures in degC."""
+        return (values - self.zero) * self.factor
 
     @classmethod
     def of(cls, variable: xr.DataArray, largest: float = 1.0, kind: str = "") -> "Scale":
         """The scale of a variable: in SI with the prefix that fits `largest`, as stored, or in dimensionless units.
 
-        variable: with the attribute si_factor or without, or in SI already.  kind: "rolling" or "impact", for the names
-        of dimensionless units.
+        variable: with the attribute si_factor or without, or in SI already; a plain number, called as it is, where its
+        attributes say nothing else.  kind: "rolling" or "impact", for the names of dimensionless units.
         """
-        about = variable.attrs
+        name = str(variable.name)
+        about = {"symbol": name, "long_name": name, "units": "1", **variable.attrs}
         symbol, long_name = mathtext(about.get("si_name", about["symbol"])), about["long_name"]
         unit, factor = about.get("si_units", about["units"]), about.get("si_factor", 1.0)
         if unit == "1":
             base = "" if "si_units" in about else about.get("in_units_of", "")
             base = unit_of(kind, base) if kind else base
             return cls(factor, symbol, unit_text(base), long_name)
-        one, shown = WRITTEN.get(unit) or prefixed(unit, largest * factor)
+        if unit == KELVIN:
+            return cls(factor, symbol, "°C", long_name, ZERO_CELSIUS)
+        one, shown = prefixed(unit, largest * factor)
         return cls(factor / one, symbol, shown, long_name, about.get("si_zero", 0.0))
 
     @property

@@ -275,18 +275,8 @@ def _loaded(view: View) -> NDArray[np.intp]:
 # -- a steady contact -------------------------------------------------------------------------------------------------
 
 
-def draw_along_the_flow(axes: Axes, view: View) -> None:
-    """Film and pressure of a steady contact through the centre, along x."""
-    _draw_section(axes, view, "x", "Through the centre, along the flow (dashed: Hertz)")
-
-
-def draw_across_the_flow(axes: Axes, view: View) -> None:
-    """Film and pressure of a steady contact through the centre, along y."""
-    _draw_section(axes, view, "y", "Through the centre, across the flow (dashed: Hertz)")
-
-
-def _draw_section(axes: Axes, view: View, along: str, heading: str) -> None:
-    """Draw film and pressure through the centre along "x" or "y", with the Hertz pressure."""
+def draw_section(axes: Axes, view: View, along: str) -> None:
+    """Film and pressure of a steady contact through the centre along "x", the flow, or "y", with the Hertz pressure."""
     middle = {} if view.geometry.is_line else {"Y" if along == "x" else "X": 0.0}
     section = view.dataset[[name for name in ("H", "P", "P_asperity") if name in view.dataset]]
     section = section.sel(middle, method="nearest")
@@ -312,7 +302,8 @@ def _draw_section(axes: Axes, view: View, along: str, heading: str) -> None:
         right.legend(loc="upper right", fontsize="small", framealpha=0.85)
     widest = np.atleast_2d(view.values("P")).max(axis=0)
     side = view.extent(view.x, widest) * (1.0 if along == "x" else view.stretch) * across
-    axes.set(xlim=(-side, min(side, x[-1] * across)), xlabel=view.axis_label(along), title=heading)
+    axes.set(xlim=(-side, min(side, x[-1] * across)), xlabel=view.axis_label(along))
+    axes.set_title(f"Through the centre, {'along' if along == 'x' else 'across'} the flow (dashed: Hertz)")
     rough = _draw_roughness_below(axes, view, x, 4.0 * central * h.factor, along)
     _set_height(right, 1.1 * max(float(P.max()), float(dry.max())) * p.factor, rough)
     for scaled, z, colour in ((axes, h, BLUE), (right, p, ORANGE)):

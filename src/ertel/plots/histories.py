@@ -45,27 +45,18 @@ def _stored(view: View, looks: Mapping[str, Look]) -> list[tuple[Values, Look]]:
 
 def draw_motion(axes: Axes, view: View) -> None:
     """Approach, load and speed or entrainment through time, as shares of those of the dry impact or static contact."""
-    if view.dataset.attrs["kind"] != "impact":
-        _draw_drive(axes, view)
-        return
-    approach = view.dataset["Delta"].values / view.geometry.dry_approach(1.0)
-    looks = {"F": ("load $F/F^*$", ORANGE, "-"), "V": ("speed $v/v_0$", GREY, "-.")}
-    _draw_series(axes, view, [(approach, (r"approach $\delta/\delta^*$", BLUE, "-")), *_stored(view, looks)])
+    is_impact, approach = view.dataset.attrs["kind"] == "impact", view.dataset["Delta"].values
+    if is_impact:
+        first = approach / view.geometry.dry_approach(1.0), (r"approach $\delta/\delta^*$", BLUE, "-")
+        looks = {"F": ("load $F/F^*$", ORANGE, "-"), "V": ("speed $v/v_0$", GREY, "-.")}
+        axes.set(ylabel="share of the dry impact's", ylim=(-1.1, 1.2))
+    else:
+        first = approach, (r"approach $\delta R/a^2$", BLUE, "-")
+        looks = {"F": ("load of the film", ORANGE, "-"), "U": ("entrainment", GREEN, "--")}
+        looks |= {"w": ("applied load", "black", ":")}
+        axes.set(ylabel="share of the static contact's")
+    _draw_series(axes, view, [first, *_stored(view, looks)])
     axes.axhline(0.0, color="black", linewidth=0.5)
-    axes.set(ylabel="share of the dry impact's", ylim=(-1.1, 1.2))
-    axes.legend(loc="best", edgecolor="none", fontsize="small")
-
-
-def _draw_drive(axes: Axes, view: View) -> None:
-    looks = {
-        "Delta": (r"approach $\delta R/a^2$", BLUE, "-"),
-        "F": ("load of the film", ORANGE, "-"),
-        "U": ("entrainment", GREEN, "--"),
-        "w": ("applied load", "black", ":"),
-    }
-    _draw_series(axes, view, _stored(view, looks))
-    axes.axhline(0.0, color="black", linewidth=0.5)
-    axes.set(ylabel="share of the static contact's")
     axes.legend(loc="best", edgecolor="none", fontsize="small")
 
 

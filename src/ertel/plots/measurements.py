@@ -132,7 +132,7 @@ def measured(dataset: xr.Dataset, comparison: Comparison, **sheet: Unpack[SheetO
     is_curve = measurement.kind == "curve"
     axis = measurement.axis.replace("_", " ") if is_curve else f"${measurement.axis}$"
     along = Scale.of(line[measurement.axis], float(np.abs(comparison.x).max()))
-    x, there = comparison.x * along.factor, line[measurement.axis].values * along.factor
+    x, there = along.shown(comparison.x), along.shown(line[measurement.axis].values)
     room = ROOM * float(np.ptp(x))
     low, high = float(x.min()) - room, float(x.max()) + room
     shown = line.values[(there >= low) & (there <= high)]
@@ -142,10 +142,10 @@ def measured(dataset: xr.Dataset, comparison: Comparison, **sheet: Unpack[SheetO
 
     def draw_values(axes: Axes, _: Comparison) -> None:
         bars = None if comparison.sigma is None else comparison.sigma * z.factor
-        points, curve = (x, comparison.measured * z.factor), (there, line.values * z.factor)
+        points, curve = (x, z.shown(comparison.measured)), (there, z.shown(line.values))
         _draw_values(axes, points, bars, curve, (f"measured, {measurement.name}", "computed"))
-        bottom = min(0.0, 1.05 * float(comparison.measured.min()))
-        axes.set(ylim=(bottom * z.factor, 1.1 * top * z.factor), ylabel=z.label, **place)
+        bottom = min(0.0, 1.05 * float(points[1].min()))
+        axes.set(ylim=(bottom, 1.1 * z.shown(top)), ylabel=z.label, **place)
 
     def draw_difference(axes: Axes, _: Comparison) -> None:
         _draw_difference(axes, x, comparison.difference * dz.factor, f"difference {dz.in_brackets}")
@@ -184,7 +184,7 @@ def _draw_fitted(axes: Axes, dataset: xr.Dataset, part: xr.Dataset) -> None:
         return
     variable = QUANTITIES[str(part["quantity"].values[0])]
     y = _scale(variable, part["measured"], variable.si_units or "1")
-    _draw_values(axes, (x, measured * y.factor), sigma * y.factor, (x, predicted * y.factor), ("measured", "fit"))
+    _draw_values(axes, (x, y.shown(measured)), sigma * y.factor, (x, y.shown(predicted)), ("measured", "fit"))
     about = [str(part[name].values[0]) for name in ("conditions", "aligned") if name in part]
     axes.set(ylabel=y.label, title="\n".join(filter(None, about)))
 
@@ -205,7 +205,7 @@ def _abscissa(axes: Axes, part: xr.Dataset) -> np.ndarray:
         scale = _scale(name, part["x"], unit)
         varies = str(part["varies"].values[0]).replace("_", " ") if "varies" in part else ""
         axes.set_xlabel(f"{varies} {scale.in_brackets}" if varies else scale.label)
-        return np.asarray(part["x"].values * scale.factor)
+        return np.asarray(scale.shown(part["x"].values))
     places = np.arange(part.sizes["datum"])
     pairs = zip(part["quantity"].values, part["conditions"].values, strict=True)
     labels = [f"{quantity}\n{conditions}".strip().replace("_", " ") for quantity, conditions in pairs]

@@ -34,7 +34,7 @@ from ertel.plots.measurements import fit_figure
 from ertel.plots.view import case_of, conditions_in_si, name_of
 from ertel.results.convergence import SEEN, limits_of
 from ertel.results.dataset import largest_of
-from ertel.results.variables import CELSIUS, THICKNESS, Variable, in_celsius, stored_in, with_prefix
+from ertel.results.variables import KELVIN, THICKNESS, Variable, in_celsius, stored_in, with_prefix
 
 PANEL = attrgetter("panel")
 FACES = (None, "white", None, "white")  # of the markers: filled for the first number of a panel, hollow for the second
@@ -96,11 +96,11 @@ def panels_of(dataset: xr.Dataset, panel: Callable[[Variable], str], cold: bool 
 def _draw(axes: Axes, dataset: xr.Dataset, names: list[str]) -> None:
     """Numbers of one unit over what varies most, the second of them with hollow markers."""
     along = _abscissa(dataset)
-    z = _scale(dataset[names[0]], max(largest_of(dataset[name]) for name in names))
+    z = Scale.of(dataset[names[0]], max(largest_of(dataset[name]) for name in names))
     x, label = _x(axes, along)
     for name, face in zip(names, FACES, strict=False):
         for place, colour, (marker, line) in _lines(dataset, along):
-            y = dataset[name].isel(place).values * z.factor
+            y = z.shown(dataset[name].isel(place).values)
             there = np.isfinite(y)
             if not there.any():
                 continue
@@ -193,13 +193,13 @@ def _traction_figure(dataset: xr.Dataset, sheet: Sheet) -> Figure:
 def _draw_curve(axes: Axes, dataset: xr.Dataset, title: str, names: Sequence[str]) -> None:
     """Some variables of one unit over what varies."""
     x, label = _x(axes, dataset[dataset.attrs["varies"]])
-    variables = [_in_celsius(dataset[name]) for name in names]
+    variables = [dataset[name] for name in names]
     largest = max(largest_of(values) for values in variables)
     colours = iter(COLOURS)
     for name, values in zip(names, variables, strict=True):
-        z = _scale(values, largest, dataset.attrs["kind"])
+        z = Scale.of(values, largest, dataset.attrs["kind"])
         colour, line = (GREY, "o--") if f"{name}_warm" in names else (next(colours), "o-")
-        axes.plot(x, values * z.factor, line, color=colour, markersize=3.5, label=z.long_name)
+        axes.plot(x, z.shown(values.values), line, color=colour, markersize=3.5, label=z.long_name)
     if title != "Temperature":
         axes.axhline(0.0, color="black", linewidth=0.5)
     axes.set(xlabel=label, ylabel=f"{title.lower()} {z.in_brackets}".rstrip(), title=title)
@@ -271,34 +271,21 @@ def _draw_distances(axes: Axes, dataset: xr.Dataset) -> None:
 # -- axes -------------------------------------------------------------------------------------------------------------
 
 
-def _scale(values: xr.DataArray, largest: float, kind: str = "") -> Scale:
-    """The scale of the numbers of a study, whose symbol is their name where they have no other."""
-    named = {"long_name": str(values.name), "symbol": str(values.name), "units": "1", **values.attrs}
-    return Scale.of(values.assign_attrs(named), largest, kind)
-
-
-def _in_celsius(values: xr.DataArray) -> xr.DataArray:
-    """Temperatures in degrees Celsius, other numbers as they are."""
-    shown, unit = in_celsius(values, values.attrs.get("units", "1"))
-    return shown.assign_attrs({**values.attrs, "units": unit})
-
-
 def _x(axes: Axes, along: xr.DataArray) -> tuple[np.ndarray, str]:
     """The abscissae and their label."""
     if along.dtype.kind != "f":
         x = np.arange(along.size)
         axes.set_xticks(x, [str(value) for value in along.values], rotation=20)
         return x, _spoken(along)
-    along = _in_celsius(along)
-    if _has_equal_ratios(along.values) and along.attrs.get("units") != CELSIUS:
+    if _has_equal_ratios(along.values) and along.attrs.get("units") != KELVIN:
         axes.set_xscale("log")
         _name_ticks(axes.xaxis, along.values)
     else:
         axes.xaxis.set_major_locator(MaxNLocator(6))
-    scale = _scale(along.assign_attrs(in_units_of=""), largest_of(along))
+    scale = Scale.of(along.assign_attrs(in_units_of=""), largest_of(along))
     if "symbol" in along.attrs:
-        return along.values * scale.factor, scale.label
-    return along.values * scale.factor, f"{_spoken(along)} {scale.in_brackets}".rstrip().replace("*", " ")
+        return scale.shown(along.values), scale.label
+    return scale.shown(along.values), f"{_spoken(along)} {scale.in_brackets}".rstrip().replace("*", " ")
 
 
 def _has_equal_ratios(x: np.ndarray) -> bool:

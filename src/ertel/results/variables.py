@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 COEFFICIENT = "coefficient"  # in place of a scale: computed in units a/R, and a plain number in a physical case
 KELVIN = "K"  # the unit of temperatures, the only one that is the same in SI
 CELSIUS = "degC"  # in which they are shown
+AS_WRITTEN = {"1/Pa": (1e-9, "/GPa"), "m^2/s": (1e-6, "mm²/s"), "W/m2": (1e6, "W/mm²")}  # as tribologists do
 PREFIXES = {-9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 TOUCH = "T_touch"  # in a summary and among the attributes of a run: T at t = 0
 START_APPROACH = "start_approach"  # of an impact, among its attributes
@@ -374,13 +375,13 @@ def to_si(dataset: "xr.Dataset") -> "xr.Dataset":
 def prefixed(unit: str, largest: float) -> tuple[float, str]:
     """A unit of SI with the prefix that brings the largest value between about 0.5 and 500: what 1 of it is, its name.
 
-    Quotients and temperatures have no prefix, a plain number has no unit.
+    Other quotients than those of `AS_WRITTEN`, temperatures, masses and angles have no prefix, a plain number no unit.
     """
     power, times = 0, {"m2": 2, "m3": 3}.get(unit, 1)  # a prefix of an area counts twice
-    if abs(largest) > 0 and "/" not in unit and unit not in ("1", KELVIN, CELSIUS):
+    if abs(largest) > 0 and "/" not in unit and unit not in ("1", KELVIN, CELSIUS, "kg", "deg"):
         power = min(max(3 * floor(log10(abs(largest)) / (3 * times) + 0.1), min(PREFIXES)), max(PREFIXES))
     written = unit.replace("m2", "m²").replace("m3", "m³")
-    return 10.0 ** (power * times), "" if unit == "1" else PREFIXES[power] + written
+    return AS_WRITTEN.get(unit) or (10.0 ** (power * times), "" if unit == "1" else PREFIXES[power] + written)
 
 
 def in_celsius(values: Any, unit: str) -> tuple[Any, str]:

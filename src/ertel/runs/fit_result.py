@@ -167,8 +167,8 @@ def powers_in_words(names: Sequence[str], exponents: Values) -> str:
 
 
 def amount(value: float, unit: str) -> str:
-    """A value in SI for reading; a pressure-viscosity coefficient as a tribologist writes it."""
-    return f"{1e9 * value:.4g} /GPa" if unit == "1/Pa" else with_prefix(float(value), unit or "1")
+    """A value in SI for reading.  unit: "" of a plain number."""
+    return with_prefix(float(value), unit or "1")
 
 
 # -- the record -------------------------------------------------------------------------------------------------------

@@ -12,9 +12,8 @@ import xarray as xr
 
 from ertel.case.case import Case
 from ertel.case.status import Status
-from ertel.inputs.names import rms_roughness
 from ertel.physics.amplitude_reduction import lambda_ratio
-from ertel.physics.units import plain
+from ertel.physics.units import ROUGHNESS, in_si, plain
 from ertel.results.alignment import Comparison
 from ertel.results.figures import FIGURES_IN_TIME, FIGURES_STEADY, figures_of, is_line
 from ertel.results.measurements import Measurement
@@ -250,7 +249,7 @@ def verdict(result: Result, *sigma: Sigma) -> str:
 
 def _sigma(given: float | str) -> float:
     try:
-        return rms_roughness(given.strip() if isinstance(given, str) else given)
+        return in_si(given, ROUGHNESS)
     except ValueError as error:
         raise ValueError(f"sigma = {str(given)!r}: {error}") from error
 

@@ -9,34 +9,27 @@ import os
 from collections.abc import Collection, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
-from datetime import datetime
 from functools import lru_cache
-from os.path import lexists
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from ertel.apps.terminal import reason_of
-from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case, read_toml
-from ertel.results.numbers import Number, scalars
 from ertel.runs.directory import (
     CASE,
     DATA,
-    PROGRESS,
     RUNS,
     SUMMARY,
     find_runs,
     is_run,
     kind_of,
     numbered,
-    read_case,
     read_progress,
     read_summary,
-    status_of,
     study_of,
 )  # fmt: skip
-from ertel.runs.files import StoreError, content_of, is_locked, reading
+from ertel.runs.files import content_of, is_locked
 
 # the commands that do the study of a file, and the section by which it is one; they put it into fits/ and sweeps/
 STUDIES = {"fit": "unknowns", "sweep": "sweep"}
@@ -143,27 +136,21 @@ class Folder:
                 found.add(os.path.normpath(str(read_toml(file).get("case"))))
         return found
 
-    def write(self, name: str, text: str, place: str = RUNS, but: Collection[str] = ()) -> tuple[Path, Path]:
-        """Write a new file NAME.toml; its path, and that of its run or study, in `place`, which does not exist yet.
+    def write(
+        self, name: str, content: bytes, place: str = "", ending: str = ".toml", but: Collection[str] = ()
+    ) -> tuple[Path, Path]:
+        """Write a new file, NAME and its ending; its path, and that of its run or study, in `place`, not yet there.
 
-        Where either is taken, the first of NAME-2, NAME-3, ... that is free.  but: names of files that are not written.
+        Where either is taken, the first of NAME-2, NAME-3, ... that is free.  place: "" of a file that has none.  but:
+        names of files that are not written.
         """
         for run in numbered(self.root / place / name):
-            file = self.root / f"{run.name}.toml"
+            file = self.root / f"{run.name}{ending}"
             with suppress(FileExistsError):
-                if not run.exists() and file.name not in but:
-                    with file.open("x", encoding="utf-8") as opened:
-                        opened.write(text)
+                if not (place and run.exists()) and file.name not in but:
+                    with file.open("xb") as opened:
+                        opened.write(content)
                     return file, run
-        raise AssertionError("there is always a next number")
-
-    def add(self, name: str, content: bytes) -> Path:
-        """Write a new file of this name, or NAME-2, ... before its ending; its path."""
-        path = Path(name)
-        for free in numbered(self.root / path.stem):
-            with suppress(FileExistsError), (file := free.with_name(free.name + path.suffix)).open("xb") as opened:
-                opened.write(content)
-                return file
         raise AssertionError("there is always a next number")
 
 
@@ -255,46 +242,3 @@ def _read(run: Path, case: Stamp, summary: Stamp) -> tuple[dict[str, Any] | None
     except ValueError as error:
         return found, str(error)
     return found, ""
-
-
-# -- the runs below any folder, as `ertel ls` shows them ---------------------------------------------------------------
-
-
-class Listed(NamedTuple):
-    """A run directory.
-
-    case: None where it cannot be read.  status: as in the summary; "running", or "unfinished" where no process is at
-    it.  done: the share of the run.  written: when it was last changed.  numbers: those of its summary.
-    """
-
-    directory: Path
-    case: Case | None
-    status: str
-    done: float
-    written: datetime
-    numbers: Mapping[str, Number]
-
-
-def listed(folder: Path) -> list[Listed]:
-    """The runs in a folder and in those below it, in the order of their names; a run directory is itself one.
-
-    Raises OSError where the folder cannot be read; a folder below it that cannot be read is left out.
-    """
-    next(folder.iterdir(), None)
-    return [_listed(directory) for directory in sorted(find_runs(folder))]
-
-
-def _listed(directory: Path) -> Listed:
-    files = [directory / name for name in (CASE, PROGRESS, SUMMARY)]
-    changed = max((path.lstat().st_mtime for path in files if lexists(path)), default=0.0)
-    written = datetime.fromtimestamp(changed)
-    try:
-        case, summary = read_case(directory), read_summary(directory)
-        with reading(directory / SUMMARY, ""):
-            numbers = scalars(summary) if summary else {}
-    except (StoreError, OSError):
-        return Listed(directory, None, "damaged", 0.0, written, {})
-    status = status_of(directory, summary)
-    progress = read_progress(directory) or {"done": 0.0}
-    done = 1.0 if summary and Status(summary["status"]).ok else float(progress["done"])
-    return Listed(directory, case, status, done, written, numbers)

@@ -164,7 +164,7 @@ def _readable(written: str, key: Key | None) -> str:
     """A value as it is typed here: "5000000.0 Pa" is "5 MPa", where that is the very same number."""
     number, unit = split(written)
     if key and isinstance(key.mark, Unit) and unit == key.mark.unit:
-        short = f"{1e9 * float(number):.10g} / GPa" if unit == "1/Pa" else with_prefix(*in_celsius(float(number), unit))
+        short = with_prefix(*in_celsius(float(number), unit))
         with suppress(ValueError):
             return short if parse_quantity(short, key.mark) == parse_quantity(written, key.mark) else written
     return written

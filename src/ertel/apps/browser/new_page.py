@@ -90,11 +90,11 @@ def take(site: Site, name: str, content: str | None) -> None:
             raise ValueError(f"{name}: {error}") from error
         plain = plain_name(name[: -len(ending)])
         if ending != ".toml":
-            file = site.folder.add(f"{plain or 'measured'}{ending}", data)
+            file, _ = site.folder.write(plain or "measured", data, ending=ending)
             ui.navigate.to(address_of("/measured", file=file.name))
             return
         command, name = command_in(parse_toml(text, name)), plain or "case"
-        file, study = site.folder.write(name, text, f"{command}s" if command else RUNS)
+        file, study = site.folder.write(name, text.encode(), f"{command}s" if command else RUNS)
         study_name = site.folder.name_of(study)
         ui.navigate.to(address_of("/study", name=study_name) if command else address_of("/new", case=file.name))
 

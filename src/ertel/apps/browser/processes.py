@@ -21,7 +21,7 @@ from ertel.apps.terminal import capital
 from ertel.case.status import Status
 from ertel.results.numbers import duration
 from ertel.runs import files
-from ertel.runs.directory import CASE, ask_to_stop, find_runs, is_asked_to_stop, numbered, remove
+from ertel.runs.directory import CASE, RUNS, ask_to_stop, find_runs, is_asked_to_stop, numbered, remove
 
 ERTEL = (sys.executable, "-P", "-m", "ertel")  # -P: a file typer.py in the folder is none of ours
 STOPPED = (0, 130, 143, -signal.SIGTERM)  # exit codes of a run that ended or was asked to
@@ -136,7 +136,7 @@ class Processes:
         Neither takes the name of a file that a study of the folder has as its case.  Raises OSError where the folder
         cannot be written.
         """
-        file, run = self.folder.write(name, case, but=self.folder.awaited())
+        file, run = self.folder.write(name, case.encode(), RUNS, but=self.folder.awaited())
         self._launch(run, ["run", str(file), "--out", str(run), *FLUSH])
         return run
 

@@ -42,10 +42,9 @@ class RunPage(WatchedPage):
         except ValueError as error:
             ui.label(f"{error}.").classes("alert")  # begins with a name
             return
-        self.name = site.folder.name_of(self.path)
         self._info = RunInfo()
         self._stamp, self._drawn, self._is_there = 0, 0.0, self.path.exists()
-        self._under = self.show_head("", self._downloads)
+        self._under = self.show_head("")
         if study := study_of(self.path, site.folder.root):
             name = site.folder.name_of(study)
             ui.link(f"A run of {name}", address_of("/study", name=name)).classes("more")
@@ -66,7 +65,8 @@ class RunPage(WatchedPage):
             self._show_warnings()
         ui.timer(1.0, self._look)
 
-    def _downloads(self) -> None:
+    def show_more(self) -> None:
+        """Show the downloads, then the menu of what else can be done."""
         with ui.button(icon="download").props("flat round aria-label='Download'").mark("download"):
             ui.tooltip("Download")
             with ui.menu():
@@ -75,15 +75,16 @@ class RunPage(WatchedPage):
                 for kind in ("png", "svg", "pdf"):
                     item = ui.menu_item(f"This picture ({kind.upper()})", lambda kind=kind: self._download(kind))
                     item.mark(f"download-{kind}")
+        super().show_more()
+
+    def show_items(self) -> None:
+        """Show what can be begun from this run."""
         new, compare = address_of("/new", case=f"{self.name}/{CASE}"), address_of("/compare", a=self.name)
-        with ui.button(icon="more_vert").props("flat round aria-label='More'"), ui.menu():
-            ui.menu_item("New case from this one", lambda: ui.navigate.to(new))
-            ui.menu_item("Compare with another run", lambda: ui.navigate.to(compare))
-            ui.menu_item("Compare with a measurement", lambda: ui.navigate.to(address_of("/measured", run=self.name)))
-            method = METHODS.get((summary_of(self.path) or {}).get("method", ""))
-            if method and method.is_steady:
-                ui.menu_item("Traction curve", self._ask_for_curve).mark("traction")
-            ui.menu_item("Delete", lambda: self.site.ask_to_delete(self.path)).mark("delete-run")
+        ui.menu_item("New case from this one", lambda: ui.navigate.to(new))
+        ui.menu_item("Compare with another run", lambda: ui.navigate.to(compare))
+        method = METHODS.get((summary_of(self.path) or {}).get("method", ""))
+        if method and method.is_steady:
+            ui.menu_item("Traction curve", self._ask_for_curve).mark("traction")
 
     # -- asked for ----------------------------------------------------------------------------------------------------
 

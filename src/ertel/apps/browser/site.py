@@ -245,20 +245,30 @@ class WatchedPage:
     """
 
     def __init__(self, site: Site, path: Path, words: Mapping[Phase, str]):
-        self.site, self.path, self._words = site, path, words
+        self.site, self.path, self.name, self._words = site, path, site.folder.name_of(path), words
         self.status = site.processes.status(path)
 
-    def show_head(self, under: str, more: Callable[[], None] | None = None) -> ui.label:
-        """Show its name, what is told below it, its phase and more buttons."""
+    def show_head(self, under: str) -> ui.label:
+        """Show its name, what is told below it, its phase and what else can be done."""
         with ui.row().classes("head"):
             with ui.element("div"):
                 ui.label(in_unicode(self.path.name)).classes("title")
                 line = ui.label(under).classes("under")
             ui.space()
             self.show_phase()
-            if more:
-                more()
+            self.show_more()
         return line
+
+    def show_more(self) -> None:
+        """Show the menu of what else can be done."""
+        compare = address_of("/measured", run=self.name)
+        with ui.button(icon="more_vert").props("flat round aria-label='More'"), ui.menu():
+            self.show_items()
+            ui.menu_item("Compare with a measurement", lambda: ui.navigate.to(compare))
+            ui.menu_item("Delete", lambda: self.site.ask_to_delete(self.path)).mark("delete")
+
+    def show_items(self) -> None:
+        """Show the entries of the menu that only this page has."""
 
     def renew(self) -> bool:
         """Show what has changed; whether anything has."""

@@ -49,14 +49,14 @@ class StudyPage(WatchedPage):
             path = site.folder.inside(name)
             if path not in site.folder.studies() and not site.processes.knows(path):
                 raise ValueError(f"{name} is not a study, and there is no file with [unknowns] or [sweep] for it")
-            self.name, self._file = site.folder.name_of(path), site.folder.file_of(path)
+            self._file = site.folder.file_of(path)
             text = read_text(self._file, self._file.name) if self._file else ""
         except ValueError as error:
             ui.label(f"{error}.").classes("alert")  # begins with a name
             return
         words = {Phase.NEW: "Start", Phase.FINISHED: "Start again"}
         super().__init__(site, path, words if self._file else dict.fromkeys(Phase, ""))  # or its command starts it
-        self._top = self.show_head(self.name, self._more)
+        self._top = self.show_head(self.name)
         self.show_progress()
         self._show_outcome()
         self._picture = ui.element("div").classes("card pictures")
@@ -66,12 +66,6 @@ class StudyPage(WatchedPage):
             with ui.expansion(f"{path.name}.toml", value=not path.exists()).classes("fold card"):
                 ui.label(text).classes("listing").mark("listing")
         ui.timer(1.0, self._look)
-
-    def _more(self) -> None:
-        compare = address_of("/measured", run=self.name)
-        with ui.button(icon="more_vert").props("flat round aria-label='More'"), ui.menu():
-            ui.menu_item("Compare with a measurement", lambda: ui.navigate.to(compare))
-            ui.menu_item("Delete", lambda: self.site.ask_to_delete(self.path)).mark("delete-study")
 
     async def _look(self) -> None:
         """Show what has changed; the outcome is read when there is one and no process works on the study."""
