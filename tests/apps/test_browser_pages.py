@@ -327,6 +327,7 @@ async def test_what_was_measured_is_added_and_compared(user, site, monkeypatch):
     await user.should_see("index = '1,48': must be a number")
     count = len(asked)
     await user.open("/measured?file=../../etc/passwd&run=../../etc")
+    await user.should_see("is not a file of columns (CSV) in this folder")
     await user.should_see("lies outside")
     assert one(user, "file").value == file.name and len(asked) == count
 

@@ -67,6 +67,7 @@ def test_warnings_of_a_coarse_grid(grids):
     assert "did not converge" in said([replace(coarse, status=Status.NEWTON_STALLED), fine], CASE)
     assert "overlap" in said([coarse, replace(fine, H=fine.H - 1)], CASE)
     assert "H_c is uncertain by about" in said([replace(coarse, H=0.5 * coarse.H), fine], CASE)
+    assert "H_min is not known on this grid" in said([replace(coarse, H=3.0 * coarse.H), fine], CASE)
     assert "is not a node" in said([coarse, fine], parse_case({**STEADY, "solver": {"nodes": 65, "inlet": 4.0}}))
     narrow = replace(fine, outside=0.4 * CASE.geometry.hertz_load)
     assert "the domain is too small (the oil outside it carries 40% of the load" in said([coarse, narrow], CASE)

@@ -15,6 +15,7 @@ from ertel.case.status import Status
 from ertel.inputs.quantities import Given
 from ertel.inputs.studies import Study
 from ertel.results.numbers import aligned
+from ertel.results.study_table import counted
 from ertel.runs import fit as fits
 from ertel.runs import studies as stored
 from ertel.runs import traction as curves
@@ -53,7 +54,7 @@ def sweep(
     left = stored.left_of(study.cases, directory, part)
     if not options.quiet:
         in_part = "" if part == stored.EVERY else f" in part {part[0]} of {part[1]}"
-        say(f"{len(study.cases)} runs, {len(left)} of them to do{in_part}")
+        say(f"{counted(len(study.cases), 'run')}, {len(left)} of them to do{in_part}")
     with interruptible(GOES_ON) as stop, ExitStack() as stack:
         workers = stack.enter_context(engine.workers(len(left)))
         stack.enter_context(stored.alone(directory) if part == stored.EVERY else heeding_stop(directory))

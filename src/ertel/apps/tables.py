@@ -149,7 +149,7 @@ def value_rows(heading: str, values: Sequence[Number]) -> list[list[str]]:
         value = _with_si(each, each.value, in_si) if each.known else ["not known", *("" for _ in in_si)]
         row = [each.about.long_name, each.name, *value]
         if each.error is not None and each.on_grid is not None:
-            row += [f"{each.error / abs(each.value):.2%}" if each.value else "-"]
+            row += [f"{each.error / abs(each.value):.2%}" if each.value and each.known else "-"]
             row += _with_si(each, each.on_grid, in_si)
         rows.append(row + [""] * (len(rows[0]) - len(row)))
     return rows

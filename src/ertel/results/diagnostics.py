@@ -18,6 +18,7 @@ from ertel.physics.line_scales import LineScales
 from ertel.physics.surfaces import CELLS_IN_WAVE, CELLS_KEPT, has_waves
 from ertel.physics.thermal import AT_REST, AT_REST_ON_A_LINE, INLET_FACTORS, SLOWEST, slow_excess
 from ertel.results.balances import UNCERTAIN_MOMENTUM, Balances, needed_half_width, share_outside, uncertain_momentum
+from ertel.results.numbers import UNKNOWN
 from ertel.results.variables import FILMS
 
 if TYPE_CHECKING:
@@ -234,7 +235,9 @@ def _grid(case: Case, solutions: "Sequence[SteadyGrid]") -> Iterator[str]:
         worst = max(shares, key=lambda name: shares[name])
         if shares[worst] > LARGE_ERROR:
             finer = _use(2 * case.solver.nodes - 1)
-            yield f"{worst} is uncertain by about {shares[worst]:.0%} on this grid; {finer}"
+            is_known = shares[worst] <= UNKNOWN and films[worst].value > 0.0
+            how_well = f"uncertain by about {shares[worst]:.0%}" if is_known else "not known"
+            yield f"{worst} is {how_well} on this grid; {finer}"
     else:
         yield f"there is no error estimate, because the grid of {solutions[-2].grid.nodes} nodes did not converge"
     if abs(fine["P_max"] - coarse["P_max"]) > LARGE_ERROR * fine["P_max"]:

@@ -78,9 +78,14 @@ def grouped(warnings: Iterable[tuple[str, str]], other: str) -> list[str]:
         alike.setdefault(NUMBER.sub("#", sentence), []).append(f"{place}: {sentence}")
 
     def more(count: int) -> str:
-        return f" (and {count} other {other}{'s' if count > 1 else ''})" if count else ""
+        return f" (and {counted(count, f'other {other}')})" if count else ""
 
     return [first + more(len(rest)) for first, *rest in alike.values()]
+
+
+def counted(number: int, name: str) -> str:
+    """A number of things with their name: 1 run, 2 runs."""
+    return f"{number} {name}" if number == 1 else f"{number} {name}s"
 
 
 def _values(values: Sequence[Any]) -> Any:

@@ -19,6 +19,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
+from ertel.results.study_table import counted
 from ertel.results.variables import in_celsius, with_prefix
 from ertel.runs.arrays import open_data
 from ertel.runs.directory import KINDS as KINDS
@@ -329,6 +330,6 @@ class FitResult(StudyResult):
         """Lines below the table: what the data decide, how well they are explained, and warnings."""
         chi, freedom, runs = (self.dataset.attrs[name] for name in ("chi_square", "degrees_of_freedom", "runs"))
         per = f"{chi / freedom:.3g} for each of {freedom} degrees of freedom" if freedom else "no degree of freedom"
-        work = f"{self.dataset.sizes['datum']} data, chi square {chi:.3g}, {per}; {runs} runs"
+        work = f"{self.dataset.sizes['datum']} data, chi square {chi:.3g}, {per}; {counted(runs, 'run')}"
         said = [text for name in ("decided", "under", "grid", "aligned") if (text := self.dataset.attrs.get(name))]
         return [*said, work, *self.dataset.attrs.get("laws", []), *(f"warning: {warning}" for warning in self.warnings)]

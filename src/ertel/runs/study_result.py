@@ -21,7 +21,7 @@ from ertel.results.convergence import ORDER, SEEN, Limit, limits_of
 from ertel.results.dataset import with_units
 from ertel.results.measurements import Measurement
 from ertel.results.numbers import Number, aligned, html_columns, html_image, number
-from ertel.results.study_table import DONE, MOST_ROWS, TO_DO, flat, table_columns
+from ertel.results.study_table import DONE, MOST_ROWS, TO_DO, counted, flat, table_columns
 from ertel.results.variables import THICKNESS, names_where, prefixed
 
 if TYPE_CHECKING:  # matplotlib is imported when there is something to draw
@@ -112,7 +112,8 @@ class StudyResult:
         """Lines below the table: how many runs there are, how they ended, how many have warnings, and each of these."""
         counts = Counter(str(status).partition(":")[0] for status in self.dataset["status"].values.flat)
         runs = sum(counts.values())
-        summary = f"{runs} runs: " + ", ".join(f"{number} {status}" for status, number in counts.most_common())
+        ended = ", ".join(f"{number} {status}" for status, number in counts.most_common())
+        summary = f"{counted(runs, 'run')}: {ended}"
         warn = int((self.dataset["warnings"] > 0).sum())
         summary += f"; {warn} with warnings" if warn else ""
         shown = [f"the first {MOST_ROWS} are shown"] if runs > MOST_ROWS else []

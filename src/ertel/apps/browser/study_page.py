@@ -126,6 +126,8 @@ class MeasuredPage:
             what = "run to compare it with" if files else "file of columns (CSV) in this folder"
             ui.label(f"There is no {what} yet.").classes("alert")
             return
+        if file and file not in files:
+            ui.label(f"{file!r} is not a file of columns (CSV) in this folder.").classes("alert")
         with ui.row().classes("head"):
             ui.label("A measurement beside a run").classes("title")
         with ui.element("div").classes("card grid"):
