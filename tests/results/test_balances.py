@@ -121,7 +121,7 @@ def test_the_stated_error_is_the_true_one() -> None:
     """Within a factor of two, for approach and load; and the advised width is enough."""
     narrow = run(20, 5, 2.0)
     share = balances.uncertain_momentum(narrow.case, narrow.dataset)
-    advised = balances.needed_half_width(narrow.case, share)
+    advised = balances.needed_half_width(narrow.case, narrow.dataset)
     [warning], off = compared(20, 5, 2.0, advised)
     assert f"uncertain by about {share:.1%} of the ball's" in warning
     assert f"use solver.half_width >= {advised:g}" in warning

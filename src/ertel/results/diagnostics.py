@@ -360,7 +360,7 @@ def _gap(case: Case) -> Iterator[str]:
 def _domain(case: Case, data: "xr.Dataset") -> Iterator[str]:
     share = uncertain_momentum(case, data) if data.sizes["time"] else 0.0
     if share > UNCERTAIN_MOMENTUM:
-        needed = needed_half_width(case, share)
+        needed = needed_half_width(case, data)
         able = of_kind(case.kind, lambda method: len(method.axes) < len(case.method.axes) and computes(method, case))
         cheaper = f" with {as_written(able)}" if able else ""
         yield (
