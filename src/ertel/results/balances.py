@@ -148,5 +148,5 @@ def needed_half_width(case: Case, data: "xr.Dataset") -> float:
 
 def share_outside(data: "xr.Dataset") -> float:
     """The share of the load that the oil outside the grid carries at the last step of rolling in time."""
-    F, outside = (data[name].values[-1:] for name in ("F", "F_outside"))
-    return float(outside[0] / F[0]) if F > 0.0 else 0.0
+    pairs = zip(data["F"].values[-1:], data["F_outside"].values[-1:], strict=True)  # none before the first step
+    return sum(float(outside / F) for F, outside in pairs if F > 0.0)
