@@ -269,11 +269,14 @@ class TransientRun:
 
 
 def turning_time(levels: Sequence[State]) -> float:
-    """The time at which V = 0 between the last two levels, by their parabola."""
-    from scipy.optimize import brentq  # slow to import
-
-    times, V = [level.T for level in levels], np.array([level.velocity for level in levels])
-    return float(brentq(lambda T: bdf.interpolation_weights(T, times) @ V, times[1], times[0], xtol=1e-15))
+    """The time at which V = 0 between the last two levels, by bisection of its parabola."""
+    times = [level.T for level in levels]
+    V = np.array([level.velocity for level in levels])
+    late, early = times[0], times[1]
+    for _ in range(60):
+        middle = (early + late) / 2
+        early, late = (middle, late) if bdf.interpolation_weights(middle, times) @ V > 0 else (early, middle)
+    return (early + late) / 2
 
 
 def _each_time_once(frames: Sequence[Frame]) -> tuple[Frame, ...]:
