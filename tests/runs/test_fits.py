@@ -18,7 +18,7 @@ from ertel.case.status import Status
 from ertel.inputs.case_files import ConfigError, parse_case
 from ertel.inputs.fits import with_settings
 from ertel.optics import CHROMIUM, SILICA, Constant, Interferometer, Layer, Monochromatic, Rig
-from ertel.results import computed
+from ertel.results import alignment
 from ertel.results.alignment import light_along
 from ertel.results.measurements import Measurement
 from ertel.results.profiles import profile
@@ -109,7 +109,7 @@ def test_a_curve_over_the_speed_with_a_common_offset(monkeypatch: pytest.MonkeyP
     films = [film(TRUTH[0], speed) + 12e-9 for speed in speeds]
     rows = [f"{1e3 * speed:.1f};{1e9 * h:.4f}" for speed, h in zip(speeds, films, strict=True)]
     (tmp_path / "curve.csv").write_text("\n".join(["Rig 2", "speed_mm_per_s;h_c_nm", *rows]).replace(".", ","))
-    monkeypatch.setattr(computed, "number_of", lambda _, answer: film(answer.oil.eta0, answer.contact.speed))
+    monkeypatch.setattr(alignment, "number_of", lambda _, answer: film(answer.oil.eta0, answer.contact.speed))
     curve = Measurement.read(tmp_path / "curve.csv", sigma="1 nm", align="offset")
     assert (curve.kind, curve.along) == ("curve", "speed") and curve.x == pytest.approx([0.1, 0.2, 0.4])
     found = fitted(curve, unknowns=ONE)

@@ -35,19 +35,7 @@ from ertel.physics.units import marks, plain
 MEASURED = 'surfaces.asperities.law = "measured"'
 SCHEMA = 1  # of the layout of case files
 READER = Reader()
-KEYS = (
-    "schema",
-    "name",
-    "contact",
-    "lubricant",
-    "solver",
-    "motion",
-    "roughness",
-    "surfaces",
-    "time",
-    "output",
-    "thermal",
-)
+KEYS = ("schema", "name", *SECTIONS, "roughness")
 
 
 # What completes and checks a case in its constructor: `completion`, which knows the rules, puts its function here.

@@ -46,6 +46,14 @@ OF_CYLINDERS: Mapping[tuple[Keys, ...], tuple[Keys, ...]] = {  # in place of the
     RADII: (("radius",), ("radius_1", "radius_2"), ALONG_X),
     BALL: (("mass",),),
 }
+LACKED_BY_CYLINDERS: Mapping[str, str] = {  # and what to do
+    **dict.fromkeys(
+        (*ALONG_Y, "radius_y"), "a line contact has no radius along y; leave it out, or leave length out for an ellipse"
+    ),
+    "radius_x": "the reduced radius of a line contact is radius",
+    "entrainment_angle": "the axes of a line contact lie across the flow; leave it out",
+    "ball_density": "the moving body is not a ball; give contact.mass",
+}
 DROP = (("speed",), ("drop_height",))
 TRACK = (("mean_speed",), ("speed_1", "speed_2"))
 ELASTICITY = (("E_prime",), ("E1", "nu1", "E2", "nu2"))
@@ -236,18 +244,9 @@ class Conditions:
             yield self.entry("radius_ratio"), "allowed: 1/100 to 100, or 0 for a line contact"
         if self.length_ratio is not None and self.radius_ratio != 0:
             yield self.entry("length_ratio"), "belongs to a line contact without dimensions; give radius_ratio = 0"
-        if not self.is_line:
-            return
-        along_y = "a line contact has no radius along y; leave it out, or leave length out for an ellipse"
-        for key in self.given:
-            if key in (*ALONG_Y, "radius_y"):
-                yield self.entry(key), along_y
-            elif key == "radius_x":
-                yield self.entry(key), "the reduced radius of a line contact is radius"
-            elif key == "entrainment_angle":
-                yield self.entry(key), "the axes of a line contact lie across the flow; leave it out"
-            elif key == "ball_density":
-                yield self.entry(key), "the moving body is not a ball; give contact.mass"
+        for key in self.given if self.is_line else ():
+            if key in LACKED_BY_CYLINDERS:
+                yield self.entry(key), LACKED_BY_CYLINDERS[key]
 
     def _wrong_radii(self) -> Iterator[tuple[str, str]]:
         """The bodies must touch at a point or along a line, in an ellipse that is not too long."""
@@ -266,7 +265,7 @@ class Conditions:
             ratio = f"the reduced radii {R_x:g} m along x and {R_y:g} m along y have the ratio {R_x / R_y:g}"
             yield "contact", f"{ratio}; allowed: from 1/100 to 100"
         if not self.is_ball and self.ball_density is not None:
-            yield self.entry("ball_density"), "the moving body is not a ball; give contact.mass"
+            yield self.entry("ball_density"), LACKED_BY_CYLINDERS["ball_density"]
 
     def _wrong_speeds(self) -> Iterator[tuple[str, str]]:
         """A slide-to-roll ratio goes with a mean speed, which is not zero: it carries the oil into the contact."""

@@ -10,7 +10,7 @@ from ertel.physics import thermal, units
 from ertel.physics.asperities import AsperityLaw, ExponentialTouch, MeasuredWaves
 from ertel.physics.lubricant import Oil
 from ertel.physics.motion import Signal
-from ertel.physics.units import Amount, Bounds, Meaning, Quantity, explained
+from ertel.physics.units import Amount, Bounds, Meaning, explained
 
 Stop = Literal["max-approach", "rebound"]
 Start = Literal["undeformed"]
@@ -93,9 +93,7 @@ class Time:
         """The same with steps that are larger by a factor; of those of a tolerance the size goes as its cube root."""
         if self.step is None:
             return replace(self, tolerance=self.tolerance * factor**3)
-        if isinstance(self.step, Quantity):
-            return replace(self, step=replace(self.step, value=factor * self.step.value))
-        return replace(self, step=factor * self.step)
+        return replace(self, step=self.step * factor)
 
 
 START_APPROACH = -1.0

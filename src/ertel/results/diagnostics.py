@@ -51,7 +51,7 @@ def impact_warnings(case: Case, data: "xr.Dataset") -> list[str]:
 def rolling_warnings(case: Case, data: "xr.Dataset") -> list[str]:
     """Warnings about grid and inlet of a transient rolling contact; an empty list if there are none."""
     vanishes = list(_film(case, data))
-    resolved = vanishes or [*resolution(case, _mean_speed(data)), *_outside(case, share_outside(case, data))]
+    resolved = vanishes or [*resolution(case, _mean_speed(data)), *_outside(case, share_outside(data))]
     return [*resolved, *case_warnings(case)]
 
 
@@ -361,9 +361,9 @@ def _gap(case: Case) -> Iterator[str]:
 
 
 def _domain(case: Case, data: "xr.Dataset") -> Iterator[str]:
-    share = uncertain_momentum(case, data) if data.sizes["frame"] else 0.0
+    share = uncertain_momentum(case, data) if data.sizes["time"] else 0.0
     if share > UNCERTAIN_MOMENTUM:
-        needed = needed_half_width(case, share)
+        needed = needed_half_width(case, data)
         able = of_kind(case.kind, lambda method: len(method.axes) < len(case.method.axes) and computes(method, case))
         cheaper = f" with {as_written(able)}" if able else ""
         yield (

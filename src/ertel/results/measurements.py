@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ertel.case.reading import hint_for
 from ertel.physics.units import Quantity, Unit, in_si, si_numbers
-from ertel.results import alignment, computed
+from ertel.results import alignment
 from ertel.results.alignment import CONDITIONS, INTENSITY, QUANTITIES, Comparison, si_unit, squares
 from ertel.results.columns import Columns
 from ertel.results.profiles import At, moment_text
@@ -272,7 +272,7 @@ class Measurement:
         if not (hasattr(result, "dataset") or (self.kind == "curve" and isinstance(result, list))):
             raise TypeError(f"result = {result!r}: must be the Result of a run")
         if self.x is None:
-            value = np.array([computed.number_of(self, result)])
+            value = np.array([alignment.number_of(self, result)])
             return Comparison(self, np.zeros(1), self.values, value, value)
         if "start" in self.align:
             return replace(alignment.with_start([self], result)[0].compared(result), measurement=self)
@@ -282,7 +282,7 @@ class Measurement:
             return replace(found, measurement=self, shift={"start": self.start, **found.shift})
         if self.quantity == INTENSITY and self.optics and "index" in self.align:
             return self._with_best_index(result)
-        line = computed.curve_over(self, result) if self.kind == "curve" else computed.line_of(self, result)
+        line = alignment.curve_over(self, result) if self.kind == "curve" else alignment.line_of(self, result)
         there, values = line[self.axis].values, line.values
         shift = {"centre": alignment.best_centre(self, there, values)} if "centre" in self.align else {}
         x = self.x - shift.get("centre", 0.0)

@@ -118,7 +118,7 @@ def steady_summary(
     solutions: on all grids, coarsest first.  work: compilations, wall_s.
     """
     finest = solutions[-1]
-    grid, record = finest.grid, with_coefficients(finest.record, case.scales)
+    grid = finest.grid
     across = case.method.space.across(case.solver)
     counts = {
         "nodes": grid.nodes,
@@ -128,29 +128,31 @@ def steady_summary(
         "convolutions": round(sum(s.record["convolutions"] * s.grid.size / grid.size for s in solutions), 1),
         **work,
     }
-    there = names_over(case, "step", "grid")
-    values: dict[str, Any] = {name: record[name] for name in _of_moment(record) if name in there}
-    parts: dict[str, Any] = {"budgets": {}}
-    warnings = diagnostics.steady_warnings(case, solutions)
-    if diagnostics.steady_failure(case, finest):
-        values = dict.fromkeys(values)
-    else:
-        parts = {"budgets": balances.steady(case, record, record["load"] / case.geometry.hertz_load)}
-        warnings += diagnostics.balance_warnings(case, parts["budgets"])
-        warnings += friction_warnings(case, record["mu_sliding"])
-        for name, film in diagnostics.film_errors(case, solutions).items():
-            parts |= {f"{name}_error": film.error, f"{name}_extrapolated": film.extrapolated}
-        if finest.heat is not None:
-            values |= heat_numbers(case, finest)
-            about = {"iterations": finest.heat.iterations, "converged": finest.heat.converged}
-            heat = dict(
-                zip(("released", "into_body_1", "into_body_2", "with_the_oil"), finest.heat.balance, strict=True)
-            )
-            parts["thermal"] = {"inlet": case.thermal.inlet, **about, "heat_W": heat}  # type: ignore[union-attr]
-            warnings += diagnostics.thermal_warnings(case, finest.heat)
-        if status.ok:
-            values |= stress_numbers(case, {**finest.maps, **grid.coordinates})
+    values, parts, warnings = steady_values(case, solutions)
+    if status.ok and values["H_c"] is not None:
+        values |= stress_numbers(case, {**finest.maps, **grid.coordinates})
     return _summary(case, {**counts, **values, **parts}, status, warnings)
+
+
+def steady_values(case: Case, solutions: Sequence[SteadyGrid]) -> tuple[dict[str, Any], dict[str, Any], list[str]]:
+    """The values of a steady contact on the finest grid, None without a solution; errors, balances, heat; warnings."""
+    finest, there = solutions[-1], names_over(case, "step", "grid")
+    record, warnings = with_coefficients(finest.record, case.scales), diagnostics.steady_warnings(case, solutions)
+    values: dict[str, Any] = {name: record[name] for name in _of_moment(record) if name in there}
+    if diagnostics.steady_failure(case, finest):
+        return dict.fromkeys(values), {"budgets": {}}, warnings
+    parts: dict[str, Any] = {"budgets": balances.steady(case, record, record["load"] / case.geometry.hertz_load)}
+    warnings += diagnostics.balance_warnings(case, parts["budgets"])
+    warnings += friction_warnings(case, record["mu_sliding"])
+    for name, film in diagnostics.film_errors(case, solutions).items():
+        parts |= {f"{name}_error": film.error, f"{name}_extrapolated": film.extrapolated}
+    if (heat := finest.heat) is not None:
+        values |= heat_numbers(case, finest)
+        watts = dict(zip(("released", "into_body_1", "into_body_2", "with_the_oil"), heat.balance, strict=True))
+        about = {"iterations": heat.iterations, "converged": heat.converged, "heat_W": watts}
+        parts["thermal"] = {"inlet": case.thermal.inlet, **about}  # type: ignore[union-attr]
+        warnings += diagnostics.thermal_warnings(case, heat)
+    return values, parts, warnings
 
 
 def _place_of_largest(T: Any, grid: Grid) -> list[float]:

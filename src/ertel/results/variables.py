@@ -131,6 +131,7 @@ STEPS = {  # and grids
     ),
     "Delta": Variable("mutual approach of the bodies", "Delta", *FILM, **ESTIMATED),
     "F": Variable("load carried by the film", "F", *FORCE, **ESTIMATED),
+    "F_outside": Variable("load carried by the oil outside the grid, a part of F", "F_out", *FORCE),
     "mu_sliding": Variable("traction coefficient", "mu_sliding", *NUMBER, comment=PUSHED, **TRACTION),
     "mu_sliding_y": Variable(
         "traction coefficient along y", "mu_sliding_y", *NUMBER, comment=PUSHED.replace("X", "Y"),

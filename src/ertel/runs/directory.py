@@ -49,18 +49,8 @@ from ertel.case.status import Status
 from ertel.inputs.case_files import ConfigError, parse_case, read_toml, to_toml
 from ertel.results.figures import FIGURES_IN_TIME, FIGURES_STEADY, MADE_BY
 from ertel.results.numbers import lines
-from ertel.runs.files import (
-    LOCK,
-    StoreError,
-    content_of,
-    is_locked,
-    locked,
-    reading,
-    replace,
-    sync_directory,
-    unsealed,
-    within,
-)
+from ertel.runs import files
+from ertel.runs.files import StoreError, content_of, is_locked
 
 if TYPE_CHECKING:  # it brings JAX, which readers do not need
     from ertel.runs.drive import Run
@@ -97,9 +87,9 @@ def make(directory: Path, case: Case, fill: Callable[[Path], object], others: It
     text = to_toml(case)
     draft = directory.parent / f".{directory.name}-{uuid4().hex[:8]}"
     try:
-        replace(draft / CASE, text.encode())
+        files.replace(draft / CASE, text.encode())
         for name, heights in case.maps.items():
-            replace(draft / name, heights.to_bytes())
+            files.replace(draft / name, heights.to_bytes())
         fill(draft)
         for candidate in chain([directory], others):
             if _moved(draft, candidate):
@@ -122,13 +112,13 @@ def _moved(draft: Path, directory: Path) -> bool:
         if error.errno in OCCUPIED:  # another process has just taken it
             return False
         raise
-    sync_directory(directory.parent)
+    files.sync_directory(directory.parent)
     return True
 
 
 # -- its files --------------------------------------------------------------------------------------------------------
 
-_PARTIAL, _ASKED = r"((\.[0-9a-f]{8})?\.partial)?", rf"stop|\.stop-[0-9a-f]{{8}}|\{LOCK}"
+_PARTIAL, _ASKED = r"((\.[0-9a-f]{8})?\.partial)?", rf"stop|\.stop-[0-9a-f]{{8}}|\{files.LOCK}"
 _ZARR = rf"(c(/\d+)*|zarr(\.json)?)(\.[0-9a-f]{{32}})?{_PARTIAL}"
 _FIGURE = rf"({'|'.join({*FIGURES_IN_TIME, *FIGURES_STEADY})}|interferogram-(mono|two-beam|white)|compared-[^/]+)"
 _RUN = (
@@ -148,7 +138,7 @@ def others_in(directory: Path) -> list[str]:
 
     Files of other names, and pictures in `plots` without ertel's mark.
     """
-    found = [path for path in within(directory) if path.is_symlink() or not path.is_dir()]
+    found = [path for path in files.within(directory) if path.is_symlink() or not path.is_dir()]
     return [name for path in found if not _is_written(path, name := path.relative_to(directory).as_posix())]
 
 
@@ -180,8 +170,8 @@ def read_summary(directory: Path) -> dict[str, Any] | None:
     path = directory / SUMMARY
     if not lexists(path):
         return None
-    with reading(path, "it is written again when the run is continued"):
-        summary = unsealed(content_of(path))
+    with files.reading(path, "it is written again when the run is continued"):
+        summary = files.unsealed(content_of(path))
         Status(summary["status"])
         if summary["kind"] not in get_args(Kind):
             raise ValueError(f"kind = {summary['kind']!r} is neither impact nor rolling")
@@ -198,7 +188,7 @@ def ask_to_stop(directory: Path) -> None:
 
     Any machine may ask; the run can be resumed.  Raises OSError where the file cannot be made.
     """
-    replace(directory / STOP, b"", durable=False)
+    files.replace(directory / STOP, b"", durable=False)
 
 
 def is_asked_to_stop(directory: Path) -> bool:
@@ -279,7 +269,7 @@ def write_progress(directory: Path, **content: Any) -> None:
     """
     now = {"written": datetime.now(UTC).isoformat(timespec="seconds"), "process": os.getpid()}
     with suppress(OSError):
-        replace(directory / PROGRESS, (json.dumps({**now, **content}) + "\n").encode(), durable=False)
+        files.replace(directory / PROGRESS, (json.dumps({**now, **content}) + "\n").encode(), durable=False)
 
 
 def read_progress(directory: Path) -> dict[str, Any] | None:
@@ -373,6 +363,6 @@ def remove(place: Path, name: str) -> None:
         mark = "; ertel plot DIR --overwrite marks the pictures of an earlier version" if pictures else ""
         raise StoreError(f"{name}: holds other files ({', '.join(sorted(others)[:5])}); move them away first{mark}")
     hidden = place.with_name(f".{place.name}-{uuid4().hex[:8]}")
-    with locked(place):
+    with files.locked(place):
         place.rename(hidden)
     shutil.rmtree(hidden)

@@ -194,6 +194,7 @@ class TransientRun:
             "Delta": new.approach,
             "V": new.velocity,
             **new.record,
+            "F_outside": new.outside / case.geometry.hertz_load,
             "U": case.motion.entrainment(new.T),
             "w": case.motion.load(new.T),
             "error": error,

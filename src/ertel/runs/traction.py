@@ -28,12 +28,10 @@ from ertel.inputs.case_files import CaseLike, as_case
 from ertel.inputs.quantities import Given, parse_values
 from ertel.numerics.programs import double_precision
 from ertel.physics.units import marks
-from ertel.results import diagnostics
 from ertel.results.dataset import provenance
-from ertel.results.friction import film_over_roughness, friction_warnings, touch_warnings
+from ertel.results.friction import film_over_roughness, touch_warnings
 from ertel.results.study_table import DONE, StudyRun, grouped, study_dataset
-from ertel.results.summary import heat_numbers
-from ertel.results.variables import names_where, with_coefficients
+from ertel.results.summary import steady_values
 from ertel.runs import studies
 from ertel.runs.compile import check_jax
 from ertel.runs.drive import GridStep, warn
@@ -41,7 +39,6 @@ from ertel.runs.outlook import beyond
 from ertel.runs.store import RunStore
 from ertel.runs.study_result import CURVE_AXES, TractionCurve, point_numbers
 from ertel.runs.workers import Condition, LocalWorker, check_fork, never
-from ertel.solvers.grid_solution import GridSolution
 from ertel.solvers.steady import Rolling
 
 NAME = "traction"  # of the files with the points
@@ -299,41 +296,29 @@ def _measured(case: Case, film: GridStep, fresh: bool, directory: str) -> StudyR
     fresh: whether the film was solved for this point, so that its work counts here.  directory: of the film's run.
     """
     solution, scales, speed = replace(film.solutions[-1], case=case), case.scales, case.contact.speeds.mean
-    values = with_coefficients(solution.record, case.scales)
-    sliding, rolling = values["mu_sliding"], values["mu_rolling"]
-    values = {
-        **{name: values[name] for name in names_where(lambda variable: variable.at_moment) if name in values},
+    values, _, warnings = steady_values(case, (*film.solutions[:-1], solution))
+    warnings = [*beyond(case, (values["H_min"] or 0.0) * scales.film if scales else None), *warnings]
+    heat = solution.heat if film.status.ok else None
+    if not film.status.ok or (heat and not heat.converged):
+        status = Status.NEWTON_STALLED if film.status.ok else film.status
+        return StudyRun({}, warnings, status.value, directory)
+    of_film = {
         **film_over_roughness(case, values),
         **({"Hersey": (case.oil.eta0 or 0.0) * speed / (scales.p_h * scales.a)} if scales and speed else {}),
-        "mu_1": rolling + sliding,
-        "mu_2": rolling - sliding,
-        "tau_max": float(np.hypot(*np.asarray(solution.account.friction.stress)).max()),
+        **_of_surfaces(values["mu_rolling"], values["mu_sliding"], solution.account.friction.stress),
         "newton_iterations": fresh * sum(s.newton for s in film.solutions),
         "krylov_iterations": fresh * sum(s.krylov for s in film.solutions),
         "convolutions": fresh * Rolling(film.solutions).convolutions,
     }
-    thinnest = values.get("H_min", 0.0) * scales.film if scales else None
-    warnings, status = [*beyond(case, thinnest), *diagnostics.steady_warnings(case, film.solutions)], film.status
-    if status.ok and (warm := solution.heat):
-        solved = case.thermal is not None and case.thermal.is_solved
-        values |= heat_numbers(case, solution) if solved else _warm_values(solution, values)
-        warnings += diagnostics.thermal_warnings(case, warm)
-        status = status if warm.converged else Status.NEWTON_STALLED
-    if status.ok:
-        warnings += friction_warnings(case, values["mu_sliding"])
-        warnings += touch_warnings(case, values)
-    return StudyRun(point_numbers(case, values) if status.ok else {}, warnings, status.value, directory)
+    if heat and "mu_sliding_warm" in values:  # the film itself is without heat
+        warm = _of_surfaces(values["mu_rolling"], values["mu_sliding_warm"], heat.stress)
+        of_film |= {f"{name}_warm": value for name, value in warm.items()}
+        of_film["mu_sliding_y_warm"] = float(heat.sliding[1]) * scales.a_over_R  # type: ignore[union-attr]
+    warnings += touch_warnings(case, values)
+    return StudyRun(point_numbers(case, values | of_film), warnings, film.status.value, directory)
 
 
-def _warm_values(solution: GridSolution, cold: Mapping[str, float]) -> dict[str, Any]:
-    """The numbers that heat changes: film (by its inlet factor), traction, power loss."""
-    case, heat, warm = solution.case, solution.heat, heat_numbers(solution.case, solution)
-    assert case.scales is not None and heat is not None
-    unit, sliding = case.scales.a_over_R, float(heat.sliding[0]) * case.scales.a_over_R
-    return {
-        **warm,
-        "mu_sliding_y_warm": float(heat.sliding[1]) * unit,
-        "mu_1_warm": cold["mu_rolling"] + sliding,
-        "mu_2_warm": cold["mu_rolling"] - sliding,
-        "tau_max_warm": float(np.hypot(*np.asarray(heat.stress)).max()),
-    }
+def _of_surfaces(rolling: float, sliding: float, stress: Any) -> dict[str, float]:
+    """The friction coefficient of each surface, and the maximum shear stress."""
+    largest = float(np.hypot(*np.asarray(stress)).max())
+    return {"mu_1": rolling + sliding, "mu_2": rolling - sliding, "tau_max": largest}
