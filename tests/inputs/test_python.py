@@ -146,7 +146,6 @@ BALL = {**IN_SI, "oil": OIL}
 @pytest.mark.parametrize(
     ("function", "given", "said"),
     [
-        (ertel.impact, {**BALL, "radius": -0.01}, 'contact.radius = "-0.01 m": must be'),
         (ertel.impact, {**BALL, "radius": np.ones(2)}, 'contact.radius = "[1. 1.]": must be a quantity above zero'),
         (ertel.impact, {**BALL, "motion": {"load": np.ones((2, 2))}}, "motion.load = "),
         (ertel.impact, {**BALL, "roughness": 5}, "roughness = 5: must be a list of shapes, features or tables"),
@@ -167,7 +166,6 @@ def test_wrong_and_absurd_input_is_refused_in_the_same_sentences(function, given
         ({"eta0": "18.6 mPa"}, "eta0 = '18.6 mPa': has the wrong dimension"),
         ({"eta0": "1 m**(9**9**9)"}, "eta0 = '1 m**(9**9**9)': has an unknown unit"),
         ({"z": np.ones(2)}, "z = array([1., 1.]): must be a number"),
-        ({"viscosity": "baras"}, 'viscosity = "baras": '),
         ({"viscosity": "\x1b" * 10**6}, "viscosity = "),
     ],
     ids=lambda value: str(value)[:40],

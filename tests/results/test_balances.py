@@ -82,9 +82,6 @@ def test_a_steady_contact_has_rates() -> None:
     assert "energy is not conserved" in said and "use solver.nodes >= 161" in said
 
 
-HERTZ = 2 * np.pi / 3
-
-
 def rigid_ball(r: np.ndarray, w: float, gap: float) -> tuple[np.ndarray, np.ndarray]:
     """P and H of a rigid ball that comes with V = 1 through oil with lambda_bar = 0.1, where P = 0 at r = w."""
     H = gap + r**2 / 2
@@ -96,7 +93,7 @@ def lost(w: float, gap: float) -> float:
     H = gap + w**2 / 2
     whole = np.pi / 2 * 0.1 / gap
     within = np.pi / 2 * 0.1 * (1 / gap - 1 / H) - np.pi * w**2 * 0.1 / 4 / H**2
-    return (whole - within) / HERTZ
+    return (whole - within) / (2 * np.pi / 3)
 
 
 @pytest.mark.parametrize("w", [2.0, 4.0])

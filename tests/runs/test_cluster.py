@@ -48,15 +48,6 @@ def fails() -> None:
     raise RuntimeError("no film")
 
 
-def slow(log: Path, name: str) -> str:
-    with log.open("a") as file:
-        file.write(f"begins {name} {os.getpid()}\n")
-    time.sleep(0.3)
-    with log.open("a") as file:
-        file.write(f"ends {name}\n")
-    return name
-
-
 def stumbles(log: Path) -> str:
     with log.open("a") as file:
         file.write("!")
