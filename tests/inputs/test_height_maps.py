@@ -157,7 +157,7 @@ PLACED: dict[str, Any] = {"unit": "m", "length_x": "600 um"}
 @pytest.mark.parametrize("detrend", ["none", "plane"])
 def test_infinite_heights_are_refused_whatever_is_taken_off(tmp_path, detrend) -> None:
     np.save(tmp_path / "disc.npy", np.where(WAVE == WAVE.max(), np.inf, WAVE))
-    with pytest.raises(ConfigError, match="4 of its heights are infinite; a gap must be nan$"):
+    with pytest.raises(ConfigError, match=r"4 of its heights are infinite; a gap must be nan$"):
         read(tmp_path, file="disc.npy", detrend=detrend, **PLACED)
 
 
