@@ -1,20 +1,15 @@
 """The examples run: each case file loads, each script gives the number that it is about."""
 
 import importlib.util
-from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 
-import numpy as np
 import pytest
 
 import ertel
-from ertel.case.estimates import grid_of
-from ertel.equations import discretise
 from ertel.inputs.case_files import load_case
 from ertel.inputs.studies import load_study
 from ertel.results.diagnostics import case_warnings
-from ertel.results.parameters import formula_films
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -110,31 +105,3 @@ def test_interferogram() -> None:
     computed, seen = example.films(example.impact(nodes=65))
     assert computed.min() == pytest.approx(580e-9, rel=0.01)
     assert seen == pytest.approx(computed, abs=1e-12)
-
-
-@pytest.mark.slow  # skewed and long ellipses have quick tests in solvers
-@pytest.mark.parametrize(("name", "nodes"), [("skewed_ellipse", 33), ("ball_bearing", 65), ("gear_flanks", 65)])
-def test_elliptical_examples(name: str, nodes: int) -> None:
-    """On so small a grid the film is too thin, but of the size of Chittenden's formula."""
-    case = load_case(EXAMPLES / f"{name}.toml", [f"solver.nodes={nodes}"])
-    result = ertel.simulate(case)
-    formula = next(film for film in formula_films(case) if film.name.startswith("Chittenden")).central
-    assert result.summary["status"] == "converged" and formula
-    assert 0.6 * formula < result.summary["H_c"] < 1.1 * formula
-
-
-@pytest.mark.slow  # whole planes; rough runs have quick tests in runs
-@pytest.mark.parametrize(("name", "nodes", "until"), [("rough_impact", 33, 0.2), ("rough_rolling", 33, 0.05)])
-@pytest.mark.filterwarnings("ignore::UserWarning")
-def test_rough_examples(name: str, nodes: int, until: float) -> None:
-    """They begin as they should: the film feels the hills, and nothing touches."""
-    short = [f"solver.nodes={nodes}", "solver.fold=false", f"time.until={until}", "time.tolerance=0.01"]
-    case = load_case(EXAMPLES / f"{name}.toml", short)
-    rough, smooth = (ertel.simulate(each) for each in (case, replace(case, roughness=())))
-    assert rough.summary["status"] == smooth.summary["status"] == "converged"
-    films = [run.dataset["H"].isel(frame=-1).values for run in (rough, smooth)]
-    assert films[0].min() > 0
-    assert np.abs(films[0] - films[1]).max() > 0.02 * case.film_scale
-    grid = grid_of(case)
-    heights = np.asarray(discretise.heights(case.features, case, grid, until))
-    assert np.corrcoef((films[1] - films[0]).ravel(), heights.ravel())[0, 1] > 0.9
