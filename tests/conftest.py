@@ -41,20 +41,20 @@ QUICK_TO_COMPILE = (
     "--xla_cpu_parallel_codegen_split_count=1"  # the other core has its own tests
 )
 
-# bytes at the end of a test file from which on compiled programs are forgotten: a fourth of the machine for all workers
-MOST_MEMORY = max(1.2e9, psutil.virtual_memory().total / 4 / min(os.cpu_count() or 1, 8))
+# bytes at the end of a test file from which on compiled programs are forgotten; a file adds at most 0.5e9
+MOST_MEMORY = 1.1e9
 # Each file is one worker's, and the last ones should be short: first what takes longest
 LONGEST = ("solvers/", "runs/", "test_documents", "equations/", "apps/test_cli", "numerics/", "results/", "plots/")
 
 # Distinct programs that the quick tests compile, which is most of their work; what needs more of them is slow
-MOST_PROGRAMS = 120
+MOST_PROGRAMS = 115
 
 settings.register_profile("ertel", deadline=None, derandomize=True, max_examples=50)
 settings.load_profile("ertel")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption("--costs", action="store_true", help="list tests and files by their processor time")
+    parser.addoption("--costs", action="store_true", help="list tests and files by processor time, and the memory")
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -103,26 +103,30 @@ def _programs(cache: pytest.Cache) -> set[str]:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport() -> Iterator[None]:
-    """Note the processor time since the report before, of this process and of those that have ended in it."""
+    """Note the memory, and the processor time since the report before, of this process and of its ended ones."""
     global used
     report = yield
     before, used = used, sum(os.times()[:4])
-    report.user_properties = [*report.user_properties, ("seconds", used - before)]
+    noted = {"seconds": used - before, "bytes": psutil.Process().memory_info().rss}
+    report.user_properties = [*report.user_properties, *noted.items()]
     return report
 
 
 def pytest_terminal_summary(terminalreporter: "pytest.TerminalReporter") -> None:
-    """With `--costs` what costs most, in seconds of the processor."""
+    """With `--costs` what costs most, in seconds of the processor, and the most memory of a worker after a test."""
     if not terminalreporter.config.getoption("costs"):
         return
     tests: Counter[str] = Counter()
     files: Counter[str] = Counter()
+    memory: Counter[str] = Counter()
     for report in (each for kind in terminalreporter.stats.values() for each in kind):
-        seconds = dict(getattr(report, "user_properties", ())).get("seconds", 0.0)
-        if seconds:
-            tests[report.nodeid] += seconds
-            files[report.nodeid.partition("::")[0]] += seconds
-    terminalreporter.section(f"{sum(tests.values()):.0f} s of the processor")
+        if "seconds" in (noted := dict(getattr(report, "user_properties", ()))):
+            tests[report.nodeid] += noted["seconds"]
+            files[report.nodeid.partition("::")[0]] += noted["seconds"]
+            worker = getattr(report, "worker_id", "one process")
+            memory[worker] = max(memory[worker], noted["bytes"])
+    most = ", ".join(f"{worker} {size / 1e9:.2f} GB" for worker, size in sorted(memory.items()))
+    terminalreporter.section(f"{sum(tests.values()):.0f} s of the processor; {most}")
     for name, seconds in (*files.most_common(30), *tests.most_common(60)):
         terminalreporter.line(f"{seconds:8.2f}  {name}")
 

@@ -69,12 +69,11 @@ def test_what_takes_long_to_import_comes_when_it_is_needed(code, heavy, tmp_path
     assert "memory" in printed or "check" not in code
 
 
-SMALL = {"M": 200, "L": 10, "nodes": 33, "time_tolerance": 0.01, "until": 1.4}
 FRONT = "the film is not resolved at the front"
 
 
 def test_warnings_are_given_once_and_stand_in_the_repr(tmp_path):
-    case = ertel.impact(**SMALL)
+    case = ertel.impact(**{"M": 200, "L": 10, "nodes": 33, "time_tolerance": 0.01, "until": 1.4})
     for run in (lambda: ertel.simulate(case), lambda: ertel.run(case, tmp_path / "run")):
         with pytest.warns(UserWarning, match=FRONT) as caught:
             result = run()

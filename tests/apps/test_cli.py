@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 import xarray as xr
-from app_runs import CASE_FILES, given, raising, refused
+from app_runs import given, raising, refused
 from cases import ertel_, names
 from matplotlib.figure import Figure
 
@@ -88,10 +88,7 @@ def raise_signal(number):
     return pytest.param(lambda run: signal.raise_signal(number), 128 + number, id=signal.Signals(number).name)
 
 
-BY_FILE = pytest.param(ask_to_stop, 130, id="file")
-
-
-@pytest.mark.parametrize(("ask", "code"), [raise_signal(signal.SIGTERM), BY_FILE])
+@pytest.mark.parametrize(("ask", "code"), [raise_signal(signal.SIGTERM), pytest.param(ask_to_stop, 130, id="file")])
 def test_interrupt_and_resume(here, ball, monkeypatch, ask, code):
     """A file from before does not stop a run, and none is left."""
     original = RunStore.__call__
@@ -114,10 +111,9 @@ def test_interrupt_and_resume(here, ball, monkeypatch, ask, code):
     assert whole.drop_attrs(deep=False).identical(resumed.drop_attrs(deep=False))
 
 
-OIL = ["lubricant.eta0=40 mPa*s", "lubricant.alpha=22 / GPa"]
 ROLLED = [  # the dimensional case of reference/rolling.json
     *("contact.radius=10 mm", "contact.load=38.885237 N", "contact.E_prime=219.7802 GPa"),
-    *("contact.mean_speed=0.502636 m/s", *OIL),
+    *("contact.mean_speed=0.502636 m/s", *["lubricant.eta0=40 mPa*s", "lubricant.alpha=22 / GPa"]),
 ]
 
 
@@ -148,24 +144,6 @@ def test_formulas_side_by_side_and_of_a_contact_that_is_too_light_to_run():
     assert "ertel check" not in told.stderr
     told = ertel_("check", "--json", *given(*light), code=2)
     assert json.loads(told.stdout)["films"][0]["central"] > 0 and "M = " in told.stderr
-
-
-@pytest.mark.parametrize(
-    ("command", "settings", "said"),
-    [
-        ("run small.toml --error", ["solver.nodes=17"], "solver.nodes = 9"),
-        ("run small.toml --flush -1", [], "Invalid value for '--flush'"),
-        ("run small.toml --out taken", [], "taken: exists already; choose another --out"),
-        ("run small.toml --out small.toml/sub", [], "small.toml/sub: cannot write there"),
-    ],
-    ids=lambda value: " ".join(value) if isinstance(value, list) else "",
-)
-def test_wrong_input(here, command, settings, said):
-    (here / "taken").mkdir()
-    (here / "taken" / "file").write_text("")
-    assert said in refused(*command.split(), *given(*settings))
-    assert names(here) == {*CASE_FILES, "taken"}
-    assert names(here / "taken") == {"file"}
 
 
 @pytest.fixture

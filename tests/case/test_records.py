@@ -2,7 +2,6 @@
 
 import functools
 from dataclasses import dataclass
-from math import inf
 from typing import Annotated, Any
 
 import numpy as np
@@ -45,7 +44,6 @@ def test_a_quantity_is_written_with_its_unit_and_an_amount_as_it_was_given() -> 
         ({"radius": "0.01 m", "width": 1}, "tube.width = 1: unknown key; allowed: radius, until, note"),
         ({"until": 1.0}, "tube.radius: missing"),
         ({"radius": "10 mm"}, 'tube.radius = "10 mm": must be a number and the unit m'),
-        ({"radius": "long m"}, 'tube.radius = "long m": must be a number and the unit m'),
         ([0.01], "tube = [0.01]: must be a section, [tube]"),
     ],
 )
@@ -86,10 +84,8 @@ def test_a_law_with_data_of_its_own_is_a_table() -> None:
     ("record", "message"),
     [
         (Tube(-0.01), 'tube.radius = "-0.01 m": must be finite and above zero'),
-        (Tube(inf), 'tube.radius = "inf m": must be finite and above zero'),
         (Tube(0.01, Quantity(0.0, "s")), 'tube.until = "0.0 s": must be finite and above zero'),
         (Tube("0.01"), 'tube.radius = "0.01": must be a number'),  # type: ignore[arg-type]
-        (Tube(True), "tube.radius = true: must be a number"),
         (Tube(np.ones(2)), 'tube.radius = "[1. 1.]": must be a number'),  # type: ignore[arg-type]
         (Tube(1e-300), 'tube.radius = "1e-300 m": must be between 1e-30 and 1e+30 m'),
         (Tube(10**400), 'tube.radius = "(an integer of about 400 digits) m": must be between 1e-30 and 1e+30 m'),

@@ -32,15 +32,13 @@ STEEL = Solid(7850.0, 460.0, 47.0)
 NEWTONIAN = NewtonianOil()
 
 
-def columns(law: Any = NEWTONIAN, u_1: float = 3.0, u_2: float = 1.0, viscosity: float = 10.0) -> WarmColumns:
+def columns(law: Any = NEWTONIAN) -> WarmColumns:
     """With gradients of up to 20 MPa along X and 6 MPa along Y."""
     draw = np.random.default_rng(3)
     slope = Vector(*(jnp.asarray(draw.uniform(-most, most, SHAPE)) for most in (2e7, 6e6)))
     flat = jnp.ones(SHAPE)
     thermal = traceable(Exponential(BETA))
-    return WarmColumns(
-        traceable(law), thermal, 5e8 * flat, FILM * flat, viscosity * flat, flat, slope, u_1, u_2, ACROSS
-    )
+    return WarmColumns(traceable(law), thermal, 5e8 * flat, FILM * flat, 10.0 * flat, flat, slope, 3.0, 1.0, ACROSS)
 
 
 def test_a_cold_column_has_the_flow_of_an_isothermal_film() -> None:
@@ -90,28 +88,41 @@ class Cold:
         return jnp.zeros(self.shape), jnp.zeros(self.shape[1]), jnp.zeros(self.shape[1])
 
 
-def between_cold_walls(Na: float) -> float:
-    """The stress over that of the cold film; Na = beta eta u^2/k."""
-    one = columns(u_1=1.0, u_2=-1.0 + 1e-9, viscosity=Na * K / (4.0 * BETA))
-    one = replace(one, gradient=0.0 * one.gradient)
-    capacity, walls = jnp.zeros(SHAPE), (Cold(SHAPE), Cold(SHAPE))
-    energy = Energy(one, capacity, K, 0.0, 300.0, (0.0, 0.0), walls, jnp.zeros(SHAPE), 1e-5, NO_SYMMETRY)
-    found = _program(energy, jnp.zeros((7, *SHAPE)), jnp.ones((2, *SHAPE)), np.inf, 60)
+LONG, MANY, SPACING = (1, 41), Lobatto.of(15), 2e-4
+
+
+def between_cold_walls(u: tuple[float, float], viscosity: float, h: float, capacity: float, wall: float) -> Any:
+    """The heat of a film h without pressure gradient, with oil of this heat capacity, one wall warmer; its columns."""
+    flat, thermal = jnp.ones(LONG), traceable(Exponential(BETA))
+    still = Vector(0.0 * flat, 0.0 * flat)
+    one = WarmColumns(traceable(NEWTONIAN), thermal, flat, h * flat, viscosity * flat, flat, still, *u, MANY)
+    walls = (Cold(LONG), Cold(LONG))
+    energy = Energy(one, capacity * flat, K, 0.0, 300.0, (wall, 0.0), walls, 0.0 * flat, SPACING, NO_SYMMETRY)
+    found = _program(energy, jnp.zeros((15, *LONG)), jnp.ones((2, *LONG)), np.inf, 60)
     assert found.change < 1e-5
-    return float(found.stress[0, 1, 4] / one.sliding.x[1, 4])
+    return found, one
 
 
 @pytest.mark.parametrize(("Na", "error"), [(0.01, 1e-9), (1.0, 1e-7), (8.0, 2e-5), (50.0, 2e-3)])
 def test_nahmes_column(Na: float, error: float) -> None:
-    """A sheared film between walls that stay cold: his exact solution."""
-    assert between_cold_walls(Na) == pytest.approx(nahme(Na).viscosity, rel=error)
+    """A sheared film between walls that stay cold: his exact solution; Na = beta eta u^2/k."""
+    found, one = between_cold_walls((1.0, -1.0 + 1e-9), Na * K / (4.0 * BETA), FILM, 0.0, 0.0)
+    assert float(found.stress[0, 0, 20] / one.sliding.x[0, 20]) == pytest.approx(nahme(Na).viscosity, rel=error)
 
 
-def film_with_heat(law: Any, capacity: float = 1.8e6) -> Energy:
+def test_oil_that_slides_along_a_wall_gets_warm_as_by_the_square_root_of_its_way() -> None:
+    """A film so thick that heat enters a layer beside the warm wall only: flux T (rho c k u/(pi x))^{1/2}."""
+    u = 2.0
+    found, _ = between_cold_walls((u, u), 1e-9, 4e-4, 1.8e6, 5.0)
+    x = SPACING * np.arange(1, LONG[1] + 1)
+    assert_allclose(found.into[0][0, 15:], (-5.0 * np.sqrt(1.8e6 * K * u / (np.pi * x)))[15:], rtol=0.02)
+
+
+def film_with_heat(law: Any) -> Energy:
     one = columns(law)
     bodies = tuple(Moving(jnp.asarray(response(STEEL, u, SHAPE[1], 1e-5))) for u in (1.0, 3.0))
     solid = jnp.full(SHAPE, 2e7)
-    return Energy(one, capacity * jnp.ones(SHAPE), K, 6e-4, 313.0, (2.0, 0.0), bodies, solid, 1e-5, NO_SYMMETRY)
+    return Energy(one, 1.8e6 * jnp.ones(SHAPE), K, 6e-4, 313.0, (2.0, 0.0), bodies, solid, 1e-5, NO_SYMMETRY)
 
 
 def test_the_balance_of_heat_and_of_the_temperatures_of_both_surfaces() -> None:
@@ -139,19 +150,3 @@ def test_a_sweep_is_the_inverse_where_all_oil_flows_to_one_corner(flipped: bool)
     _, sweeps = sweeps_of(energy, m, softer)
     assert_allclose(sweeps[flipped](energy.change(d, m, softer), back=False), d, atol=1e-8)
     assert float(jnp.max(jnp.abs(sweeps[not flipped](energy.change(d, m, softer), back=False) - d))) > 1e-3
-
-
-def test_oil_that_slides_along_a_wall_gets_warm_as_by_the_square_root_of_its_way() -> None:
-    """A film so thick that heat enters a layer beside the warm wall only: flux T (rho c k u/(pi x))^{1/2}."""
-    n, h, spacing, u = 41, 4e-4, 2e-4, 2.0
-    flat = jnp.ones((1, n))
-    nothing = Vector(0.0 * flat, 0.0 * flat)
-    across = Lobatto.of(15)
-    thermal = traceable(Exponential(BETA))
-    one = WarmColumns(traceable(NewtonianOil()), thermal, flat, h * flat, 1e-9 * flat, flat, nothing, u, u, across)
-    walls = (Cold((1, n)), Cold((1, n)))
-    energy = Energy(one, 1.8e6 * flat, K, 0.0, 300.0, (5.0, 0.0), walls, 0.0 * flat, spacing, NO_SYMMETRY)
-    found = _program(energy, jnp.zeros((15, 1, n)), jnp.ones((2, 1, n)), np.inf, 60)
-    x = spacing * np.arange(1, n + 1)
-    exact = -5.0 * np.sqrt(1.8e6 * K * u / (np.pi * x))
-    assert_allclose(found.into[0][0, 15:], exact[15:], rtol=0.02)

@@ -106,7 +106,6 @@ def test_quantities_of_pint_keep_their_unit(tmp_path):
 @pytest.mark.parametrize(
     ("text", "complaint"),
     [
-        ("x (px),h_nm\n1,2\n2,3\n", 'is in pixels; give the size of one as its unit, such as "0.8 um"'),
         ('x_um,h_nm\n1,"1,234"\n2,3\n', "line 2: '1,234' has a comma inside of a column"),
         ("x_um;h_nm\n1;1,234\n2;5.6\n", "has a comma in line 2 and a point in line 3"),
         (f"x_um,h_nm\n1,{'1' * 140_000}\n", "line 2: field larger than field limit"),

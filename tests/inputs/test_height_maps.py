@@ -154,23 +154,11 @@ def test_without_the_package_it_is_said_what_to_install(tmp_path, monkeypatch) -
 PLACED: dict[str, Any] = {"unit": "m", "length_x": "600 um"}
 
 
-ONE = WAVE / np.abs(WAVE).max()
-
-
 @pytest.mark.parametrize("detrend", ["none", "plane"])
-@pytest.mark.parametrize(
-    ("found", "message"),
-    [
-        (1e300 * ONE, "heights: reach 1e+300; the largest must be between 1e-30 and 1e+30"),
-        (np.where(WAVE == WAVE.max(), np.inf, WAVE), "4 of its heights are infinite; a gap must be nan"),
-        (0 * WAVE, "heights: are all zero; leave the map out"),
-    ],
-)
-def test_heights_that_nothing_can_have_are_refused(tmp_path, found, message, detrend) -> None:
-    np.save(tmp_path / "disc.npy", found)
-    with pytest.raises(ConfigError) as caught:
+def test_infinite_heights_are_refused_whatever_is_taken_off(tmp_path, detrend) -> None:
+    np.save(tmp_path / "disc.npy", np.where(WAVE == WAVE.max(), np.inf, WAVE))
+    with pytest.raises(ConfigError, match=r"4 of its heights are infinite; a gap must be nan$"):
         read(tmp_path, file="disc.npy", detrend=detrend, **PLACED)
-    assert str(caught.value) == f'roughness[1].file = "disc.npy": {message}'
 
 
 @pytest.mark.parametrize("detrend", ["mean", "plane", "curvature"])

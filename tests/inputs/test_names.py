@@ -77,7 +77,6 @@ def test_a_given_alpha_wins_over_the_oils_own_pressure_law(given, law):
     assert oil.reference.endswith("Given: alpha, viscosity." if given else "Given: alpha.")
 
 
-ELASTIC = {"E_prime": "226 GPa"}
 Data = dict[str, Any]
 
 
@@ -127,7 +126,7 @@ def test_heat_needs_a_law_of_shear_thinning_where_the_surfaces_slide():
     with pytest.raises(ConfigError, match=r"^lubricant.rheology: missing; \[thermal\] needs it, .* stress of about 2"):
         warm({}, sliding, oil)
     with pytest.raises(ConfigError, match=r"^lubricant.rheology: missing"):
-        warm(HOT, {**sliding, **ELASTIC}, {**NUMBERS, "viscosity": "barus", "alpha": "28 / GPa"})
+        warm(HOT, {**sliding, **{"E_prime": "226 GPa"}}, {**NUMBERS, "viscosity": "barus", "alpha": "28 / GPa"})
     for rheology in ("newtonian", {"law": "ree-eyring", "tau0": "5 MPa"}):
         assert warm({}, sliding, {**oil, "rheology": rheology}).thermal
     assert warm({}, sliding, {**NAMED, "temperature": "25 degC"}).thermal  # it brings its law

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cases import REFUSALS
 
 from ertel.case.case import Case
 from ertel.case.height_map import HeightMap, Measured
@@ -130,13 +129,6 @@ def test_a_profile_and_a_map_have_their_contacts(tmp_path) -> None:
         case(tmp_path, file="stylus.asc", unit="m")
     with pytest.raises(ConfigError, match=r"^roughness\[1\]: varies along y; a line takes .*, or a profile"):
         case(tmp_path, file="map.npy", unit="m", spacing="2 um")
-
-
-@pytest.mark.parametrize(("table", "message"), REFUSALS["profiles"], ids=str)
-def test_what_is_wrong_is_said(tmp_path, table, message) -> None:
-    write(tmp_path / "stylus.asc", 1e6 * LENGTH * PLACES, 1e6 * WAVE)
-    with pytest.raises(ConfigError, match=f"^{message}"):
-        profile(tmp_path, file="stylus.asc", **table)
 
 
 def test_a_case_with_a_profile_comes_back_and_its_digest_is_that_of_the_heights(tmp_path) -> None:

@@ -139,11 +139,9 @@ def test_several_values(given: Any, mark: Unit | Bounds, values: list[float]) ->
     ("given", "mark", "said"),
     [
         ("0:0.5", FINITE, "must be FIRST:LAST:NUMBER, or FIRST:LAST:NUMBER:log"),
-        ("0:0.5:x", FINITE, "a whole number from 2 to 1000"),
         ("0:1:3:log", FINITE, "must both be above zero, or both below"),
         ("0, 0.5, 0.2", FINITE, "must rise or fall"),
         ("a:1:3", FINITE, '"a" must be a finite number'),
-        ("0:inf:3", FINITE, "must be a finite number"),
         ([], FINITE, "must be one value or more"),
         ("0.1 kg:1 kg:3", VELOCITY, "wrong dimension"),
         ([None], LOAD, "must be numbers in N"),

@@ -22,18 +22,16 @@ C1 = {  # the dimensional case of reference/rolling.json
     "mean_speed": "0.502636 m/s",
     "E_prime": "219.7802 GPa",
 }
-OIL = {"eta0": "40 mPa*s", "alpha": "22 / GPa"}
-IN_TIME = {"method": "transient"}
 TRACK = {k: v for k, v in C1.items() if k != "mean_speed"}
 
 
 def case(contact: dict[str, Any] = MOES, **sections: Any) -> Case:
-    oil = {} if "M" in contact else {"lubricant": OIL}
+    oil = {} if "M" in contact else {"lubricant": {"eta0": "40 mPa*s", "alpha": "22 / GPa"}}
     return parse_case({"contact": contact, **oil, **sections})
 
 
 def in_time(contact: dict[str, Any] = MOES, **sections: Any) -> Case:
-    return case(contact, solver=IN_TIME, **sections)
+    return case(contact, solver={"method": "transient"}, **sections)
 
 
 def test_physical_input_is_the_reference():
@@ -141,14 +139,13 @@ def test_times_with_units():
 
 
 LOADED = {"kind": "rolling", "load": "100 N", "mean_speed": "0.5 m/s", "E_prime": "226.37 GPa"}
-REDUCED = {"radius_x": "10 mm", "radius_y": "50 mm"}
 GROOVE = {"radius_x_1": "6 mm", "radius_y_1": "6 mm", "radius_x_2": "20 mm", "radius_y_2": "-6.24 mm"}
 
 
 @pytest.mark.parametrize(
     ("radii", "R", "ratio"),
     [
-        (REDUCED, 0.01, 0.2),
+        ({"radius_x": "10 mm", "radius_y": "50 mm"}, 0.01, 0.2),
         ({"radius_x_1": "10 mm", "radius_y_1": "50 mm"}, 0.01, 0.2),  # against a plane
         ({"radius_x_1": "20 mm", "radius_x_2": "20 mm", "radius_y_1": "25 mm", "radius_y_2": "-50 mm"}, 0.01, 0.2),
         (GROOVE, 60 / 13e3, 60 / 13 / 156),  # of an inner ring, with a ball: 1/R_x = 1/6 + 1/20, 1/R_y = 1/156

@@ -73,7 +73,6 @@ def test_units_of_a_header_may_differ(tmp_path: Path):
 
 PLACES, PROFILE = 0.5 * np.arange(30), 0.1 * HEIGHTS.ravel()
 STYLUS = np.column_stack([PLACES, PROFILE])
-LENGTH = 15.0
 
 
 @pytest.mark.parametrize(
@@ -96,7 +95,7 @@ LENGTH = 15.0
 def test_a_profile_is_a_list_of_places_and_heights_or_of_heights(lines, unit):
     heights, length = read(lines)
     np.testing.assert_allclose(heights, np.round(PROFILE, 5) * unit[1], rtol=1e-9, atol=1e-15)
-    assert length == pytest.approx(LENGTH * unit[0])
+    assert length == pytest.approx(15.0 * unit[0])
 
 
 @pytest.mark.parametrize(
@@ -124,16 +123,13 @@ def test_what_is_no_profile_is_refused(lines, complaint):
         read(lines)
 
 
-AXES = np.column_stack([np.r_[0.0, Y[:, 0]], np.vstack([X[0], HEIGHTS])])
-
-
 @pytest.mark.parametrize(
     ("lines", "complaint"),
     [
         (changed(2, 3, "***"), r"line 3: '\*\*\*' is not a number; a gap is written nan"),
         (changed(0, 0, "***"), r"line 1: '\*\*\*' is not a number"),
         ([*rows(HEIGHTS)[:2], "0.1 0.2", *rows(HEIGHTS)[2:]], "line 3 has 2 numbers, and line 1 has 6"),
-        (rows(AXES), "line 1: the first row has places"),
+        (rows(np.column_stack([np.r_[0.0, Y[:, 0]], np.vstack([X[0], HEIGHTS])])), "line 1: the first row has places"),
         (rows(np.vstack([X[0], HEIGHTS])), "line 1: the first row has places"),
         (rows(np.column_stack([Y[:, 0], HEIGHTS])), "the first column has places"),
         *((changed(1, 1, mark), "marks a gap") for mark in ("-9999", "-32768", "1e30", "9999", "-1e10", "3.4e38")),

@@ -92,7 +92,7 @@ def lost(w: float, gap: float) -> float:
     H = gap + w**2 / 2
     whole = np.pi / 2 * 0.1 / gap
     within = np.pi / 2 * 0.1 * (1 / gap - 1 / H) - np.pi * w**2 * 0.1 / 4 / H**2
-    return (whole - within) / HERTZ
+    return (whole - within) / (2 * np.pi / 3)
 
 
 @pytest.mark.parametrize("w", [2.0, 4.0])

@@ -87,7 +87,6 @@ def test_the_front_of_an_isoviscous_impact(lambda_bar, nodes, H_min_error, speak
 
 
 EYRING = {"law": "ree-eyring", "tau0": "5 MPa"}
-LIMITED = {"law": "limited", "base": EYRING, "Lambda": 0.05}
 
 
 def of_friction(coefficient, load="20 N", grows=1.0, **oil):
@@ -103,7 +102,7 @@ def of_friction(coefficient, load="20 N", grows=1.0, **oil):
     [
         ({"coefficient": 0.1}, "0.79"),
         ({"coefficient": 0.0}, ""),
-        ({"coefficient": 0.0, "rheology": LIMITED}, "0.79"),
+        ({"coefficient": 0.0, "rheology": {"law": "limited", "base": EYRING, "Lambda": 0.05}}, "0.79"),
         ({"coefficient": 0.1, "viscosity": "roelands"}, ""),
         ({"coefficient": 0.05, "load": "12 N", "rheology": EYRING}, ""),
         ({"coefficient": 0.1, "load": "10 N"}, ""),

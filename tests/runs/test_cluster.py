@@ -48,15 +48,6 @@ def fails() -> None:
     raise RuntimeError("no film")
 
 
-def slow(log: Path, name: str) -> str:
-    with log.open("a") as file:
-        file.write(f"begins {name} {os.getpid()}\n")
-    time.sleep(0.3)
-    with log.open("a") as file:
-        file.write(f"ends {name}\n")
-    return name
-
-
 def stumbles(log: Path) -> str:
     with log.open("a") as file:
         file.write("!")
@@ -193,29 +184,24 @@ def scheduler(tmp_path) -> Iterator[tuple[subprocess.Popen[bytes], str]]:
         process.kill()
 
 
-def test_tasks_of_a_scheduler_that_is_lost_have_failed(scheduler, capfd):
-    """Nothing waits for ever, and nothing is said twice."""
-    process, address = scheduler
-    tasks = [Task(name, max, (1, 2)) for name in "abc"]
-    asked = iter([False, False, False])  # then the scheduler is killed; nobody does the tasks
-    with cluster.existing(address) as workers:
-        found = dict(workers.outcomes(tasks, lambda: next(asked, None) is None and process.kill() is None))
-    assert found == dict.fromkeys("abc", Failure("the scheduler was lost"))
-    assert capfd.readouterr() == ("", "")
-
-
-def test_workers_that_never_come_are_missed(scheduler, monkeypatch):
-    """It is said, and a wish to stop ends the waiting: nobody else would hear it.
+def test_workers_that_never_come_are_missed_and_a_scheduler_that_is_lost_fails_its_tasks(scheduler, monkeypatch, capfd):
+    """A wish to stop ends the waiting for workers; nothing waits for ever, and nothing is said twice.
 
     The scheduler has no keys: it takes anybody's tasks, and with keys of ours we do not talk to it.
     """
-    monkeypatch.setattr(cluster, "PATIENCE", 0)
-    said: list[str] = []
-    monkeypatch.setattr(cluster.warnings, "warn", lambda text, *_, **__: said.append(text))
-    with cluster.existing(scheduler[1]) as workers:
-        assert not workers._has_workers()
-        assert dict(workers.outcomes([Task("a", max, (1,)), Task("b", max, (2,))], lambda: bool(said))) == {}
-    assert said == ["the scheduler has no workers: the runs wait until some come"]
+    process, address = scheduler
+    tasks, said = [Task(name, max, (1, 2)) for name in "abc"], []
+    with cluster.existing(address) as workers:
+        with monkeypatch.context() as patch:
+            patch.setattr(cluster, "PATIENCE", 0)
+            patch.setattr(cluster.warnings, "warn", lambda text, *_, **__: said.append(text))
+            assert not workers._has_workers()
+            assert dict(workers.outcomes(tasks, lambda: bool(said))) == {}
+        assert said == ["the scheduler has no workers: the runs wait until some come"]
+        asked = iter([False, False, False])  # then the scheduler is killed; nobody does the tasks
+        found = dict(workers.outcomes(tasks, lambda: next(asked, None) is None and process.kill() is None))
+    assert found == dict.fromkeys("abc", Failure("the scheduler was lost"))
+    assert capfd.readouterr() == ("", "")
 
 
 INTRUDER = """

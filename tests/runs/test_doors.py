@@ -42,13 +42,10 @@ def copy(tmp_path):
     return lambda directory: Path(shutil.copytree(directory, tmp_path / "run"))
 
 
-DRAFTS = ("summary.json", "checkpoint.npz", "progress.json", "run.zarr/zarr.json")
-
-
 @pytest.mark.parametrize("kind", ["radial", "steady"])
 def test_a_resumed_run_writes_through_no_link(kinds, copy, victim, kind):
     run = copy(kinds[kind].cut)
-    for name in DRAFTS:
+    for name in ("summary.json", "checkpoint.npz", "progress.json", "run.zarr/zarr.json"):
         (run / f"{name}.partial").symlink_to(victim / "a.txt")
     for name in ("run.zarr.partial", "run.zarr.old"):
         (run / name).symlink_to(victim)

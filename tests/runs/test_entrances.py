@@ -10,7 +10,6 @@ import ertel
 from ertel.inputs.studies import parse_study
 
 DATA = {"contact": {"M": 200, "L": 10}, "solver": {"method": "radial", "nodes": 33}, "time": {"until": 0.05}}
-WRONG = [None, 5, [], b"case.toml"]
 
 
 @pytest.fixture
@@ -28,7 +27,7 @@ def test_a_case_may_be_a_path_or_a_mapping(file, tmp_path):
     assert ertel.run(str(file), tmp_path / "run").case == ertel.run(DATA, tmp_path / "run").case == case
 
 
-@pytest.mark.parametrize("given", WRONG)
+@pytest.mark.parametrize("given", [5, b"case.toml"])
 def test_anything_else_is_one_sentence(given):
     said = f"^case = {re.escape(repr(given))}: must be a Case, a mapping, or the path of a case file$"
     for entrance, *more in ((ertel.simulate,), (ertel.run, "nowhere"), (ertel.to_toml,)):

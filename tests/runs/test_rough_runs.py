@@ -27,7 +27,6 @@ from ertel.runs.store import RunStore, compute
 from ertel.solvers import steady
 
 ROUGH = SelfAffine(rms=0.02, hurst=0.8, shortest=0.2, longest=1.0, seed=3)
-SHORT: dict[str, dict[str, Any]] = {"time": {"tolerance": 0.01, "until": 0.4}}
 HEIGHTS = np.random.default_rng(0).normal(size=(20, 30))
 DISC = Measured(HeightMap(HEIGHTS), 6.0, 4.0, 0.02)
 TOML = """
@@ -46,7 +45,7 @@ cutoff = 0.5
 
 
 def rough(nodes: int, shape: Any = ROUGH) -> Case:
-    return replace(impact(200, 10, nodes, **SHORT), roughness=(Feature(shape),))
+    return replace(impact(200, 10, nodes, **{"time": {"tolerance": 0.01, "until": 0.4}}), roughness=(Feature(shape),))
 
 
 @pytest.mark.parametrize("shape", [ROUGH, DISC], ids=["self-affine", "measured"])

@@ -39,6 +39,7 @@ CONTACT = {
 }
 OIL = {"oil": "squalane", "temperature": "40 degC", "rheology": {"law": "carreau", "G": "6 MPa", "n": 0.42}}
 BATH = 313.15  # K
+WITHOUT = {"beta": "1e-8 / K", "inlet": "none"}  # the least beta that is allowed; in the program of the other cases
 
 
 def case_of(contact: dict[str, Any] | None = None, **thermal: Any) -> Case:
@@ -90,16 +91,16 @@ def test_the_balance_of_heat_of_a_film_that_stays() -> None:
 
 @pytest.mark.parametrize("rheology", [OIL["rheology"], pytest.param("newtonian", marks=pytest.mark.slow)], ids=str)
 def test_without_heat_the_friction_is_the_isothermal_one(rheology: Any) -> None:
-    case = case_of(beta="1e-8 / K", viscosity="exponential", inlet="none")
+    case = case_of(**WITHOUT)
     case = parse_case({**case.to_data(), "lubricant": {**OIL, "rheology": rheology}})
     P, H = film_of(case)
     warm, grid = heated(case, P, H), grid_of(case)
     c, load = discretise.contact_of(case, grid), case.geometry.hertz_load
     cold = jax.jit(friction)(Plane.of(grid), c, jnp.asarray(P), jnp.asarray(H), 0.4, 1.0, load)
     assert case.thermal is not None
-    hotter = float(np.max(warm.T_film)) - case.thermal.temperature
-    left = 1.01e-8 * hotter  # of the viscosity, by the least beta that is allowed
-    assert left < 1e-4
+    thinner, hotter = case.thermal.viscosity_of(case.oil.eta0), np.max(warm.T_film) - case.thermal.temperature
+    left = -1.01 * float(thinner.change(np.log(case.lubricant.viscosity(1.0)), hotter))  # of the viscosity
+    assert 0.0 < left < 1e-4
     wrong = np.hypot(*(warm.stress - cold.stress))
     assert (wrong <= left * np.hypot(*cold.stress) + 1e-9).all()  # along Y a Newtonian oil has none without heat
     assert_allclose(warm.sliding, cold.sliding, rtol=left, atol=1e-12)
@@ -107,8 +108,7 @@ def test_without_heat_the_friction_is_the_isothermal_one(rheology: Any) -> None:
 
 def test_heat_reduces_the_traction_and_more_so_with_sliding() -> None:
     slow, fast = heated_at(0.2), heated_at(1.0)
-    cold = {"beta": "1e-8 / K", "viscosity": "exponential", "inlet": "none"}
-    share = [float(hot.sliding[0] / heated_at(S, **cold).sliding[0]) for hot, S in ((slow, 0.2), (fast, 1.0))]
+    share = [float(hot.sliding[0] / heated_at(S, **WITHOUT).sliding[0]) for hot, S in ((slow, 0.2), (fast, 1.0))]
     assert 0.2 < share[1] < share[0] < 1.0
     assert fast.T_film.max() > slow.T_film.max() > BATH
 
@@ -256,7 +256,7 @@ def test_all_rows_of_that_program_on_a_finer_grid(row: Any) -> None:
 
 
 def test_oil_that_does_not_get_thinner_has_the_isothermal_film() -> None:
-    warm, cold = rolled(5.0, 0.2, beta=1e-8, viscosity="exponential"), rolled(5.0, 0.2, inlet="none")
+    warm, cold = rolled(5.0, 0.2, beta=1e-8), rolled(5.0, 0.2, inlet="none")
     assert warm.heat is not None and warm.heat.T.max() > 35.0  # 5 K hotter than with thinner oil
     assert warm.measure()["H_c"] == pytest.approx(cold.measure()["H_c"], rel=2e-5)
     assert float(warm.account.friction.sliding[0]) == pytest.approx(float(cold.account.friction.sliding[0]), rel=1e-3)

@@ -127,7 +127,7 @@ def heated(
     turned = partial(flow_aligned, steady_rate(mean))  # X points downstream
     P, film = jnp.asarray(P), opened(inlet.factor * jnp.asarray(H))
     boundary = 0.0 if P_asperity is None or case.surfaces is None else case.surfaces.friction * s.p_h * P_asperity
-    solid = jnp.broadcast_to(abs(slides * mean) * jnp.asarray(boundary), grid.shape)
+    solid = jnp.broadcast_to(abs(slides * mean) * jnp.asarray(boundary, float), grid.shape)
     energy = _energy(case, grid, turned(P), turned(film), speeds, peclet, turned(solid))
     _, theta, T = (turned(jnp.asarray(each)) for each in factors or WarmFactors.of_cold(grid))
     found = _program(energy, T, theta, inf if factors is None else LARGEST_CHANGE, limit)
