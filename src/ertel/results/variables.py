@@ -3,9 +3,8 @@
 Everything is dimensionless; where the case is physical each variable also carries `si_factor`, `si_units` and
 `si_name`, so that a stored run turns into SI without ertel: value * si_factor.  This module imports no xarray.
 
-T counts from the start of a run.  In SI t counts from the first touch of the undeformed bodies, Delta = 0, so that it
-does not depend on the gap with which an impact starts: t = (T - si_zero) * si_factor, see `with_clock`.  Rolling in
-time has no touch, and its t = 0 is its start.
+T counts from the start of a run, and so does t in rolling.  The t of an impact counts from the first touch of the
+undeformed bodies, Delta = 0, whatever the gap at the start: t = (T - si_zero) * si_factor, see `with_clock`.
 """
 
 import re
