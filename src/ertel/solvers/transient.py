@@ -274,7 +274,7 @@ class Transient2D(Stepper):
     def _middle(self) -> nonlinear.Middle:
         middle, compliance = self.grid.middle(), self.geometry.compliance
         elastic = multigrid.deformation_operators(middle, compliance, PRECISION)
-        return nonlinear.Middle(halfspace.spectrum(middle, compliance), elastic)
+        return nonlinear.Middle(halfspace.kernel(middle, compliance), elastic)
 
     def solve(self, problem: StepProblem) -> StepSolution:
         """The step's solution, on this device."""
