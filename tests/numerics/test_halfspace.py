@@ -61,6 +61,17 @@ def test_products_equal_transforms_to_round_off(
     np.testing.assert_array_equal(products.alternating(), transforms.alternating())
 
 
+def test_the_spectra_of_a_grid_and_its_coarser_ones_are_computed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also of 4097²; one too few to be kept, and a steady film computes all of them again and again."""
+    grids = [Grid.square(nodes, 1.0) for nodes in range(9, 9 + 2 * len(Grid.square(4097, 1.0).hierarchy()), 2)]
+    asked, coefficients = [], halfspace.love_coefficients
+    monkeypatch.setattr(halfspace, "love_coefficients", lambda *a: asked.append(a) or coefficients(*a))
+    halfspace._unit_spectrum.cache_clear()
+    for grid in [*grids, *grids]:
+        halfspace.kernel(grid)
+    assert len(asked) == len(grids)
+
+
 def _kernel_below(most: int, grid: Grid, dtype: str, monkeypatch: pytest.MonkeyPatch) -> halfspace.Kernel:
     """With products on grids of so many nodes a side."""
     monkeypatch.setattr(halfspace, "PRODUCTS", {"cpu": most})

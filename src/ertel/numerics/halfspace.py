@@ -52,21 +52,28 @@ def line_coefficients(columns: int, spacing: float, reach: float) -> NDArray[np.
     return np.asarray(logarithm * spacing, dtype=np.float64)[None]
 
 
-@lru_cache(maxsize=8)
+GRIDS = 16  # whose spectra are kept: a grid and all its coarser ones, in turns, on which one of them may be costly
+
+
+@lru_cache(maxsize=GRIDS)
 def _unit_spectrum(rows: int, columns: int) -> NDArray[np.float64]:
-    """Fourier transform of the coefficients for unit spacing; the kernel is even, so the transform is real."""
-    return np.fft.rfft2(love_coefficients(rows, columns, 1.0)[np.ix_(_distances(rows), _distances(columns))]).real
+    """Fourier transform of the coefficients for unit spacing, shape (rows, columns).
+
+    The kernel is even, and so is its transform, which is real.
+    """
+    along_x = np.fft.rfft(love_coefficients(rows, columns, 1.0)[:, _distances(columns)]).real
+    return np.fft.rfft(along_x[_distances(rows)], axis=0).real
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=GRIDS)
 def _line_spectrum(columns: int, spacing: float, reach: float) -> NDArray[np.float64]:
     """The same of the coefficients on a line."""
     return np.fft.rfft(line_coefficients(columns, spacing, reach)[:, _distances(columns)]).real
 
 
 def _distances(nodes: int) -> NDArray[np.int64]:
-    """Distance from the first node to each node of a period, the shorter way round."""
-    period = 2 * (nodes - 1)
+    """Distance from the first node to each node of a period, the shorter way round; one row is its own period."""
+    period = max(2 * (nodes - 1), 1)
     return np.minimum(np.arange(period), period - np.arange(period))
 
 
@@ -144,7 +151,7 @@ def kernel(grid: Grid, compliance: float = 1.0, dtype: str = "float64", reach: f
     whole_axes = 2 - sum(grid.even)
     most = PRODUCTS.get(jax.default_backend(), PRODUCTS_ELSEWHERE)
     if max(grid.nodes_x, grid.nodes_y) - 1 > (most - 1) >> whole_axes:
-        return TransformKernel(put(whole[: grid.nodes_y] if any(grid.even) else whole), grid.even)
+        return TransformKernel(put(whole if any(grid.even) else whole[_distances(grid.nodes_y)]), grid.even)
     along_y, along_x = (_waves(*axis) for axis in zip((grid.nodes_y, grid.nodes_x), grid.even, strict=True))
     spectrum = whole[np.ix_(along_y.numbers, along_x.numbers)]
     to_waves, to_nodes = (along_y.to_waves, along_x.to_waves.T), (along_y.to_nodes, along_x.to_nodes.T)
