@@ -98,6 +98,11 @@ def middle(shape: tuple[int, ...], even: Symmetry) -> tuple[slice, ...]:
     return tuple(slice(first, first + (nodes + 1) // 2) for first, nodes in zip(before, shape, strict=True))
 
 
+def beyond_middle(field: Array, even: Symmetry) -> Array:
+    """The number of stored nodes outside `middle` at which a field is not zero; by NumPy or JAX."""
+    return (field != 0.0).sum() - (field[middle(field.shape, even)] != 0.0).sum()
+
+
 def total(field: Array, even: Symmetry) -> Array:
     """The sum over the whole plane, or over one row."""
     rows = 2.0 * jnp.sum(field, axis=0) - field[0] if even.y else jnp.sum(field, axis=0)

@@ -266,9 +266,10 @@ class Transient2D(Stepper):
         """The middle of the grid if a film has pressure nowhere else; None otherwise and on a small grid."""
         if min(self.grid.nodes_x, self.grid.nodes_y) <= self.small:
             return None
-        P = np.asarray(level.P) + edge
-        inside = P[stencils.middle(P.shape, self.grid.even)]
-        return self._middle if np.count_nonzero(inside) == np.count_nonzero(P) else None
+        around: Any = level.around  # a step has counted on the device; P itself stays there
+        if around is None:
+            around = stencils.beyond_middle(np.asarray(level.P), self.grid.even)  # type: ignore[arg-type]
+        return None if around or edge.any() else self._middle
 
     @cached_property
     def _middle(self) -> nonlinear.Middle:
@@ -390,8 +391,8 @@ def _numbers(
     # half a cell around the grid counts as outside
     beyond = Surroundings(p.edge, known.load_around + load - terms["load"], known.uplift)
     load_rate = rate_of_change(known.rates, load, known.loads)
-    around, work = known.load_around, (s.newton, s.krylov)
-    numbers = state.StepNumbers(approach, velocity, load, around, error, s.converged, *work)
+    beyond_middle, ended = stencils.beyond_middle(s.P, c.even), (s.converged, s.newton, s.krylov)
+    numbers = state.StepNumbers(approach, velocity, load, known.load_around, error, beyond_middle, *ended)
     of_account = account.with_outside(terms, velocity, beyond, setting.hertz_load, load_rate)
     return {**numbers._asdict(), **values, "F": F, **of_account}
 
