@@ -8,7 +8,7 @@ diagonals, for the nodes along a line.
 
 from collections.abc import Callable
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -98,7 +98,7 @@ def middle(shape: tuple[int, ...], even: Symmetry) -> tuple[slice, ...]:
     return tuple(slice(first, first + (nodes + 1) // 2) for first, nodes in zip(before, shape, strict=True))
 
 
-def beyond_middle(field: Array, even: Symmetry) -> Array:
+def beyond_middle(field: Any, even: Symmetry) -> Any:
     """The number of stored nodes outside `middle` at which a field is not zero; by NumPy or JAX."""
     return (field != 0.0).sum() - (field[middle(field.shape, even)] != 0.0).sum()
 

@@ -266,9 +266,8 @@ class Transient2D(Stepper):
         """The middle of the grid if a film has pressure nowhere else; None otherwise and on a small grid."""
         if min(self.grid.nodes_x, self.grid.nodes_y) <= self.small:
             return None
-        around: Any = level.around  # a step has counted on the device; P itself stays there
-        if around is None:
-            around = stencils.beyond_middle(np.asarray(level.P), self.grid.even)  # type: ignore[arg-type]
+        around = level.around  # a step has counted on the device, and P itself stays there
+        around = stencils.beyond_middle(np.asarray(level.P), self.grid.even) if around is None else around
         return None if around or edge.any() else self._middle
 
     @cached_property
