@@ -36,11 +36,11 @@ def measure(nodes: int, cores: int) -> list[Any]:
     from ertel.numerics import halfspace
     from ertel.numerics.grid import Grid
 
-    kernel = halfspace.spectrum(Grid.square(nodes, 2.0))
+    kernel = halfspace.kernel(Grid.square(nodes, 2.0))
     P = np.zeros((nodes, nodes))
     P[1:-1, 1:-1] = np.random.default_rng(0).random((nodes - 2, nodes - 2))
-    on_device, host_kernel = jnp.asarray(P), np.asarray(kernel)
-    convolve = jax.jit(halfspace.surface_displacement)
+    on_device, host_kernel = jnp.asarray(P), np.asarray(kernel.spectrum)
+    convolve = jax.jit(lambda kernel, P: kernel.displacement(P))
     by_jax = partial(_waited, convolve, kernel, on_device)
     one, all_cores = (partial(displacement, host_kernel, P, workers) for workers in (1, cores))
     np.testing.assert_allclose(np.asarray(by_jax()), all_cores(), rtol=1e-9, atol=1e-12)
@@ -55,7 +55,7 @@ def _waited(work: Callable[..., Any], *arguments: Any) -> Any:
 
 
 def displacement(kernel: Any, P: Any, workers: int) -> Any:
-    """`halfspace.surface_displacement` on the whole plane by scipy.fft: the same rows transformed, the same kernel."""
+    """`halfspace.TransformKernel` on the whole plane by scipy.fft: the same rows transformed, the same kernel."""
     from scipy import fft
 
     period, nodes = 2 * (kernel.shape[1] - 1), P.shape[0]

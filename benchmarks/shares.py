@@ -259,7 +259,7 @@ def _parts(problem: Any, P: Any, H: Any) -> dict[str, tuple[float, float, float]
     import jax.numpy as jnp
 
     from ertel.equations import contact
-    from ertel.numerics import halfspace, multigrid, newton, stencils
+    from ertel.numerics import multigrid, newton, stencils
 
     call = seconds(jax.jit(lambda x: x + 1), 0.0)  # which parts in one program do not need
 
@@ -273,12 +273,12 @@ def _parts(problem: Any, P: Any, H: Any) -> dict[str, tuple[float, float, float]
         return problem.algorithms.preconditioner(problem, P, H, free).args[0]
 
     levels = levels_at(P, H)
-    convolve = jax.jit(halfspace.surface_displacement, static_argnums=2)
-    exact = clock(convolve, c.kernel, P, c.even)
+    convolve = jax.jit(lambda kernel, P: kernel.displacement(P))
+    exact = clock(convolve, c.kernel, P)
     fft = smooth = transfer = operate = 0.0
     for fine, coarse in itertools.pairwise(levels):
         e, small = fine.coefficients.free, coarse.coefficients.free
-        fft += 2 * clock(convolve, coarse.elasticity.spectrum, small, c.even)
+        fft += 2 * clock(convolve, coarse.elasticity.kernel, small)
         smooth += 2 * clock(jax.jit(multigrid.relax), fine, e)
         down, up = jax.jit(partial(multigrid.restrict, even=c.even)), jax.jit(multigrid.prolong)
         transfer += 2 * clock(down, e) + 4 * clock(up, small)

@@ -57,10 +57,8 @@ def by_ertel(nodes: int, P: Any) -> Callable[[], Any]:
     from ertel.numerics import halfspace
     from ertel.numerics.grid import Grid
 
-    kernel, convolve = (
-        halfspace.spectrum(Grid.square(nodes, HALF_WIDTH), 2 / np.pi**2),
-        jax.jit(halfspace.surface_displacement),
-    )
+    kernel = halfspace.kernel(Grid.square(nodes, HALF_WIDTH), 2 / np.pi**2)
+    convolve = jax.jit(lambda kernel, P: kernel.displacement(P))
     on_device = jnp.asarray(P)
     return lambda: jax.block_until_ready(convolve(kernel, on_device))
 

@@ -25,20 +25,59 @@ def direct_sum(K: NDArray[np.float64], P: NDArray[np.float64]) -> NDArray[np.flo
 
 
 def displaced(grid: Grid, P: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.asarray(halfspace.surface_displacement(halfspace.spectrum(grid, CIRCLE.compliance), jnp.asarray(P)))
+    return np.asarray(halfspace.kernel(grid, CIRCLE.compliance).displacement(jnp.asarray(P)))
 
 
 @every_symmetry
 @pytest.mark.parametrize(("nodes_x", "nodes_y"), [(33, 9), (17, 25)])
 @pytest.mark.parametrize(("dtype", "error"), [("float64", 1e-12), ("float32", 1e-5)])
-def test_fft_equals_the_direct_sum(even: Symmetry, nodes_x: int, nodes_y: int, dtype: str, error: float) -> None:
+def test_fft_equals_the_direct_sum(
+    even: Symmetry, nodes_x: int, nodes_y: int, dtype: str, error: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
     grid, P = Grid(nodes_x, nodes_y, 0.2, even=even), np.pad(even_fields(even, nodes_y - 2, nodes_x - 2), 1)
     expected = CIRCLE.compliance * direct_sum(halfspace.love_coefficients(nodes_y, nodes_x, grid.spacing), P)
     kept = jnp.asarray(folded(P, even), dtype)
     assert kept.shape == grid.shape
-    found = halfspace.surface_displacement(halfspace.spectrum(grid, CIRCLE.compliance, dtype), kept, even)
+    found = _kernel_below(0, grid, dtype, monkeypatch).displacement(kept)
     assert found.dtype == dtype
     np.testing.assert_allclose(unfolded(found, even), expected, rtol=error)
+
+
+@every_symmetry
+@pytest.mark.parametrize(("nodes_x", "nodes_y"), [(65, 17), (65, 1)])
+@pytest.mark.parametrize(("dtype", "error"), [("float64", 3e-15), ("float32", 2e-6)])
+def test_products_equal_transforms_to_round_off(
+    even: Symmetry, nodes_x: int, nodes_y: int, dtype: str, error: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also of a complex field, and by waves that alternate from node to node."""
+    even = even._replace(y=False) if nodes_y == 1 else even
+    grid, P = Grid(nodes_x, nodes_y, 0.2, even=even), even_fields(even, 2, max(nodes_y - 2, 1), nodes_x - 2) - 0.5
+    P = np.pad(P, ((0, 0), (int(nodes_y > 1),) * 2, (1, 1)))
+    kept = jnp.asarray(folded(P[0], even), dtype) + 1j * jnp.asarray(folded(P[1], even), dtype)
+    transforms, products = (_kernel_below(most, grid, dtype, monkeypatch) for most in (0, 1025))
+    expected, found = transforms.displacement(kept), products.displacement(kept)
+    assert found.dtype == expected.dtype == jnp.result_type(dtype, "complex64")
+    np.testing.assert_allclose(found, expected, rtol=0, atol=error * np.abs(expected).max())
+    np.testing.assert_array_equal(products.alternating(), transforms.alternating())
+
+
+def test_the_spectra_of_a_grid_and_its_coarser_ones_are_computed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also of 4097²; one too few to be kept, and a steady film computes all of them again and again."""
+    grids = [Grid.square(nodes, 1.0) for nodes in range(9, 9 + 2 * len(Grid.square(4097, 1.0).hierarchy()), 2)]
+    asked, coefficients = [], halfspace.love_coefficients
+    monkeypatch.setattr(halfspace, "love_coefficients", lambda *a: asked.append(a) or coefficients(*a))
+    halfspace._unit_spectrum.cache_clear()
+    for grid in [*grids, *grids]:
+        halfspace.kernel(grid)
+    assert len(asked) == len(grids)
+
+
+def _kernel_below(most: int, grid: Grid, dtype: str, monkeypatch: pytest.MonkeyPatch) -> halfspace.Kernel:
+    """With products on grids of so many nodes a side."""
+    monkeypatch.setattr(halfspace, "PRODUCTS", {"cpu": most})
+    kernel = halfspace.kernel(grid, CIRCLE.compliance, dtype)
+    assert isinstance(kernel, halfspace.ProductKernel if most else halfspace.TransformKernel)
+    return kernel
 
 
 @pytest.mark.parametrize(("i", "j"), [(0, 1), (1, 1), (3, 2), (0, 7)])

@@ -89,7 +89,7 @@ def test_cycles_end_at_the_solution_with_two_mobilities() -> None:
         )
 
     e = jnp.asarray(of_levels(solution, grid, c, r))
-    deformation = halfspace.surface_displacement(halfspace.spectrum(grid, CIRCLE.compliance), e)
+    deformation = halfspace.kernel(grid, CIRCLE.compliance).displacement(e)
     left = c.stretch * deformation - diffusion(c.eps, e) / grid.spacing**2 - r
     assert np.all(e[c.free == 0] == 0)
     np.testing.assert_allclose(c.free * left, 0.0, atol=1e-11 * np.abs(r).max())

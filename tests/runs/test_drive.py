@@ -4,6 +4,7 @@ import io
 import itertools
 from dataclasses import dataclass
 from functools import cache
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from ertel.equations.approach import ClosureLine, NewtonsLaw
 from ertel.physics.motion import constant
 from ertel.physics.registry import OIL_LAWS
 from ertel.results.summary import with_error
-from ertel.runs.drive import LogLines, bars, drive, result_of, run_of, simulate
+from ertel.runs.drive import LogLines, bars, drive, result_of, run_of, simulate, watch
 from ertel.runs.result import Result
 from ertel.runs.stepping import StepLimits, TransientRun
 from ertel.solvers.radial import RadialImpact
@@ -157,6 +158,15 @@ def test_a_log_tells_of_a_study_as_a_whole() -> None:
         "runs  50%  run 1 converged  2 min so far, about 2 min left",
         "runs  75%  run 2 converged  4 min so far, about 70 s left",
     ]
+
+
+@pytest.mark.parametrize(("platform", "label"), [("cpu", "impact"), ("gpu", "impact on Made-up 9000")])
+def test_the_bar_names_a_device_that_is_not_the_cpu(platform: str, label: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    device = SimpleNamespace(platform=platform, device_kind="Made-up 9000")
+    monkeypatch.setattr("ertel.runs.compile.jax_devices", lambda: [device])
+    with bars(False) as shown:
+        watch(shown, SimpleNamespace(case=impact(200, 10, 33)))  # type: ignore[arg-type]
+    assert [task.description for task in shown.tasks] == [label]
 
 
 @ertel.viscosity_laws.register("of numpy")

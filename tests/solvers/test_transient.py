@@ -423,6 +423,20 @@ def test_a_film_without_pressure_outside_the_middle_of_its_grid_is_solved_there(
     assert middle["restitution"] == pytest.approx(whole["restitution"], rel=1e-4)  # the tolerance is 1e-3
 
 
+def test_a_step_copies_its_numbers_to_the_host_and_no_field(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also where it looks for pressure outside the middle of the grid; of an impact, and of rolling in time."""
+    asarray, asked = np.asarray, []
+    monkeypatch.setattr(np, "asarray", lambda array, *more, **how: asked.append(array) or asarray(array, *more, **how))
+    falling, carried = impact(200, 10, 65), rolled(Parameters.from_moes(20, 5), OIL, Solver("transient", nodes=33))
+    for method in (Transient2D(falling, small=64), Transient2D(carried, small=32)):
+        course = TransientRun(method.case, method)
+        step = course.advance(course.begin())  # the first one counts in P, which no step has made
+        asked.clear()
+        following = course.advance(step)
+        assert following.state.counts.rejected == 0 and not following.frames
+        assert [array.ndim for array in asked if isinstance(array, jax.Array)] == [1]
+
+
 @pytest.mark.slow
 @alone
 def test_pressure_that_comes_back_outside_the_middle_is_found() -> None:
@@ -433,7 +447,7 @@ def test_pressure_that_comes_back_outside_the_middle_is_found() -> None:
     P = np.zeros_like(levels[0].P)
     inside = stencils.middle(P.shape, whole.grid.even)
     P[inside] = levels[0].P[inside]
-    levels[0] = replace(levels[0], fields={**levels[0].fields, "P": jnp.asarray(P)})
+    levels[0] = replace(levels[0], around=None, fields={**levels[0].fields, "P": jnp.asarray(P)})
     expected, found = (method.advance(levels[:3], 0.02) for method in (whole, middle))
     assert found.work.convolutions > expected.work.convolutions
     assert np.array_equal(found.P, expected.P)

@@ -329,4 +329,5 @@ def new_level(T: float, solution: StepSolution) -> State:
     n = StepNumbers(*(record.pop(name) for name in StepNumbers._fields))
     status = Status.CONVERGED if n.converged else Status.NEWTON_STALLED  # stalled too if NaN
     work = Work(int(n.newton), int(n.krylov))
-    return State(T, n.approach, n.velocity, solution.fields, status, work, n.outside, n.load, n.error, record)
+    numbers = n.outside, n.load, n.error, n.around
+    return State(T, n.approach, n.velocity, solution.fields, status, work, *numbers, record)

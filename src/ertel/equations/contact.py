@@ -128,13 +128,13 @@ NEWTONIAN_FLOW = PressureFlow()
 class Contact:
     """Two surfaces and the oil between them.
 
-    gap: undeformed gap minus roughness, shape (n, n).  kernel: from `halfspace.spectrum`.  flow: how the pressure
+    gap: undeformed gap minus roughness, shape (n, n).  kernel: from `halfspace.kernel`.  flow: how the pressure
     gradient drives the oil.  even: the axes about which fields are even and stored on one side (`stencils`).
     asperities: None where none touch.
     """
 
     gap: Array
-    kernel: Array
+    kernel: halfspace.Kernel
     spacing: float
     lambda_bar: float
     lubricant: Lubricant
@@ -146,7 +146,7 @@ class Contact:
 def bare_contact(geometry: Geometry, grid: Grid, lambda_bar: float, lubricant: Lubricant) -> Contact:
     """Two smooth bodies of a geometry."""
     gap = jax.device_put(geometry.gap(grid.kept_x[None, :], grid.kept_y[:, None]))
-    kernel = halfspace.spectrum(grid, geometry.compliance, reach=geometry.reach)
+    kernel = halfspace.kernel(grid, geometry.compliance, reach=geometry.reach)
     return Contact(gap, kernel, grid.spacing, lambda_bar, traceable(lubricant), grid.even)
 
 
@@ -157,7 +157,7 @@ def film_thickness(contact: Contact, P: Array, approach: Array | float) -> Array
 
 def deformation(contact: Contact, P: Array) -> Array:
     """The geometry's compliance times the double integral of P/distance, eq. (3); of a line contact see `geometry`."""
-    return halfspace.surface_displacement(contact.kernel, P, contact.even)
+    return contact.kernel.displacement(P)
 
 
 def pressure_load(contact: Contact, P: Array) -> Array:

@@ -35,7 +35,8 @@ class State:
     """The contact at one time: T in t0, approach in delta*, velocity dDelta/dT, fields of shape (n, n) or (n,) by name.
 
     The fields are P, H and others that a method needs to go on; where asperities touch, P_asperity is their part of P.
-    load, outside: the double integral of P on the grid and outside it.  status, work, error, record: of the step that
+    load, outside: the double integral of P on the grid and outside it.  around: the number of nodes with P > 0 outside
+    the middle of the grid, None where nobody has counted them.  status, work, error, record: of the step that
     made this state: its outcome, its work, how far the film is from its prediction (relative), and its numbers by name
     (those of `Stepper.measure` and of `account`).
     """
@@ -49,6 +50,7 @@ class State:
     outside: float = 0.0
     load: float = 0.0
     error: float = 0.0
+    around: float | None = None
     record: Mapping[str, float] = field(default_factory=dict)
 
     @property
@@ -192,6 +194,7 @@ class StepNumbers(NamedTuple):
     load: Any
     outside: Any
     error: Any
+    around: Any
     converged: Any
     newton: Any
     krylov: Any

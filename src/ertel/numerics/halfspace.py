@@ -3,26 +3,28 @@
 On a grid of one row nothing changes along Y: the half space is a half plane, and the kernel a logarithm.
 
 The pressure is constant on the cell around each node and zero on the edge nodes of the grid.  Love's closed form gives
-the displacement that one cell causes; a convolution by FFT sums over all cells.  Because the pressure is zero on the
-edge, a period of 2 (nodes - 1) in each direction is enough to separate the periodic images, and FFTs of that length are
-fast.
+the displacement that one cell causes; a convolution sums over all cells: each wave of the pressure is multiplied by its
+displacement.  Because the pressure is zero on the edge, a period of 2 (nodes - 1) in each direction is enough to
+separate the periodic images, and FFTs of that length are fast.  On small grids products with the matrices of the same
+cosines and sines are faster: few operations, each of which a device does at its full speed.
 
 Below the surface each wave of a load decays by itself (`physics.stress`): `Waves` takes fields apart and puts them
 together again, on periods that are longer, because the images cannot be cut off there.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, lru_cache, partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array, lax
+from jax import Array, lax, tree
+from jax.tree_util import register_dataclass
 from numpy.typing import NDArray
 
-from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
+from ertel.numerics.grid import Grid, Symmetry
 from ertel.numerics.programs import require_double
 
 
@@ -50,26 +52,92 @@ def line_coefficients(columns: int, spacing: float, reach: float) -> NDArray[np.
     return np.asarray(logarithm * spacing, dtype=np.float64)[None]
 
 
-@lru_cache(maxsize=8)
+GRIDS = 16  # whose spectra are kept: a grid and all its coarser ones, in turns, on which one of them may be costly
+
+
+@lru_cache(maxsize=GRIDS)
 def _unit_spectrum(rows: int, columns: int) -> NDArray[np.float64]:
-    """Fourier transform of the coefficients for unit spacing; the kernel is even, so the transform is real."""
-    return np.fft.rfft2(love_coefficients(rows, columns, 1.0)[np.ix_(_distances(rows), _distances(columns))]).real
+    """Fourier transform of the coefficients for unit spacing, shape (rows, columns).
+
+    The kernel is even, and so is its transform, which is real.
+    """
+    along_x = np.fft.rfft(love_coefficients(rows, columns, 1.0)[:, _distances(columns)]).real
+    return np.fft.rfft(along_x[_distances(rows)], axis=0).real
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=GRIDS)
 def _line_spectrum(columns: int, spacing: float, reach: float) -> NDArray[np.float64]:
     """The same of the coefficients on a line."""
     return np.fft.rfft(line_coefficients(columns, spacing, reach)[:, _distances(columns)]).real
 
 
 def _distances(nodes: int) -> NDArray[np.int64]:
-    """Distance from the first node to each node of a period, the shorter way round."""
-    period = 2 * (nodes - 1)
+    """Distance from the first node to each node of a period, the shorter way round; one row is its own period."""
+    period = max(2 * (nodes - 1), 1)
     return np.minimum(np.arange(period), period - np.arange(period))
 
 
-def spectrum(grid: Grid, compliance: float = 1.0, dtype: str = "float64", reach: float = 1.0) -> Array:
-    """Kernel of `surface_displacement` on a grid: real, (2 (n_y - 1), n_x), or (n_y, n_x) for fields even in X or Y.
+# The nodes a side up to which convolutions are products, by the kind of device, for fields even in X and in Y; half as
+# many for each axis about which they are not.  On a CPU they are then equally fast or faster (measured on one core).
+# For other devices the bound is computed and not measured: 24 n^3 operations for n kept nodes a side, at 50 Tflop/s
+PRODUCTS, PRODUCTS_ELSEWHERE = {"cpu": 65}, 1025
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """The half space on a grid, for fields that are even about these axes and stored on one side.
+
+    spectrum: the displacement by each wave of the pressure, real.
+    """
+
+    spectrum: Array
+    even: Symmetry = field(metadata={"static": True})
+
+    def displacement(self, P: Array) -> Array:
+        """Normal displacement under the pressure P, both on the same nodes; P = 0 on the edge.
+
+        A complex P takes two convolutions.
+        """
+        if jnp.iscomplexobj(P):
+            return lax.complex(self.convolved(P.real), self.convolved(P.imag))
+        return self.convolved(P)
+
+    def convolved(self, P: Array) -> Array:
+        """The displacement under a real pressure."""
+        raise NotImplementedError
+
+    def alternating(self) -> tuple[Array, Array]:
+        """The displacement by pressures of one that alternate from node to node, along X and along both axes."""
+        return self.spectrum[0, -1], self.spectrum[-1, -1]
+
+
+@register_dataclass
+@dataclass(frozen=True)
+class TransformKernel(Kernel):
+    """Convolution by FFT.  The spectrum has the shape (2 (n_y - 1), n_x), or (n_y, n_x) for fields even in X or Y."""
+
+    def convolved(self, P: Array) -> Array:
+        return _by_transforms(self.spectrum, P, self.even)
+
+    def alternating(self) -> tuple[Array, Array]:
+        shortest = -1 if any(self.even) else self.spectrum.shape[0] // 2
+        return self.spectrum[0, -1], self.spectrum[shortest, -1]
+
+
+@register_dataclass
+@dataclass(frozen=True)
+class ProductKernel(Kernel):
+    """Convolution by products of matrices: to the waves along Y and along X, and back to the nodes."""
+
+    to_waves: tuple[Array, Array]
+    to_nodes: tuple[Array, Array]
+
+    def convolved(self, P: Array) -> Array:
+        return _by_products(self.spectrum, self.to_waves, self.to_nodes, P)
+
+
+def kernel(grid: Grid, compliance: float = 1.0, dtype: str = "float64", reach: float = 1.0) -> Kernel:
+    """The half space on a grid, by products where they are faster on the device that JAX computes on.
 
     compliance: the displacement is this factor times the double integral of P/distance; on a grid of one row, times
     the integral of P ln(reach/distance).
@@ -79,44 +147,79 @@ def spectrum(grid: Grid, compliance: float = 1.0, dtype: str = "float64", reach:
         whole = _line_spectrum(grid.nodes_x, grid.spacing, reach) * compliance
     else:
         whole = _unit_spectrum(grid.nodes_y, grid.nodes_x) * (compliance * grid.spacing)
-    kept = whole[: grid.nodes_y] if any(grid.even) else whole
-    return jax.device_put(kept.astype(dtype))  # unlike `jnp.asarray`, this has nothing to compile
+    put = partial(tree.map, lambda values: jax.device_put(values.astype(dtype)))  # which has nothing to compile
+    whole_axes = 2 - sum(grid.even)
+    most = PRODUCTS.get(jax.default_backend(), PRODUCTS_ELSEWHERE)
+    if max(grid.nodes_x, grid.nodes_y) - 1 > (most - 1) >> whole_axes:
+        return TransformKernel(put(whole if any(grid.even) else whole[_distances(grid.nodes_y)]), grid.even)
+    along_y, along_x = (_waves(*axis) for axis in zip((grid.nodes_y, grid.nodes_x), grid.even, strict=True))
+    spectrum = whole[np.ix_(along_y.numbers, along_x.numbers)]
+    to_waves, to_nodes = (along_y.to_waves, along_x.to_waves.T), (along_y.to_nodes, along_x.to_nodes.T)
+    return ProductKernel(put(spectrum), grid.even, put(to_waves), put(to_nodes))
+
+
+class _Waves(NamedTuple):
+    """The waves of a period along one axis: their numbers, and the matrices to them and back to the nodes."""
+
+    numbers: NDArray[np.int64]
+    to_waves: NDArray[np.float64]
+    to_nodes: NDArray[np.float64]
+
+
+@lru_cache(maxsize=32)
+def _waves(nodes: int, even: bool) -> _Waves:
+    """The waves for so many nodes of the whole plane: cosines, and between them sines where fields are not even."""
+    if nodes == 1:
+        return _Waves(np.zeros(1, int), np.ones((1, 1)), np.ones((1, 1)))
+    period, last = 2 * (nodes - 1), nodes - 1
+    numbers = np.arange(nodes) if even else (np.arange(period) + 1) // 2
+    places = np.arange((nodes + 1) // 2 if even else nodes)
+    is_sine = False if even else (np.arange(period) % 2 == 0) & (numbers > 0)
+    angles = 2.0 * np.pi / period * (np.outer(numbers, places) % period) - np.pi / 2 * np.expand_dims(is_sine, -1)
+    waves = np.cos(angles)
+    # each wave stands for two, except the first and the last; so does each node where fields are even
+    twice = np.where(np.isin(numbers, (0, last)), 1.0, 2.0) / period
+    mirrored = np.where(np.isin(places, (0, last)) | (not even), 1.0, 2.0)
+    return _Waves(numbers, waves * mirrored, (waves * twice[:, None]).T)
+
+
+@jax.jit  # one tracing for each shape
+def _by_products(spectrum: Array, to_waves: tuple[Array, Array], to_nodes: tuple[Array, Array], P: Array) -> Array:
+    product = partial(jnp.linalg.multi_dot, precision=lax.Precision.HIGHEST)  # a GPU would round to ten bits
+    return product([to_nodes[0], spectrum * product([to_waves[0], P, to_waves[1]]), to_nodes[1]])
 
 
 @partial(jax.jit, static_argnames="even")  # one tracing for each shape
-def surface_displacement(kernel: Array, P: Array, even: Symmetry = NO_SYMMETRY) -> Array:
-    """Normal displacement under the pressure P, both on the same nodes; P = 0 on the edge.
+def _by_transforms(spectrum: Array, P: Array, even: Symmetry) -> Array:
+    """Only rows with data are transformed along X, and only rows of the result are transformed back.
 
-    Only rows with data are transformed along X, and only rows of the result are transformed back.  Where fields are
-    even, the transform is a cosine transform and real: it comes first, so that the other one has real data too.
-    kernel: from `spectrum`.  A complex P takes two convolutions.
+    Where fields are even, the transform is a cosine transform and real: it comes first, so that the other one has real
+    data too.
     """
-    if jnp.iscomplexobj(P):
-        return lax.complex(surface_displacement(kernel, P.real, even), surface_displacement(kernel, P.imag, even))
     if P.shape[0] == 1:
-        return _along_one_row(kernel, P, even)
+        return _along_one_row(spectrum, P, even)
     if even.y and not even.x:
-        return surface_displacement(kernel.T, P.T, Symmetry(x=True)).T
-    period_x = 2 * (kernel.shape[1] - 1)
-    period_y = 2 * (kernel.shape[0] - 1) if even.x else kernel.shape[0]
+        return _by_transforms(spectrum.T, P.T, Symmetry(x=True)).T
+    period_x = 2 * (spectrum.shape[1] - 1)
+    period_y = 2 * (spectrum.shape[0] - 1) if even.x else spectrum.shape[0]
     rows, columns = P.shape
     if not even.x:
         along = jnp.fft.rfft(P, n=period_x, axis=1)
-        rows_back = jnp.fft.ifft(jnp.fft.fft(along, n=period_y, axis=0) * kernel, axis=0)[:rows]
+        rows_back = jnp.fft.ifft(jnp.fft.fft(along, n=period_y, axis=0) * spectrum, axis=0)[:rows]
         return jnp.fft.irfft(rows_back, n=period_x, axis=1)[:, :columns]
     across = _cosines(P, period_x).T
     if even.y:
-        back = _cosines(_cosines(across, period_y) * kernel.T, period_y) / period_y
+        back = _cosines(_cosines(across, period_y) * spectrum.T, period_y) / period_y
     else:
-        back = jnp.fft.irfft(jnp.fft.rfft(across, n=period_y, axis=1) * kernel.T, n=period_y, axis=1)
+        back = jnp.fft.irfft(jnp.fft.rfft(across, n=period_y, axis=1) * spectrum.T, n=period_y, axis=1)
     return _cosines(back[:, :rows].T, period_x)[:, :columns] / period_x
 
 
-def _along_one_row(kernel: Array, P: Array, even: Symmetry) -> Array:
-    period, columns = 2 * (kernel.shape[1] - 1), P.shape[1]
+def _along_one_row(spectrum: Array, P: Array, even: Symmetry) -> Array:
+    period, columns = 2 * (spectrum.shape[1] - 1), P.shape[1]
     if even.x:
-        return _cosines(_cosines(P, period) * kernel, period)[:, :columns] / period
-    return jnp.fft.irfft(jnp.fft.rfft(P, n=period, axis=1) * kernel, n=period, axis=1)[:, :columns]
+        return _cosines(_cosines(P, period) * spectrum, period)[:, :columns] / period
+    return jnp.fft.irfft(jnp.fft.rfft(P, n=period, axis=1) * spectrum, n=period, axis=1)[:, :columns]
 
 
 def _cosines(half: Array, period: int) -> Array:

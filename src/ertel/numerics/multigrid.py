@@ -44,18 +44,19 @@ SHORT_WAVES, LONG_WAVES = 0.3, 0.03
 @register_dataclass
 @dataclass(frozen=True)
 class DeformationOperator:
-    """The deformation operator on one grid: its spectrum, spacing, and coefficients of the nearest nodes, [Y, X].
+    """The deformation operator on one grid: the half space, spacing, and coefficients of the nearest nodes, [Y, X]."""
 
-    even: the axes about which fields are even and stored on one side (`stencils`).
-    """
-
-    spectrum: Array
+    kernel: halfspace.Kernel
     spacing: Array
     near: Array
-    even: Symmetry = field(default=NO_SYMMETRY, metadata={"static": True})
+
+    @property
+    def even(self) -> Symmetry:
+        """The axes about which fields are even and stored on one side (`stencils`)."""
+        return self.kernel.even
 
     def displacement(self, e: Array) -> Array:
-        return halfspace.surface_displacement(self.spectrum, e, self.even)
+        return self.kernel.displacement(e)
 
 
 class Springs(NamedTuple):
@@ -155,7 +156,7 @@ class GridLevel:
 def deformation_operators(
     grid: Grid, compliance: float, dtype: str, reach: float = 1.0
 ) -> tuple[DeformationOperator, ...]:
-    """The deformation operators of a grid and all its coarser ones; compliance, reach: see `halfspace.spectrum`."""
+    """The deformation operators of a grid and all its coarser ones; compliance, reach: see `halfspace.kernel`."""
     return tuple(_elasticity(g, compliance, dtype, reach) for g in grid.hierarchy())
 
 
@@ -165,9 +166,9 @@ def _elasticity(grid: Grid, compliance: float, dtype: str, reach: float) -> Defo
     else:
         near = halfspace.love_coefficients(NEAR, NEAR, grid.spacing)
     near = compliance * near
-    spectrum = halfspace.spectrum(grid, compliance, dtype, reach)
+    kernel = halfspace.kernel(grid, compliance, dtype, reach)
     spacing = jax.device_put(np.asarray(grid.spacing, dtype))
-    return DeformationOperator(spectrum, spacing, jax.device_put(near.astype(dtype)), grid.even)
+    return DeformationOperator(kernel, spacing, jax.device_put(near.astype(dtype)))
 
 
 def point_smoother(elastic: DeformationOperator, c: Coefficients) -> PointSmoother:
@@ -270,10 +271,10 @@ def deformed_nearby(level: GridLevel, e: Array) -> Array:
     Their coefficients are such that waves that alternate from node to node, along one axis or along both, have their
     exact deformation.  With those of the kernel itself the former would have a quarter of it: it comes from afar, too.
     """
-    p, itself, spectrum = extended(e, level.elasticity.even), level.elasticity.near[0, 0], level.elasticity.spectrum
-    shortest = -1 if any(level.elasticity.even) else spectrum.shape[0] // 2
-    far = 0.25 * (itself - spectrum[0, -1])
-    near = 0.25 * (itself - spectrum[shortest, -1]) + far
+    p, itself = extended(e, level.elasticity.even), level.elasticity.near[0, 0]
+    along_one, along_both = level.elasticity.kernel.alternating()
+    far = 0.25 * (itself - along_one)
+    near = 0.25 * (itself - along_both) + far
     beside = (p[1:-1, :-2] + p[1:-1, 2:]) + (p[:-2, 1:-1] + p[2:, 1:-1])
     diagonally = (p[:-2, :-2] + p[2:, 2:]) + (p[:-2, 2:] + p[2:, :-2])
     return itself * p[1:-1, 1:-1] + near * beside + far * diagonally

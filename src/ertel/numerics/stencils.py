@@ -8,7 +8,7 @@ diagonals, for the nodes along a line.
 
 from collections.abc import Callable
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -96,6 +96,11 @@ def middle(shape: tuple[int, ...], even: Symmetry) -> tuple[slice, ...]:
     """The indices of `Grid.middle` in a field of this shape."""
     before = (0 if mirror else (nodes - 1) // 4 for mirror, nodes in zip(even, shape, strict=True))
     return tuple(slice(first, first + (nodes + 1) // 2) for first, nodes in zip(before, shape, strict=True))
+
+
+def beyond_middle(field: Any, even: Symmetry) -> Any:
+    """The number of stored nodes outside `middle` at which a field is not zero; by NumPy or JAX."""
+    return (field != 0.0).sum() - (field[middle(field.shape, even)] != 0.0).sum()
 
 
 def total(field: Array, even: Symmetry) -> Array:

@@ -85,6 +85,12 @@ def jax_devices() -> list[Any]:
         raise NoDevice(message) from error
 
 
+def accelerator() -> str:
+    """The kind of device that JAX computes on; empty for a CPU, which nobody needs to be told."""
+    device = jax_devices()[0]
+    return "" if device.platform == "cpu" else str(device.device_kind)
+
+
 # -- counting ---------------------------------------------------------------------------------------------------------
 
 

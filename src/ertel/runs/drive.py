@@ -33,7 +33,7 @@ from ertel.results.dataset import Frame, assemble_steady
 from ertel.results.numbers import duration
 from ertel.results.summary import attributes, steady_summary
 from ertel.runs import workers
-from ertel.runs.compile import check_jax, compilations
+from ertel.runs.compile import accelerator, check_jax, compilations
 from ertel.runs.outlook import warnings_of, with_case_warnings
 from ertel.runs.result import Result
 from ertel.runs.stepping import Arrays, Progress, Step, TransientRun
@@ -301,8 +301,9 @@ class LogLines(rich.progress.Progress):
 
 
 def watch(shown: rich.progress.Progress, run: Run, label: str = "") -> Observer:
-    """An observer that shows a run in a new bar."""
-    label = label or run.case.name or run.case.kind
+    """An observer that shows a run in a new bar, which names the device where that is not the CPU."""
+    on = accelerator()
+    label = (label or run.case.name or run.case.kind) + (f" on {on}" if on else "")
     bar = shown.add_task(label, total=1.0, message="compiling (once per machine and grid size)")
 
     def show(result: Any) -> None:

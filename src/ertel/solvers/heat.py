@@ -40,7 +40,7 @@ from ertel.equations.contact import opened, traceable
 from ertel.equations.energy import Energy, sweeps_of
 from ertel.equations.flow import flow_aligned, steady_rate
 from ertel.numerics import halfspace
-from ertel.numerics.grid import Grid, Symmetry
+from ertel.numerics.grid import Grid
 from ertel.numerics.integrals import Plane
 from ertel.numerics.lobatto import Lobatto
 from ertel.numerics.newton import gcr
@@ -217,7 +217,7 @@ def _rise(body: Solid, speed: float, peclet: float, a: float, grid: Grid, geomet
         return Moving(jnp.asarray(response(body, speed, grid.shape[1], grid.spacing * a)))
     # a source of the length l on a line heats its middle by ln(l/x)/(pi k), which is the sum of 1/(2 pi k r)
     resistance = a / ((1.0 if geometry.is_line else 2.0) * pi * body.conductivity)
-    return Resting(halfspace.spectrum(grid, resistance, reach=geometry.reach), grid.shape, grid.even)
+    return Resting(halfspace.kernel(grid, resistance, reach=geometry.reach), grid.shape)
 
 
 @register_dataclass
@@ -241,13 +241,12 @@ class Moving:
 class Resting:
     """K_i of a surface at rest.  kernel: of the half space, with 1/(2 pi k) as its compliance."""
 
-    kernel: Array
+    kernel: halfspace.Kernel
     shape: tuple[int, int] = field(metadata={"static": True})
-    even: Symmetry = field(metadata={"static": True})
 
     def __call__(self, heat: Array) -> Array:
         """The temperature rise (K) from the heat flux into the surface (W/m^2)."""
-        return halfspace.surface_displacement(self.kernel, inside(jnp.asarray(heat), self.even), self.even)
+        return self.kernel.displacement(inside(jnp.asarray(heat), self.kernel.even))
 
     def split(self) -> tuple[Array, Array, Array]:
         """As of `Moving`; a sweep counts all heat as the node's own, the most that it can be."""

@@ -22,7 +22,7 @@ from ertel.equations.flow import Rate, downstream, flow_aligned, upstream_of, vo
 from ertel.equations.linearised import linear_film
 from ertel.equations.outside import UNCHANGED, Surroundings
 from ertel.equations.touch import TOUCHING, Asperities
-from ertel.numerics import multigrid, newton, stencils
+from ertel.numerics import halfspace, multigrid, newton, stencils
 from ertel.numerics.grid import Grid, Symmetry
 from ertel.numerics.line_smoother import line_smoother
 from ertel.numerics.stencils import FloatLike
@@ -174,7 +174,7 @@ def solve(problem: Problem, P: Array, approach: FloatLike, P_f: Array | None = N
 class Middle(NamedTuple):
     """The elastic kernels of the middle of a grid, as in `Contact` and in `Problem`."""
 
-    kernel: Array
+    kernel: halfspace.Kernel
     elastic: tuple[multigrid.DeformationOperator, ...]
 
     def solve(
@@ -325,7 +325,7 @@ def multigrid_levels(
     P: Array | None = None,
 ) -> tuple[multigrid.GridLevel, ...]:
     """The V-cycle's grids for the Jacobian, on the finest grid the exact one."""
-    precision, c = problem.elastic[0].spectrum.dtype, problem.contact
+    precision, c = problem.elastic[0].near.dtype, problem.contact
     film = linear_film(c, P_f, H).in_precision(precision)
     single = partial(jnp.asarray, dtype=precision)
     free = single(stencils.inside(free, c.even))

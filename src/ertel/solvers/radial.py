@@ -233,7 +233,7 @@ def solve_ring_step(p: RadialProblem) -> StepSolution:
     error = ring_film_error(p.ring, p.mesh.volume, oil, jnp.tensordot(p.predict_mass, masses, axes=1), s.P)
     velocity = rate_of_change(p.rates, approach, p.approaches)
     load_rate = rate_of_change(p.rates, terms["load"], p.loads)
-    numbers = StepNumbers(approach, velocity, terms["load"], p.around.load, error, s.size <= tolerance, s.newton, 0)
+    numbers = StepNumbers(approach, velocity, terms["load"], p.around.load, error, 0, s.size <= tolerance, s.newton, 0)
     record = account.with_outside(terms, velocity, p.around, CIRCLE.hertz_load, load_rate)
     return StepSolution({"P": s.P, "H": s.H, "mass": oil}, packed({**numbers._asdict(), **record}))
 

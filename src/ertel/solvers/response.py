@@ -220,7 +220,7 @@ def _levels(
     film: LinearFilm, free: Array, elastic: tuple[multigrid.DeformationOperator, ...], riding: _Riding
 ) -> tuple[multigrid.GridLevel, ...]:
     """The V-cycle's grids, on the finest grid the operator with the mobility of the nodes."""
-    precision = elastic[0].spectrum.dtype
+    precision = elastic[0].near.dtype
     film = film.in_precision(precision)
     fields = free, riding
     free, riding = tree.map(lambda values: jnp.asarray(values, multigrid.in_precision(precision, values)), fields)

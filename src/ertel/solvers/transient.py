@@ -266,15 +266,15 @@ class Transient2D(Stepper):
         """The middle of the grid if a film has pressure nowhere else; None otherwise and on a small grid."""
         if min(self.grid.nodes_x, self.grid.nodes_y) <= self.small:
             return None
-        P = np.asarray(level.P) + edge
-        inside = P[stencils.middle(P.shape, self.grid.even)]
-        return self._middle if np.count_nonzero(inside) == np.count_nonzero(P) else None
+        around = level.around  # a step has counted on the device, and P itself stays there
+        around = stencils.beyond_middle(np.asarray(level.P), self.grid.even) if around is None else around
+        return None if around or edge.any() else self._middle
 
     @cached_property
     def _middle(self) -> nonlinear.Middle:
         middle, compliance = self.grid.middle(), self.geometry.compliance
         elastic = multigrid.deformation_operators(middle, compliance, PRECISION)
-        return nonlinear.Middle(halfspace.spectrum(middle, compliance), elastic)
+        return nonlinear.Middle(halfspace.kernel(middle, compliance), elastic)
 
     def solve(self, problem: StepProblem) -> StepSolution:
         """The step's solution, on this device."""
@@ -390,8 +390,8 @@ def _numbers(
     # half a cell around the grid counts as outside
     beyond = Surroundings(p.edge, known.load_around + load - terms["load"], known.uplift)
     load_rate = rate_of_change(known.rates, load, known.loads)
-    around, work = known.load_around, (s.newton, s.krylov)
-    numbers = state.StepNumbers(approach, velocity, load, around, error, s.converged, *work)
+    beyond_middle, ended = stencils.beyond_middle(s.P, c.even), (s.converged, s.newton, s.krylov)
+    numbers = state.StepNumbers(approach, velocity, load, known.load_around, error, beyond_middle, *ended)
     of_account = account.with_outside(terms, velocity, beyond, setting.hertz_load, load_rate)
     return {**numbers._asdict(), **values, "F": F, **of_account}
 
