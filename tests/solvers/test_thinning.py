@@ -84,7 +84,7 @@ def test_the_budgets_close_as_well_as_those_of_a_newtonian_oil():
 @pytest.mark.skipif(not EXAMPLES.exists(), reason="the examples are not part of a package")
 @pytest.mark.parametrize("name", ["ball_bearing", "gear_flanks"])
 def test_the_mass_of_an_ellipse_closes_on_all_grids_and_its_energy_better_on_a_finer_one(name: str):
-    case = load_case(EXAMPLES / f"{name}.toml", ["solver.nodes=129"])
+    case = load_case(EXAMPLES / f"{name}.toml", ["solver.nodes=129", "solver.tolerance=1e-4"])
     coarse, fine = (balances.steady(case, s.account.terms, 1.0) for s in steady.steady_film(case).solutions[-2:])
     assert max(each["mass"]["imbalance"] for each in (coarse, fine)) < 1e-5
     assert 0.0 < fine["energy"]["imbalance"] < min(coarse["energy"]["imbalance"] / 1.5, 0.02)

@@ -22,13 +22,13 @@ Last come the load and the momentum that the oil outside the domain takes.
 
 from collections.abc import Mapping
 from math import ceil
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
-from ertel.numerics.bdf import derivative_weights
+from ertel.numerics.bdf import backward_integral
 from ertel.physics.dry_contact import LINE_LOAD, hertz_ellipse
 
 if TYPE_CHECKING:
@@ -58,7 +58,8 @@ def in_time(case: Case, data: "xr.Dataset") -> dict[str, dict[str, float | None]
     sums = {name: float(np.trapezoid(values, v["time"])) for name, values in v.items()}
     stored = {name: float(values[-1] - values[0]) for name, values in v.items()}
     of_load = np.diff(v["Delta"]) * (v["w"][1:] + v["w"][:-1]) / 2
-    flows = {name: _by_backward_differences(v, name) for name in ("inflow", "outflow", "cavity_source")}
+    times = np.array([v["time"][0] - v["dT"][0], *v["time"]])
+    flows = {name: backward_integral(times, v[name]) for name in ("inflow", "outflow", "cavity_source")}
     mass = {"stored": stored["mass"], **flows}
     momentum = {"ball": inertia * stored["V"], "impulse_of_load": sums["w"], "impulse_of_film": sums["F"]}
     energy = {
@@ -78,19 +79,6 @@ def in_time(case: Case, data: "xr.Dataset") -> dict[str, dict[str, float | None]
         "momentum": _closed(momentum, sums["larger_load"]),
         "energy": _closed(energy, turned_over),
     }
-
-
-def _by_backward_differences(v: Mapping[Any, Values], name: str) -> float:
-    """The integral of a rate from the first step on: the rate is the backward difference of the integral at each step.
-
-    v: the columns of a run by name; its first step starts from one level.
-    """
-    times = [v["time"][0] - v["dT"][0], *v["time"]]
-    before, now = -v["dT"][0] * v[name][0], 0.0
-    for k, rate in enumerate(v[name][1:], 3):
-        of_new, of_now, of_before = derivative_weights(times[k - 3 : k][::-1])
-        before, now = now, (rate - of_now * now - of_before * before) / of_new
-    return float(now)
 
 
 def steady(case: Case, rates: Mapping[str, float], film_load: float) -> dict[str, dict[str, float | None]]:
