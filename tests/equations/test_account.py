@@ -1,11 +1,14 @@
 """The terms of the budgets at one time: closed forms, and that they see a wrong pressure."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
+from unittest.mock import patch
 
+import jax
 import numpy as np
 import pytest
 from cases import BARUS, BARUS_LIMIT, OIL, rolled, steady_solver
+from jax.tree_util import register_dataclass
 
 from ertel.case.case import Case
 from ertel.case.estimates import grid_of
@@ -63,9 +66,12 @@ WAYS = [(1.0, 5, OIL), (-1.0, 5, OIL), (1.0, BARUS_LIMIT, OIL)]
     [*((*way, 65) for way in WAYS), *(pytest.param(*w, 129, marks=pytest.mark.slow) for w in (*WAYS, (1.0, 5, BARUS)))],
 )
 def test_steady_rolling_dissipates_what_its_resistance_takes(speed: float, L: float, oil: Oil, nodes: int) -> None:
-    """In both directions, with and without piezoviscosity, and with an incompressible oil; of second order."""
+    """In both directions, with and without piezoviscosity, and with an incompressible oil; of second order.
+
+    The oil that flows in flows out, to the tolerance of the solver.
+    """
     mass, energy = imbalances(film(speed, L, oil, nodes).finest)
-    assert abs(mass) < 1.5e-3 * (128 / (nodes - 1)) ** 2
+    assert abs(mass) < 1e-8
     assert abs(energy) < 6e-3 * (128 / (nodes - 1)) ** 2
 
 
@@ -91,3 +97,23 @@ def test_a_wrong_pressure_opens_the_budgets() -> None:
     assert abs(energy) > 0.05
     ahead = np.roll(np.asarray(s.P), -1, axis=1)  # the pressure one cell further upstream
     assert abs(imbalances(replace(s, P=ahead))[1]) > 0.1
+
+
+@register_dataclass
+@dataclass(frozen=True)
+class Leaking(contact.PressureFlow):
+    """Oil goes into the surfaces, in proportion to its pressure."""
+
+    def source(self, contact: contact.Contact, P: jax.Array, H: jax.Array) -> jax.Array:
+        return -0.05 * P
+
+
+def test_a_leak_that_the_account_leaves_out_opens_the_balance_of_mass() -> None:
+    """By what leaks, 0.05 times the load on the grid; with it the balance closes to the tolerance of the solver."""
+    with patch.object(discretise, "flow_of", lambda case, T: Leaking()):
+        told = steady.steady_film(case_of(nodes=33)).finest
+        assert abs(imbalances(told)[0]) < 1e-8
+    untold = replace(told).account.terms  # as if the surfaces were tight
+    lacks = untold["inflow"] - untold["outflow"]
+    assert lacks == pytest.approx(0.05 * told.load, rel=0.01)  # the nodes on the edge do not count
+    assert lacks == pytest.approx(told.account.terms["outflow"] - untold["outflow"], rel=1e-6)

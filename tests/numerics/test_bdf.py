@@ -142,3 +142,13 @@ def test_steps_settle_where_a_third_order_error_is_below_the_tolerance(step, uni
     for _ in range(40):
         step = bdf.adapted(step, (step / unit) ** 3)
     assert step == pytest.approx(bdf.SAFETY * unit, rel=1e-9)
+
+
+@given(st.lists(st.tuples(st.floats(0.1, 1.0), st.floats(-3.0, 3.0)), min_size=2, max_size=12))
+def test_the_integral_of_backward_differences_is_what_they_are_of(steps):
+    """Of any values: so a balance of rates that obey the steps closes to round-off."""
+    times, values = np.cumsum(np.array(steps), axis=0).T
+    levels = [slice(max(k - 2, 0), k + 1) for k in range(1, len(times))]
+    rates = np.array([derivative_weights(times[k][::-1].tolist()) @ values[k][::-1] for k in levels])
+    scale = np.abs(values).max() + 1.0
+    assert bdf.backward_integral(times, rates) == pytest.approx(values[-1] - values[1], abs=1e-8 * scale)

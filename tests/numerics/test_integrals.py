@@ -10,7 +10,7 @@ from made_up import every_symmetry
 
 from ertel.numerics.grid import NO_SYMMETRY, Grid, Symmetry
 from ertel.numerics.integrals import Disc, Plane
-from ertel.numerics.stencils import Pair, folded
+from ertel.numerics.stencils import Pair, divergence, folded
 
 W = 1.6  # half width of the rectangle
 
@@ -56,6 +56,26 @@ def test_what_flows_along_x_enters_on_one_side_and_leaves_on_the_other() -> None
         space, X, _ = plane(even)
         through = jax.jit(lambda space, f: space.around(space.along_x(f)))
         assert float(through(space, 5 + X)) == pytest.approx(4 * W**2, rel=1e-13)
+
+
+@every_symmetry
+def test_what_leaves_through_the_outermost_faces_is_what_the_cells_within_lose(even: Symmetry) -> None:
+    """Of any flow; each side counts as often as it stands on the whole plane."""
+    space, X, _ = plane(even)
+    random = np.random.default_rng(4)
+    on_x, on_y = (random.random(np.add(X.shape, more)) for more in ((0, 1), (1, 0)))
+    for axis, field in ((even.x, on_x.T), (even.y, on_y)):
+        field[0] = -field[1] if axis else field[0]  # the flow is odd about an axis
+
+    @jax.jit
+    def both(space: Plane, on_x: Array, on_y: Array) -> tuple[Array, Array]:
+        return space.inner(divergence(on_x, on_y) / space.spacing), space.leaving(on_x, on_y)
+
+    lost, leaving = both(space, on_x, on_y)
+    assert float(leaving.sum()) == pytest.approx(float(lost), rel=1e-12)
+    uniform = both(space, np.ones_like(on_x), np.zeros_like(on_y))[1]
+    side = 2 * W - space.spacing
+    assert float(np.maximum(uniform, 0.0).sum()) == pytest.approx(side * (1 + even.x), rel=1e-12)
 
 
 @pytest.mark.parametrize("even", [Symmetry(y=True), Symmetry(x=True), Symmetry(True, True)], ids=str)

@@ -29,6 +29,7 @@ def falling(case: Case, **terms: np.ndarray) -> xr.Dataset:
     lost = case.motion.inertia / 2 * np.gradient(-(V**2), T, edge_order=2)
     known = {"F": np.full_like(T, 0.3), "V": V, "Delta": T, "dissipation": lost, "H_c": 1 + 0 * T, "H_min": 1 + 0 * T}
     known |= {"mass": 5 - T, "outflow": 1.5 + 0 * T, "inflow": 0.2 + 0 * T, "cavity_source": 0.3 + 0 * T, **terms}
+    known["dT"] = np.full_like(T, 0.1)
     records = [
         {"T": t, **dict.fromkeys(variables.STEPS, 0.0), **{name: float(values[i]) for name, values in known.items()}}
         for i, t in enumerate(T)

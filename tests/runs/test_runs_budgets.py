@@ -66,11 +66,13 @@ def test_both_methods_dissipate_the_same() -> None:
 
 
 def test_budgets_close_with_the_order_of_grid_and_step() -> None:
-    """The load outside is large on this narrow grid: a fifth of the energy goes there."""
+    """That of mass to round-off.  The load outside is large on this narrow grid: a fifth of the energy goes there."""
     found = []
     for nodes, step in ((33, 0.05), (65, 0.025)):
         sections: dict[str, Any] = {"solver": {"half_width": 2.0}, "time": {"until": 2.0, "step": step}}
-        found.append(list(imbalances(simulate(impact(20, 5, nodes, **sections))).values()))
+        mass, *others = imbalances(simulate(impact(20, 5, nodes, **sections))).values()
+        assert mass < 1e-12
+        found.append(others)
     orders = np.log2(np.divide(*found))
     assert np.all(orders > 1.4), orders
     assert max(found[1]) < 2.5e-3
@@ -87,7 +89,7 @@ def rolling(direction: float = 1.0, load: float = 0.0, height: float = 0.1) -> R
 @pytest.mark.parametrize("load", [0.0, 0.3])
 def test_rolling_over_waves_closes(load: float) -> None:
     found = imbalances(rolling(load=load))
-    assert found["mass"] < 0.01 and found["momentum"] < 1e-6 and found["energy"] < 0.015
+    assert found["mass"] < 1e-12 and found["momentum"] < 1e-6 and found["energy"] < 0.015
     assert np.ptp(rolling(load=load).dataset["elastic_energy"].values) > 1e-3  # the waves change what is stored
 
 

@@ -199,7 +199,7 @@ def test_a_signal_of_many_points_does_not_force_a_step_a_point() -> None:
 def test_the_budgets_of_a_gap_that_changes_its_curvature(nodes: int, most: float) -> None:
     """The work of the gap that bends is part of the energy: without it the budget would not close on the finer grid.
 
-    Mass .41 and .13 %, energy 1.18 and .28 % on 33 and 65 nodes: of second order nearly, as the bounds are.
+    Energy 1.18 and .28 % on 33 and 65 nodes: of second order, as the bounds are.  Mass closes to round-off.
     """
     flatter = Smooth(tuple((0.1 * n, 1.0 - 0.015 * n) for n in range(16)))
     time = Time(until=1.5, step=0.05 * 32 / (nodes - 1))
@@ -208,7 +208,7 @@ def test_the_budgets_of_a_gap_that_changes_its_curvature(nodes: int, most: float
     columns = {name: ("time", [record[name] for record in records]) for name in records[0]}
     data = xr.Dataset(columns, {"time": [record["T"] for record in records]})
     found = {name: terms["imbalance"] for name, terms in in_time(case, data).items()}
-    assert found["mass"] < most / 3 and found["energy"] < most
+    assert found["mass"] < 1e-12 and found["energy"] < most
     turned_over = float(np.trapezoid(data["power_from_surfaces"], data["time"]))
     assert 1.5 * 0.15 / 5 > 0.01 * turned_over  # -dc/dT times the integral of P G under the pressure of Hertz
 

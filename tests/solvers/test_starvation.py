@@ -257,7 +257,7 @@ def test_a_rebound_loses_no_oil_to_its_cavity() -> None:
     assert_allclose(late, early, rtol=0.02)  # the oil stays; BDF2 swings a little where a node has just emptied
 
 
-@pytest.mark.parametrize(("layer", "imbalance"), [pytest.param(None, 0.05, marks=pytest.mark.slow), (0.15, 1e-5)])
+@pytest.mark.parametrize(("layer", "imbalance"), [pytest.param(None, 1e-6, marks=pytest.mark.slow), (0.15, 1e-12)])
 def test_a_contact_that_rolls_back_finds_what_it_left(layer: float | None, imbalance: float) -> None:
     """The cavity behind the contact becomes its inlet; on a layer the film of both ways is nearly the same."""
     case = case_of("rolling", layer, M=20, method="transient", nodes=33)
@@ -279,7 +279,7 @@ def test_a_ball_that_falls_again_finds_the_cavity_that_it_left() -> None:
     V, H = run.dataset["V"].values, run.dataset["H_c"].values
     first, second = H[1:][(V[:-1] > 0) & (V[1:] <= 0)]
     assert second < 0.6 * first
-    assert run.summary["budgets"]["mass"]["imbalance"] < 0.01
+    assert run.summary["budgets"]["mass"]["imbalance"] < 1e-12
 
 
 def test_a_layer_is_neither_made_nor_lost_in_an_impact() -> None:
@@ -412,15 +412,15 @@ def under_a_load_that_swings(nodes: int, until: float) -> Result:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("until", "imbalance"), [(0.3, 1e-5), (6.0, 1e-6)])
-def test_the_oil_upstream_is_the_layer_while_the_load_swings(until: float, imbalance: float) -> None:
+@pytest.mark.parametrize("until", [0.3, 6.0])
+def test_the_oil_upstream_is_the_layer_while_the_load_swings(until: float) -> None:
     """No waves run from the meniscus: the oil before it is the layer, and no node is dried or flooded by them.
 
-    The short run ends while a wave leaves, whose outflow is of second order in the time steps.
+    The short run ends while a wave leaves.
     """
     run = under_a_load_that_swings(65, until)
     assert run.status.ok
-    assert run.summary["budgets"]["mass"]["imbalance"] < imbalance
+    assert run.summary["budgets"]["mass"]["imbalance"] < 1e-12
     X, oil, P = (run.dataset[name].values for name in ("X", "oil", "P"))
     wet = X[np.any(P > 0, axis=(0, 1))].min()
     assert_allclose(oil[..., X < wet - 0.2], 0.05, rtol=1e-10)
@@ -450,20 +450,17 @@ TURNS = {"stop and start": [[0, 1], [2, 0], [3, 0], [5, 1]], "there and back": [
 
 
 @pytest.mark.slow  # 1 min each
-@pytest.mark.parametrize(
-    ("name", "imbalance", "change"), [("stop and start", 1e-5, 1e-5), ("there and back", 1e-6, 0.05)]
-)
-def test_a_thin_layer_is_kept_where_the_flow_stops_or_turns(name: str, imbalance: float, change: float) -> None:
+@pytest.mark.parametrize(("name", "change"), [("stop and start", 5e-4), ("there and back", 0.05)])
+def test_a_thin_layer_is_kept_where_the_flow_stops_or_turns(name: str, change: float) -> None:
     """And the film comes back; where it turns the contact rolls on the track that it left.
 
-    After a stop the waves of the meniscus leave the grid, and their outflow has an error that falls with the time
-    steps: 9.0e-6 of what flowed, 2.3e-6 with a tenth of the tolerance.  What is stored comes back to 6e-9.
+    After the stop it stays within 3.6e-4 of what it was: its reference follows the menisci of the run (`Flow.beside`).
     """
     motion = {"entrainment": TURNS[name]}
     given = {"nodes": 65, "method": "transient", "motion": motion, "until": 12.0, "time_tolerance": 1e-4}
     run = simulate(ertel.rolling(M=100, L=10, layer=0.05, **given))
     assert run.status.ok
-    assert run.summary["budgets"]["mass"]["imbalance"] < imbalance
+    assert run.summary["budgets"]["mass"]["imbalance"] < 1e-12
     assert run.dataset["oil"].values.min() > 0.0
     first, last = run.dataset["H_c"].values[[0, -1]]
     assert last == pytest.approx(first, rel=change)

@@ -7,7 +7,7 @@ Each table takes some minutes on two cores, most of them for compiling: every el
 
 import sys
 from collections.abc import Iterator
-from itertools import pairwise, product
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -144,24 +144,24 @@ def _angle(nodes: int, degrees: float) -> list[str]:
     return [f"{degrees:g}", f"{grid.nodes_x} x {grid.nodes_y}", *cells]
 
 
-# -- the balance of mass ----------------------------------------------------------------------------------------------
+# -- the balances of mass and energy -----------------------------------------------------------------------------------
 
 
 def mass(nodes: int) -> str:
-    """What the balance of mass lacks in oils that thin, on grids up to one of `nodes` nodes along x."""
+    """What the balances of mass and energy lack in oils that thin, on grids up to one of `nodes` nodes along x."""
     grids = [1 + (nodes - 1) // 2**k for k in reversed(range((nodes - 1).bit_length() - 5))]
-    steps = [f"{coarse} to {fine}: falls by" for coarse, fine in pairwise(grids)]
-    return table(["contact", "grid", *(f"imbalance on {n}" for n in grids), *steps], _masses(nodes))
+    lacks = [f"{name} on {n}" for name in ("mass", "energy") for n in grids]
+    return table(["contact", "grid", *lacks], _masses(nodes))
 
 
 def _masses(nodes: int) -> Iterator[list[str]]:
     for name, c in _thinning(nodes):
         solutions = steady.steady_film(c).solutions
         grid, stands = solutions[-1].grid, solutions[-1].status.ok
-        found = [balances.steady(c, s.account.terms, 1.0)["mass"]["imbalance"] or 0.0 for s in solutions]
-        falls = [f"{coarse / fine:.1f}" for coarse, fine in pairwise(found)]
+        found = [balances.steady(c, s.account.terms, 1.0) for s in solutions]
         size = f"{grid.nodes_x} x {grid.nodes_y}" + ("" if stands else ", no film")
-        yield [name, size, *(f"{imbalance:.2%}" for imbalance in found), *falls]
+        masses, energies = ([each[which]["imbalance"] or 0.0 for each in found] for which in ("mass", "energy"))
+        yield [name, size, *(f"{lack:.0e}" for lack in masses), *(f"{lack:.2%}" for lack in energies)]
 
 
 def _thinning(nodes: int) -> Iterator[tuple[str, Case]]:
@@ -180,6 +180,6 @@ if __name__ == "__main__":
             "formula": ("Ellipses: the film formula", formula, 129),
             "resistance": ("Ellipses: rolling resistance", resistance, 129),
             "angle": ("Ellipses: flow at an angle", angle, 129),
-            "mass": ("Ellipses: the balance of mass with Ree-Eyring oil", mass, 129),
+            "mass": ("Ellipses: the balances of mass and energy with Ree-Eyring oil", mass, 129),
         },
     )

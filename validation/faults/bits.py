@@ -13,8 +13,9 @@ from children import OWN, Ended, Fault, called, fingerprint, in_child, plain, ru
 from kills import Known, Outcome, Trial, judged
 from kinds import Kind
 
-from ertel.apps.browser.folder import Folder, fault_of, listed, summary_of
+from ertel.apps.browser.folder import Folder, fault_of, summary_of
 from ertel.apps.browser.processes import Processes
+from ertel.apps.looking import listed
 from ertel.runs.arrays import ROOT
 
 SUMMARY = "summary.json"
@@ -75,8 +76,8 @@ def looked(place: Path) -> dict[str, str]:
         about, summary = f"app, {folder.name_of(path)}", summary_of(path)
         found[about] = json.dumps(plain(summary)) if summary else ""
     for run in listed(place):
-        numbers = {name: number.value for name, number in run.numbers.items() if name not in OWN}
-        found[f"ls, {folder.name_of(run.directory)}"] = json.dumps(numbers) if numbers else ""
+        numbers = {name: number["value"] for name, number in run["numbers"].items() if name not in OWN}
+        found[f"ls, {run['directory']}"] = json.dumps(numbers) if numbers else ""
     return found
 
 

@@ -110,15 +110,16 @@ def cavity(nodes: int) -> str:
     data = simulate(c, observers=[_report]).dataset.sel(Y=0.0, method="nearest")
     T, x = data["frame"].values, data["X"].values * c.scales.a * 1e6
     films = data["H"].values * c.scales.film * 1e9
+    way = (_cavity_at(c, T[1]) - _cavity_at(c, T[0])) * c.scales.a * 1e6  # from map to map
     rows, figure = [], Figure(figsize=(6.5, 11), layout="constrained", dpi=150)
     for number, axes in enumerate(figure.subplots(5, 1, sharex=True, sharey=True), start=1):
         measured, published = (_curve(f"{kind}_{number}{end}") for kind, end in (("exp", ""), ("sim", "_h")))
-        frame = 0 if number == 1 else _nearest(x, films, published)
-        centre = _cavity_at(c, T[frame]) * c.scales.a * 1e6
-        rows.append(_row(number, x, films[frame], centre, measured, published))
+        frame, shift = (0, 0.0) if number == 1 else _nearest(x, films, published, way)
+        centre = _cavity_at(c, T[frame]) * c.scales.a * 1e6 + shift
+        rows.append(_row(number, x + shift, films[frame], centre, measured, published))
         axes.plot(*measured.T, "o", color=BLACK, ms=3, label="measured")
         axes.plot(*published.T, color=BLUE, lw=1, label="computed, published")
-        axes.plot(x, films[frame], color=ORANGE, lw=1.4, label="ertel")
+        axes.plot(x + shift, films[frame], color=ORANGE, lw=1.4, label="ertel")
         axes.set(xlim=(-180, 180), ylim=(0, 450), ylabel="film thickness (nm)")
         axes.set_title(f"cavity at {centre:.0f} µm" if number > 1 else "no cavity in the contact", fontsize="small")
     axes.set_xlabel("x (µm), flow from left to right")
@@ -144,11 +145,16 @@ def _curve(name: str) -> Values:
     return values[np.argsort(values[:, 0])]
 
 
-def _nearest(x: Values, films: Values, published: Values) -> int:
-    """The map that comes closest to the published film inside the contact: its time is not stated there."""
-    inside = published[np.abs(published[:, 0]) < 130]
-    distance = [np.mean((np.interp(inside[:, 0], x, film) - inside[:, 1]) ** 2) for film in films]
-    return int(np.argmin(distance))
+def _nearest(x: Values, films: Values, published: Values, way: float) -> tuple[int, float]:
+    """The map that comes closest to the published film inside the contact: its time is not stated there.
+
+    And by how much it is moved for that, at most half of the way from map to map (µm).
+    """
+    inside, shifts = published[np.abs(published[:, 0]) < 130], way * np.linspace(-0.5, 0.5, 33)
+    moved = [[np.interp(inside[:, 0], x + shift, film) for shift in shifts] for film in films]
+    distance = np.mean((np.array(moved) - inside[:, 1]) ** 2, axis=-1)
+    frame, column = np.unravel_index(np.argmin(distance), distance.shape)
+    return int(frame), float(shifts[column])
 
 
 def _cavity_at(c: Case, T: float) -> float:

@@ -55,13 +55,13 @@ class Details(NamedTuple):
 
     stress: tau_m in the middle of the film along X and along Y, in units of p_h a/R, shape (2, n, n).  heat: what the
     pressure spends on the flow, - flux . grad of the enthalpy, in units of p_h a^2/(R t0), shape (n, n); each face
-    between two nodes gives half to either.  gain: as from `PressureFlow`.  mobility: the tangent one of its mobilities.
-    It serves on the edge of a grid, where the gradient is small and the secant one nearly the same.
+    between two nodes gives half to either.  fluxes: as from `PressureFlow`.  mobility: the tangent one of its
+    mobilities.  It serves on the edge of a grid, where the gradient is small and the secant one nearly the same.
     """
 
     stress: Array
     heat: Array
-    gain: Array
+    fluxes: tuple[Array, Array]
     mobility: Pair
 
 
@@ -112,7 +112,7 @@ class PressureFlow:
         oil, eps = contact.lubricant, Pair(mobility(contact, P, H))
         along_x = contact.lambda_bar * oil.viscosity(P) * sliding / (12.0 * opened(H))
         heat = plane.of_slopes(eps, P, oil.enthalpy(P))
-        return Details(jnp.stack([along_x, jnp.zeros_like(along_x)]), heat, self.gain(contact, P, H), eps)
+        return Details(jnp.stack([along_x, jnp.zeros_like(along_x)]), heat, self.fluxes(contact, P, H), eps)
 
 
 def opened(H: Array) -> Array:
@@ -200,8 +200,8 @@ def steady_oil(contact: Contact, P: Array, H: Array, rate: Rate) -> OilContent:
     void = _void(contact, P, H, rate, r)
     passing = jnp.where(P > 0.0, full, downstream(full, kinked) - void)
     oil = jnp.where(passing < full, passing, full - void)  # void = 0 where P > 0
-    oil, full, void, passing = map(turned, (oil, full, void, passing))
-    return OilContent(oil, full, void, passing, entrainment, turned(kinked))
+    oil, full, void = map(turned, (oil, full, void))
+    return OilContent(oil, full, void, entrainment, turned(kinked))
 
 
 def oil_there(contact: Contact, P: Array, H: Array, residual: Array, rate: Rate) -> Array:

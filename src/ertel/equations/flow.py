@@ -33,7 +33,7 @@ from jax import Array
 
 from ertel.numerics.bdf import Weights
 from ertel.numerics.programs import exportable
-from ertel.numerics.stencils import FloatLike, carried_along_x, shifted_along_x, upstream_slope
+from ertel.numerics.stencils import FloatLike, carried_along_x, upstream_slope
 
 
 class Rate(NamedTuple):
@@ -41,6 +41,7 @@ class Rate(NamedTuple):
 
     new: weight of the mass at the node now.  past: the known part, from the earlier masses, shape (n, n) or a number.
     wedge: the entrainment speed U >= 0 where the film is steady, so that its past is the film upstream; else None.
+    through: what the flow takes through the faces across X, shape (n, n + 1), None where the oil stays.
     layer: the oil per area that enters a steady contact, a number or of shape (n, 1); None where the inlet is full.
     held: where a steady starved film is kinked, whatever P is (see `kinked_at`); None where P tells it.
     """
@@ -50,6 +51,7 @@ class Rate(NamedTuple):
     wedge: FloatLike | None = None
     layer: FloatLike | None = None
     held: Array | None = None
+    through: Array | None = None
 
     def of(self, mass: Array, spacing: FloatLike, kinked: Array | None = None) -> Array:
         """The rate of a mass, shape (n, n); kinked: as from `kinked_at`, for a starved film."""
@@ -72,22 +74,20 @@ def steady_rate(entrainment: FloatLike, layer: FloatLike | None = None) -> Rate:
 class OilContent(NamedTuple):
     """The oil in a steady film, as mass; fields of shape (n, n).
 
-    oil: what is there at the nodes.  full: what would fill the gap.  void: from `void_downstream`.  passing: what
-    passes the faces downstream of the nodes in unit flow.  entrainment: of that film.  kinked: as from `kinked_at`,
-    None where the inlet is full.
+    oil: what is there at the nodes.  full: what would fill the gap.  void: from `void_downstream`.  entrainment: of the
+    film.  kinked: as from `kinked_at`, None where the inlet is full.
     """
 
     oil: Array
     full: Array
     void: Array
-    passing: Array
     entrainment: FloatLike
     kinked: Array | None = None
 
     @classmethod
     def without_void(cls, mass: Array, kinked: Array | None = None) -> "OilContent":
         """A gap that is full, or a layer that does not change along X, which is nowhere kinked."""
-        return cls(mass, mass, jnp.zeros_like(mass), mass, 1.0, kinked)
+        return cls(mass, mass, jnp.zeros_like(mass), 1.0, kinked)
 
 
 class Flow(NamedTuple):
@@ -114,7 +114,7 @@ class Flow(NamedTuple):
         if self.start.kinked is None:
             return self
         turned = partial(flow_aligned, steady_rate(self.start.entrainment))
-        oil, full, void, extra = map(turned, (*self.start[:3], self.start.passing - self.start.oil))
+        oil, full, void = map(turned, self.start[:3])
         P, mass, was_wet = turned(P), turned(mass), oil >= full
         wet = (P > 0.0).at[:, 0].set(was_wet[:, 0])
         was_dry, dry, behind = (jnp.cumsum(each, axis=1) == 0 for each in (was_wet, wet, wet[:, ::-1]))
@@ -127,25 +127,10 @@ class Flow(NamedTuple):
         before = jnp.where(last, oil[:, :1] + back, jnp.where(moved, oil[:, :1], oil))
         oil, full = jnp.where(dry, before, jnp.where(filled, full, oil) + shift), full + shift
         void = jnp.where(dry, downstream(full, kinked) - oil, jnp.where(filled, 0.0, void))
-        oil, full, void, passing, kinked = map(turned, (oil, full, void, oil + extra, kinked))
-        there = OilContent(oil, full, void, passing, self.start.entrainment, kinked)
+        oil, full, void, kinked = map(turned, (oil, full, void, kinked))
+        there = OilContent(oil, full, void, self.start.entrainment, kinked)
         onwards = (jnp.asarray(self.entrainment) >= 0) == (jnp.asarray(self.start.entrainment) >= 0)
         return self._replace(start=jax.tree.map(partial(jnp.where, onwards & self.settles), there, self.start))
-
-    def passing(self, oil: Array) -> Array:
-        """The oil that passes the nodes with the flow where so much is there, in unit flow.
-
-        In a starved film the first order of `carried_along_x` hands on a share f (1 - f)/(2 s) of the change from node
-        to node too, f the part of the distance s beyond whole nodes.  With it the outflow, by the trapezoidal rule in
-        time, is what the sum of the oil loses.
-        """
-        passing = oil + (self.start.passing - self.start.oil)
-        if self.start.kinked is None:
-            return passing
-        turned, s = partial(flow_aligned, steady_rate(self.entrainment)), jnp.abs(self.distances[0])
-        passing, f = turned(passing), s - jnp.floor(s)
-        spread = 0.5 * f * (1.0 - f) / jnp.maximum(s, jnp.finfo(oil.dtype).tiny)
-        return turned(passing - spread * jnp.diff(passing, axis=1, prepend=passing[:, :1]))
 
 
 def rate_in_time(
@@ -167,25 +152,34 @@ def rate_in_time(
     changes = [mass - flow.start.oil for mass in masses]
     starved, was_full = flow.start.kinked is not None, flow.start.oil >= flow.start.full
     full = [was_full & (P > 0.0) for P in pressures] if starved else None
-    past = -weights[0] * flow.start.oil
+    past, passed = -weights[0] * flow.start.oil, 0.0
     if bent is not None and bent[0] is not None and not starved:
         changes = [change - more * bent[0] for change, more in zip(changes, bent[1], strict=True)]
         ways = flow.distances[0], flow.distances[0] + flow.distances[1]
         for weight, more, way in zip(weights[1:], bent[1], ways, strict=False):
-            past += weight * more * parabola_moved(bent[0], way)
-    past += followed(weights[1:], changes, flow.distances, full)
-    return Rate(weights[0], past + wedge(flow.start, flow.entrainment, spacing))
+            gap, through = parabola_moved(bent[0], way)
+            past, passed = past + weight * more * gap, passed + weight * more * through
+    moved, through = followed(weights[1:], changes, flow.distances, full)
+    start = through_faces(flow.start, flow.entrainment)
+    past += moved + jnp.diff(start, axis=1) / spacing
+    return Rate(weights[0], past, through=start - spacing * (passed + through))
 
 
-def parabola_moved(gap: Array, nodes: FloatLike) -> Array:
-    """A parabola after it has moved by a number of nodes along X, exactly.
+def parabola_moved(gap: Array, nodes: FloatLike) -> tuple[Array, Array]:
+    """A parabola after it has moved by a number of nodes along X, exactly, and what has passed the faces.
 
-    Upstream of the grid it goes on, where `stencils.shifted_along_x` has nothing but the value of the edge.
+    Upstream of the grid it goes on, where `stencils.carried_along_x` has nothing but the value of the edge.
     """
     first, second, third = (gap[:, i : i + 1] for i in range(3))
     bend, i = third - 2.0 * second + first, jnp.arange(gap.shape[1])
     slope = second - first + (i - 0.5) * bend
-    return gap - nodes * slope + 0.5 * nodes**2 * bend
+
+    def before(nodes: FloatLike) -> Array:
+        return gap - nodes * slope + 0.5 * nodes**2 * bend
+
+    # the mean over a cell is the value at its node if the parabola lies lower by bend/24
+    passed = nodes * (before(0.5 * (nodes + 1.0)) + bend * (nodes**2 - 1.0) / 24.0)
+    return before(nodes), jnp.pad(passed, ((0, 0), (0, 1)))
 
 
 def followed(
@@ -193,38 +187,40 @@ def followed(
     masses: Sequence[Array],
     distances: Sequence[FloatLike],
     full: Sequence[Array] | None = None,
-) -> Array:
-    """The weighted sum of earlier masses, each moved to where its oil is now.
+) -> tuple[Array, Array]:
+    """The weighted sum of earlier masses, each moved to where its oil is now, and what has passed the faces in all.
 
     The oldest is moved step by step, as the newer ones were: what the interpolation takes from a wave is then the same
     in all of them, and the differences in time are not disturbed by it.  full: where the gap was full, in a starved
     film: there alone the interpolation is of high order.
     """
-    moved = jnp.zeros_like(masses[-1])
+    moved, passed = jnp.zeros_like(masses[-1]), jnp.zeros(())
     for k in reversed(range(len(masses))):
-        there = weights[k] * masses[k] + moved
-        moved = shifted_along_x(there, distances[k]) if full is None else carried_along_x(there, distances[k], full[k])
-    return moved
+        smooth = None if full is None else full[k]
+        moved, through = carried_along_x(weights[k] * masses[k] + moved, distances[k], smooth)
+        passed += through
+    return moved, passed
 
 
-def wedge(content: OilContent, entrainment: FloatLike, spacing: FloatLike) -> Array:
-    """The rate of change of a steady film when it moves with the speed U: U d(oil)/dX from upstream.
+def through_faces(content: OilContent, entrainment: FloatLike) -> Array:
+    """Flow of oil through the faces across X of a steady film that moves with the speed U, shape (n, n + 1).
 
-    The slope of a full gap is of second order, that of a void of first, because it ends at a meniscus.  Against the way
+    The flux of a full gap is of second order, that of a void of first, because it ends at a meniscus.  Against the way
     of the steady film the void is not a sum along the flow: nodes that are not full pass on the oil that they have.
+    Nothing changes in the half cells at the inlet.
     """
     turned = partial(flow_aligned, steady_rate(content.entrainment))
     oil, full, void = map(turned, content[:3])
     kinked = None if content.kinked is None else turned(content.kinked)
-    speed = jnp.where(jnp.asarray(content.entrainment) >= 0, entrainment, -entrainment)
 
-    def slope(passing: Array) -> Array:
-        return jnp.diff(passing, axis=1, prepend=passing[:, :1]) / spacing
+    def with_inlet(passing: Array) -> Array:
+        return jnp.concatenate([passing[:, :1], passing], axis=1)
 
-    onwards = slope_of_full(full, spacing, kinked) - slope(void)
+    onwards = with_inlet(downstream(full, kinked) - void)
     oil, full = oil[:, ::-1], full[:, ::-1]
-    back = -slope(jnp.where(oil < full, oil, downstream(full)))[:, ::-1]
-    return turned(speed * jnp.where(speed >= 0, onwards, back))
+    back = with_inlet(jnp.where(oil < full, oil, downstream(full)))[:, ::-1]
+    same_way = (jnp.asarray(content.entrainment) >= 0) == (jnp.asarray(entrainment) >= 0)
+    return entrainment * turned(jnp.where(same_way, onwards, back))
 
 
 def flow_aligned(rate: Rate, field: Any) -> Any:

@@ -84,7 +84,7 @@ class ThinningFlow(PressureFlow):
         return Details(
             limited_stress(self.law, stress, self.p_h * P) / self.unit,
             plane.across_faces(in_X[:, 1:-1], in_Y[1:-1], contact.lubricant.enthalpy(P)),
-            divergence(in_X, in_Y) / contact.spacing,
+            (in_X, in_Y),
             _tangent(mobility(contact, P, H), nodes),
         )
 

@@ -64,5 +64,4 @@ class WarmFlow(PressureFlow):
         heat = plane.across_faces(in_x[:, 1:-1], in_y[1:-1], contact.lubricant.enthalpy(P))
         # the oil that the surfaces drag along beyond u_m h flows against the pressure, or with it, as well
         heat += (1.0 - self.share) * self.entrainment * H * node_slopes(P, contact.spacing, contact.even)[0]
-        gain, mobility = divergence(in_x, in_y) / contact.spacing, self.mobilities(contact, P, H).tangent
-        return Details(self.stress, heat, gain, mobility)
+        return Details(self.stress, heat, (in_x, in_y), self.mobilities(contact, P, H).tangent)

@@ -35,6 +35,18 @@ def derivative_weights(times: Sequence[float]) -> Weights:
     return np.array(w)
 
 
+def backward_integral(times: NDArray[np.float64], rates: NDArray[np.float64]) -> float:
+    """The integral from times[1] to the last time, whose backward differences are the rates at times[1:].
+
+    So it obeys the equations of a run that starts from one level at times[0].
+    """
+    before, now = (times[0] - times[1]) * rates[0], 0.0
+    for k, rate in enumerate(rates[1:], 2):
+        of_new, of_now, of_before = derivative_weights(times[[k, k - 1, k - 2]].tolist())
+        before, now = now, (rate - of_now * now - of_before * before) / of_new
+    return float(now)
+
+
 def three(weights: Weights) -> Weights:
     """At most three weights as three, the missing ones zero: one shape, whatever the history."""
     return np.array([*weights, 0.0, 0.0][:3])

@@ -15,7 +15,7 @@ from jax.tree_util import register_dataclass
 
 from ertel.numerics.bdf import derivative_weights
 from ertel.numerics.grid import Grid, Symmetry
-from ertel.numerics.stencils import Pair
+from ertel.numerics.stencils import Pair, inside
 
 SLOPE = (11 / 6, -3.0, 3 / 2, -1 / 3)  # weights of the nodes from the edge inwards for the slope towards the edge
 
@@ -89,6 +89,26 @@ class Plane:
         low = -f[:, 0] if not self.even.x else f[:0, 0]
         ends = jnp.zeros(self.wx.size * len(self._sides_along_x))
         return jnp.concatenate([f[:, -1], low, ends])
+
+    def inner(self, f: Array) -> Array:
+        """The double integral over the cells of the nodes within the edge, which end halfway to it."""
+        return self.total(inside(f, self.even))
+
+    def leaving(self, on_x: Array, on_y: Array) -> Array:
+        """Flow outwards through the outermost faces of those cells, one number for each face.
+
+        on_x, on_y: what flows to higher X through the faces across X, shape (n, n + 1), and to higher Y through those
+        across Y, shape (n + 1, n), as in `stencils.face_fluxes`.
+        """
+        within = inside(jnp.ones((self.wy.size, self.wx.size)), self.even)
+        rows, columns = self.wy * within.max(axis=1), self.wx * within.max(axis=0)
+        ends = [(1.0, -1.0), (2.0, 0.0)]  # at high and low X or Y, without and with an axis
+        high_x, low_x = ends[self.even.x]
+        parts = [high_x * rows * on_x[:, -2], low_x * rows * on_x[:, 1]]
+        if self.wy.size > 1:
+            high_y, low_y = ends[self.even.y]
+            parts += [high_y * columns * on_y[-2], low_y * columns * on_y[1]]
+        return jnp.concatenate(parts)
 
     def around(self, line: Array) -> Array:
         """The integral along the edge of a line from `edge`, `flow_out` or `along_x`."""

@@ -203,42 +203,29 @@ def inside(values: Array, even: Symmetry = NO_SYMMETRY) -> Array:
 # -- shifts -----------------------------------------------------------------------------------------------------------
 
 
-def shifted_along_x(field: Array, nodes: Array | float) -> Array:
-    """The field after it has moved by a number of nodes along X (to lower X if negative); shape (..., nodes_x).
+def carried_along_x(field: Array, nodes: FloatLike, smooth: Array | None = None) -> tuple[Array, Array]:
+    """The field after it has moved by a number of nodes along X (to lower X if negative), and what has passed.
 
-    Beyond its ends the field has the value of the end.  A shift by whole nodes is exact.  Between nodes a polynomial
-    through the nearest `POINTS` nodes gives the value; those beyond an end lie on the straight line through the last
-    two.  Its order is high, because a wave that is shifted in many steps loses a little at each of them: at 8 nodes per
-    wave 6 points lose about 2 % per wavelength, 8 points 0.3 %.
+    field: shape (..., n).  What has passed the faces between the nodes and at both ends, shape (..., n + 1), leaves one
+    cell and enters the next.
 
-    Source: Staniforth A, Cote J. Mon Weather Rev 1991;119:2206 (semi-Lagrangian transport).
-    """
-    whole = jnp.floor(nodes)
-    first = -whole.astype(int) - POINTS // 2  # the nodes lie around X - shift, as many below as above
-    columns, last = jnp.arange(field.shape[-1]), field.shape[-1] - 1
+    Between nodes a polynomial through the nearest `POINTS` nodes gives the value.  Its order is high, because a wave
+    that is shifted in many steps loses a little at each of them: at 8 nodes per wave 6 points lose about 2 % per
+    wavelength, 8 points 0.3 %.  A shift by whole nodes is exact.  Beyond its ends the field has the value of the end;
+    of the points that a polynomial takes, those beyond an end lie on the straight line through the last two nodes.
 
-    def at(columns: Array) -> Array:
-        below, above = jnp.minimum(columns, 0), jnp.maximum(columns - last, 0)
-        line = below * (field[..., 1:2] - field[..., :1]) + above * (field[..., last:] - field[..., last - 1 : last])
-        return jnp.take(field, columns, axis=-1, mode="clip") + line
+    smooth: where it is given, the flux is that of the polynomial only if all of its points are such nodes.  Elsewhere
+    it is of first order: there no new extremes arise.  Points beyond an end have its value.
 
-    weights = enumerate(lagrange(POINTS // 2 - (nodes - whole), range(POINTS)))
-    moved = sum((weight * at(columns + first + k) for k, weight in weights), start=jnp.zeros_like(field))
-    inside = jnp.where(columns < nodes, field[..., :1], moved)
-    return jnp.where(columns - nodes > last, field[..., last:], inside)
-
-
-def carried_along_x(field: Array, nodes: FloatLike, smooth: Array) -> Array:
-    """The same shift in flux form: what leaves a cell enters the next one.
-
-    smooth: nodes around which the flux is that of the polynomial of `shifted_along_x`, if all `POINTS` nodes that it
-    takes are such nodes.  Elsewhere it is of first order: there no new extremes arise.
-
-    Source: Leonard BP, Lock AP, MacVean MK. Mon Weather Rev 1996;124:2588 (flux form of any step).
+    Sources: Staniforth A, Cote J. Mon Weather Rev 1991;119:2206 (semi-Lagrangian transport); Leonard BP, Lock AP,
+    MacVean MK. Mon Weather Rev 1996;124:2588 (flux form of any step).
     """
     n, half, whole = field.shape[-1], POINTS // 2, jnp.floor(nodes)
-    columns = jnp.arange(-half, n + half) - whole.astype(int)
-    field, smooth = (jnp.take(f, columns, axis=-1, mode="clip") for f in (field, smooth))
+    first, last, shift, faces = field[..., :1], field[..., -1:], whole.astype(int), jnp.arange(n + 1)
+    columns = jnp.arange(-half, n + half) - shift
+    there, below, above = jnp.take(field, columns, axis=-1, mode="clip"), columns, columns - (n - 1)
+    if smooth is None:
+        there += jnp.minimum(below, 0) * (field[..., 1:2] - first) + jnp.maximum(above, 0) * (last - field[..., -2:-1])
 
     def at(f: Array, k: int) -> Array:
         return f[..., half - 1 + k : half + k + n]  # the nodes k after those upstream of the faces
@@ -246,10 +233,19 @@ def carried_along_x(field: Array, nodes: FloatLike, smooth: Array) -> Array:
     rest = nodes - whole
     weights = lagrange(half - rest, range(POINTS))
     shares = [sum(weights[: k + half]) if k <= 0 else -sum(weights[k + half :]) for k in range(1 - half, half)]
-    high = sum(share * at(field, k) for k, share in enumerate(shares, 1 - half))
-    all_smooth = jnp.stack([at(smooth, k) for k in range(1 - half, half + 1)]).all(axis=0)
-    flux = jnp.where(all_smooth, high, rest * at(field, 0))
-    return at(field, 0)[..., 1:] - jnp.diff(flux, axis=-1)
+    flux = sum(share * at(there, k) for k, share in enumerate(shares, 1 - half))
+    if smooth is not None:
+        smooth = jnp.take(smooth, columns, axis=-1, mode="clip")
+        all_smooth = jnp.stack([at(smooth, k) for k in range(1 - half, half + 1)]).all(axis=0)
+        flux = jnp.where(all_smooth, flux, rest * at(there, 0))
+    moved = at(there, 0)[..., 1:] - jnp.diff(flux, axis=-1)
+    if smooth is None:
+        moved = jnp.where(faces[:-1] < nodes, first, moved)
+        moved = jnp.where(faces[:-1] - nodes > n - 1, last, moved)
+    # the cells that have passed as a whole, by the sum up to each face
+    up_to, before = jnp.pad(jnp.cumsum(field, axis=-1), [(0, 0)] * (field.ndim - 1) + [(1, 0)]), faces - shift
+    beyond = jnp.minimum(before, 0) * first + jnp.maximum(before - n, 0) * last
+    return moved, up_to - (jnp.take(up_to, before, axis=-1, mode="clip") + beyond) + flux
 
 
 # -- three nodes on a line, as a matrix ------------------------------------------------------------------------------

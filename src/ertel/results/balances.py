@@ -1,7 +1,8 @@
 """The balances of a run: mass, momentum of the ball, and energy, each with its relative imbalance.
 
-In time the terms of `equations.account` are integrated by the trapezium rule over the steps, from the first one on;
-what is stored is a difference.  A steady contact has rates: nothing is stored.  Signs are such that in each balance
+In time the terms of `equations.account` are integrated over the steps, from the first one on: the flows of oil by the
+backward differences that the oil obeys, the others by the trapezium rule.  What is stored is a difference.  A steady
+contact has rates: nothing is stored.  Signs are such that in each balance
 
     mass        stored + outflow = inflow + cavity_source
     momentum    ball + impulse_of_film = impulse_of_load
@@ -27,6 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ertel.case.case import Case
+from ertel.numerics.bdf import backward_integral
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -55,7 +57,9 @@ def in_time(case: Case, data: "xr.Dataset") -> dict[str, dict[str, float | None]
     sums = {name: float(np.trapezoid(values, v["time"])) for name, values in v.items()}
     stored = {name: float(values[-1] - values[0]) for name, values in v.items()}
     of_load = np.diff(v["Delta"]) * (v["w"][1:] + v["w"][:-1]) / 2
-    mass = {"stored": stored["mass"], **{name: sums[name] for name in ("inflow", "outflow", "cavity_source")}}
+    times = np.array([v["time"][0] - v["dT"][0], *v["time"]])
+    flows = {name: backward_integral(times, v[name]) for name in ("inflow", "outflow", "cavity_source")}
+    mass = {"stored": stored["mass"], **flows}
     momentum = {"ball": inertia * stored["V"], "impulse_of_load": sums["w"], "impulse_of_film": sums["F"]}
     energy = {
         "kinetic": stored["kinetic"],

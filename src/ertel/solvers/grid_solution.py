@@ -5,6 +5,7 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from jax import Array
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from ertel.case.case import Case
 from ertel.case.status import Status
 from ertel.equations import account, contact, discretise
 from ertel.equations.contact import Contact
-from ertel.equations.flow import OilContent, Rate, steady_rate, wedge
+from ertel.equations.flow import OilContent, Rate, steady_rate, through_faces
 from ertel.equations.state import level_fields, measure
 from ertel.equations.warm import WarmFlow
 from ertel.numerics import stencils
@@ -172,10 +173,11 @@ def _account(
     space: Plane, c: Contact, P: Array, H: Array, P_asperity: Array | None, rate: Rate, m: account.Moment
 ) -> tuple[dict[str, Array], account.Friction, OilContent]:
     content = contact.steady_oil(c, P, H, rate)
-    change = wedge(content, m.U, c.spacing)
+    through = through_faces(content, m.U)
+    change = jnp.diff(through, axis=1) / c.spacing
     if isinstance(c.flow, WarmFlow):  # so far it was what moves with the surfaces
         content = content._replace(oil=content.oil / c.flow.share)
-    return *account.account(space, c, P, H, m, content.oil, content.passing, change, P_asperity), content
+    return *account.account(space, c, P, H, m, content.oil, change, through, P_asperity), content
 
 
 _account_program = Program(jax.jit(_account), ANY_SIZE)

@@ -341,7 +341,8 @@ def ring_account(eq: Equations, P: Array, H: Array, oil: Array, approach: float)
     friction = ring_friction(eq.mesh, P, H)
     deformation = H + approach - CIRCLE.gap(eq.mesh.r, 0.0)
     growth = ring_residual(eq, P, H) - eq.rate * (eq.mesh.oil.density(P) * H - oil).at[-1].set(0.0)
-    film = account.Film(P, H, oil, oil, eps, friction.loss, deformation, growth, 0.0, 0.0)
+    mass, leaving = 2 * np.pi * eq.mesh.volume[:-1] @ oil[:-1], 2 * np.pi * outflow(eq, P, H)[-1:]
+    film = account.Film(P, H, mass, leaving, eps, friction.loss, deformation, growth, 0.0, 0.0)
     return account.account_terms(eq.mesh.disc, eq.mesh.oil, film, friction, CIRCLE.hertz_load)
 
 

@@ -379,9 +379,8 @@ def _numbers(
     if setting.gap is not None:
         new, *earlier = known.curvatures[:3]
         gap_change += U * (new - 1.0) * setting.gap_slope + rate_of_change(known.rates, new, earlier) * setting.gap
-    passing = mass if p.flow is None else p.flow.passing(mass)
     moment = Moment(approach, U, known.sliding, gap_change, F, setting.hertz_load)
-    changes = mass, passing, rate.of(mass, c.spacing), fields.get("P_asperity")
+    changes = mass, rate.of(mass, c.spacing), rate.through, fields.get("P_asperity")
     terms, _ = account.account(setting.space, c, s.own, s.H, moment, *changes)
     predicted = _weighted(known.predict, [level["mass"] for level in p.past])
     weight = stencils.inside(s.P, c.even)  # the edge is given
