@@ -174,6 +174,10 @@ def test_a_table_replaces_no_file_that_only_has_the_mark(tmp_path):
     assert notes.read_text() == content
 
 
+def test_an_unknown_word_is_answered_without_the_prefix_of_a_library():
+    assert "for 'kind': 'sliding' is not one of" in refused("new", "sliding")
+
+
 def test_a_film_that_is_not_known_is_not_in_the_table_of_formulas():
     films = [Number(name, VARIABLES[name], 0.1, error=error) for name, error in (("H_c", 0.01), ("H_min", 0.09))]
     rows = film_rows(impact(1000.0, 10.0, 65), [], dict(zip(FILMS, films, strict=True)))
