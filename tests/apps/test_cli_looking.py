@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import ertel
-from ertel.apps.reports import drawn, page_of
+from ertel.apps.reports import _value, drawn, page_of
 from ertel.optics import Interferometer, Monochromatic, Rig
 from ertel.physics import hertz
 from ertel.physics.lubricant import DowsonHigginson
@@ -156,6 +156,12 @@ def test_a_run_on_one_page(runs, tmp_path, name):
     assert "lubricant" in case and f"{run.case.kind}, {run.case.method.in_words}: converged" in computed
     if name == "plane":
         assert re.search(r"contact.radius +10 mm", case) and re.search(r"contact.mass +0.03267 kg", case)
+
+
+def test_a_name_that_begins_with_a_number_has_no_prefix():
+    for text in ("2000 rpm", "20000 series", "2024", "40 degC"):
+        assert _value(text) == text
+    assert _value("313.15 K") == "40 degC" and _value("5e6 Pa") == "5 MPa"
 
 
 def test_a_study_on_one_page(tmp_path):
