@@ -36,9 +36,9 @@ class State:
 
     The fields are P, H and others that a method needs to go on; where asperities touch, P_asperity is their part of P.
     load, outside: the double integral of P on the grid and outside it.  around: the number of nodes with P > 0 outside
-    the middle of the grid, None where nobody has counted them.  status, work, error, record: of the step that
-    made this state: its outcome, its work, how far the film is from its prediction (relative), and its numbers by name
-    (those of `Stepper.measure` and of `account`).
+    the middle of the grid, None where nobody has counted them, as after a change of the fields.  status, work, error,
+    record: of the step that made this state: its outcome, its work, how far the film is from its prediction (relative),
+    and its numbers by name (those of `Stepper.measure` and of `account`).
     """
 
     T: float
