@@ -19,7 +19,6 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import ertel
-from ertel.apps import looking
 from ertel.apps.reports import drawn, page_of
 from ertel.optics import Interferometer, Monochromatic, Rig
 from ertel.physics import hertz
@@ -66,7 +65,7 @@ def test_a_run_of_any_name_and_time_is_one_row(tmp_path, monkeypatch):
     run = tmp_path / "first\nsecond"
     (run / "run.zarr").mkdir(parents=True)
     (run / "case.toml").write_text(SMALL_IMPACT)
-    monkeypatch.setattr(looking, "LATEST", 1e9)
+    monkeypatch.setattr("ertel.apps.looking.LATEST", 1e9)
     _, row = ertel_("ls", str(tmp_path)).stdout.splitlines()
     assert row.startswith(r"first\nsecond  ") and "unfinished 0%  2001-09-0" in row
 

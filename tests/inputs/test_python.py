@@ -190,9 +190,8 @@ def test_roughness_as_numbers_in_every_way():
     found = surfaces(sigma_1="Ra 0.04 um", sigma_2=2e-8, asperities=law)
     assert found.sigma_1 == pytest.approx(50e-9) and found.rms == pytest.approx((50**2 + 20**2) ** 0.5 * 1e-9)
     assert found.asperities.longest == 5e-5 and found.asperities.hurst == 0.8
-    for wrong in ("Ra 0.04", "Ra Ra 40 nm", "Ra" * 5000):
-        with pytest.raises(ConfigError, match=r'surfaces.sigma = "Ra.*: must be a quantity above zero with a unit'):
-            surfaces(sigma=wrong)
+    with pytest.raises(ConfigError, match=r'surfaces.sigma = "Ra 0.04": must be a quantity above zero with a unit'):
+        surfaces(sigma="Ra 0.04")
     with pytest.raises(ConfigError, match="hurst"):
         surfaces(sigma=1e-7, asperities={**law, "hurst": "5 um"})
 

@@ -80,9 +80,8 @@ def parse_quantity(value: object, unit: Unit) -> float:
         if unit.unit != KINEMATIC_VISCOSITY.unit:
             raise ValueError("is a viscosity at 40 degC; give an oil by name (ertel oils), or nu40, nu100 and density")
         value = f"{grade[1]} mm^2/s"
-    is_mean = unit == ROUGHNESS and isinstance(value, str) and value.lstrip().startswith("Ra")
-    if is_mean:
-        value = str(value).lstrip().removeprefix("Ra")
+    if unit == ROUGHNESS and isinstance(value, str) and (mean := value.lstrip()).startswith("Ra"):
+        return RMS_OVER_MEAN * parse_quantity(mean.removeprefix("Ra"), unit)
     if isinstance(value, str) and _THOUSANDS.match(value[:LONGEST]):
         raise ValueError("has a comma that may part thousands or decimals; write a point, and nothing for thousands")
     description = f'a quantity {"" if unit.signed else "above zero "}with a unit such as "{unit.example}"'
@@ -99,7 +98,7 @@ def parse_quantity(value: object, unit: Unit) -> float:
         raise ValueError(f"must be {description}")
     if complaint := unit.size_complaint(number_in_si):
         raise ValueError(complaint)
-    return RMS_OVER_MEAN * number_in_si if is_mean else number_in_si
+    return number_in_si
 
 
 def split(value: object) -> tuple[str, str]:
