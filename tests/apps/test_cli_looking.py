@@ -2,6 +2,7 @@
 
 import csv
 import json
+import os
 import re
 import struct
 import zlib
@@ -56,6 +57,17 @@ def test_runs_are_listed_with_their_numbers(runs):
     thinnest = ertel.open(runs / "plane").summary["si"]["extremes"]["H_min"]["h_min_m"]
     assert plane["numbers"]["h_min_extreme"]["value"] == pytest.approx(thinnest)
     assert plane["numbers"]["h_min_extreme"]["units"] == "m"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no such names")
+def test_a_run_of_any_name_and_time_is_one_row(tmp_path, monkeypatch):
+    """Some file systems keep times, by mistake of a clock or by intent, that no calendar has."""
+    run = tmp_path / "first\nsecond"
+    (run / "run.zarr").mkdir(parents=True)
+    (run / "case.toml").write_text(SMALL_IMPACT)
+    monkeypatch.setattr("ertel.apps.looking.LATEST", 1e9)
+    _, row = ertel_("ls", str(tmp_path)).stdout.splitlines()
+    assert row.startswith(r"first\nsecond  ") and "unfinished 0%  2001-09-0" in row
 
 
 def test_two_runs_side_by_side_and_in_one_figure(runs, tmp_path):
