@@ -158,7 +158,11 @@ def unpacked(numbers: Mapping[str, Array]) -> dict[str, float]:
     return dict(zip(names.split(), np.asarray(values).tolist(), strict=True))
 
 
-_numbers = Program(jax.jit(lambda plane, P, H: packed(key_values(plane, P, H))), ANY_SIZE)
+def _key_numbers(plane: Plane, P: Array, H: Array) -> dict[str, Array]:
+    return packed(key_values(plane, P, H))
+
+
+_numbers = Program(jax.jit(_key_numbers), ANY_SIZE)
 
 
 def film_error(film: Array, predicted: Array, P: Array, thin: Array | float, even: Symmetry, coarsenings: int) -> Array:
