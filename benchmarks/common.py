@@ -73,7 +73,7 @@ def impact_levels(method: Any, until: float = 1.2) -> list[Any]:
             P = multigrid.prolong(P)
         H = contact.film_thickness(method.contact, P, level.approach)
         fields = {"P": P, "H": H, "mass": contact.mass(method.contact, P, H)}
-        levels.append(replace(level, fields=fields))
+        levels.append(replace(level, fields=fields, around=None))  # not counted on this grid
     return levels
 
 

@@ -2,7 +2,7 @@
 
     python benchmarks/fft.py [nodes ...]        (257 513 1025 2049 unless said; one minute)
 
-The whole plane, double precision, zero-padded to twice the nodes, as in `halfspace.surface_displacement`.  "Cores" is
+The whole plane, double precision, zero-padded to twice the nodes, as in `halfspace.TransformKernel`.  "Cores" is
 how many threads share the work, (sum of their CPU times)² / sum of squares, which other work on the machine does not
 change: near one, an FFT runs on one core; near the number of cores, it uses them.
 """

@@ -102,7 +102,7 @@ def measure(nodes: int, file: str) -> dict[str, Any]:
     if nodes <= MOST_OF_A_REBOUND:
         case = impact(1000, nodes, time={"until": "rebound"})
         wall, result = [timed(lambda: ertel.simulate(case)) for _ in range(2)][-1]
-        times: dict[str, Any] = {"rebound": wall, "steps": result.summary["steps"]}
+        times = {"rebound": wall, "steps": result.summary["steps"]}
     ratio = step / (convolutions * alone)
     each = {"convolutions": convolutions, "convolution": 1e3 * alone, "ratio": ratio, "steady": film, "first": first}
     return {"step": 1e3 * step, **each, **times}

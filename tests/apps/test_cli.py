@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 import xarray as xr
-from app_runs import given, raising, refused
+from app_runs import CASE_FILES, given, raising, refused
 from cases import ertel_, names
 from matplotlib.figure import Figure
 
@@ -172,3 +172,21 @@ def test_a_run_on_the_track_of_another(here, runs):
     assert load_case(here / "second" / "case.toml").track.extremes[1] == pytest.approx(float(first["oil"][:, -1].max()))
     assert float(second["H_c"][-1]) < float(first["H_c"][-1])
     assert "the run is an impact" in ertel_("run", "steady.toml", "--after", str(runs[0] / "small"), code=2).stderr
+
+
+@pytest.mark.parametrize(
+    ("command", "settings", "said"),
+    [
+        ("run small.toml --error", ["solver.nodes=17"], "solver.nodes = 9"),
+        ("run small.toml --flush -1", [], "Invalid value for '--flush'"),
+        ("run small.toml --out taken", [], "taken: exists already; choose another --out"),
+        ("run small.toml --out small.toml/sub", [], "small.toml/sub: cannot write there"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) else "",
+)
+def test_wrong_input(here, command, settings, said):
+    (here / "taken").mkdir()
+    (here / "taken" / "file").write_text("")
+    assert said in refused(*command.split(), *given(*settings))
+    assert names(here) == {*CASE_FILES, "taken"}
+    assert names(here / "taken") == {"file"}

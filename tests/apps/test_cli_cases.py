@@ -16,7 +16,7 @@ from typer.testing import CliRunner
 import ertel
 from ertel.apps.cli import app
 from ertel.apps.tables import film_rows
-from ertel.apps.terminal import placing
+from ertel.apps.terminal import placing, print_text
 from ertel.inputs import materials, oils
 from ertel.inputs.case_files import load_case
 from ertel.inputs.templates import SCHEMA_FILE, json_schema, template
@@ -172,6 +172,22 @@ def test_a_table_replaces_no_file_that_only_has_the_mark(tmp_path):
         with outcome, placing(tmp_path) as place:
             (place / notes.name).write_text(content)
     assert notes.read_text() == content
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "color"), [("NO_COLOR", "1", False), ("NO_COLOR", "", None), ("TERM", "dumb", False)]
+)
+def test_a_terminal_that_wants_no_styles_gets_none(name, value, color, monkeypatch):
+    styles = []
+    monkeypatch.setattr("typer.secho", lambda _, **style: styles.append(style))
+    for each, text in {"NO_COLOR": "", "TERM": "xterm", name: value}.items():
+        monkeypatch.setenv(each, text)
+    print_text("steel_ball", bold=True)
+    assert styles == [{"color": color, "bold": True}]
+
+
+def test_an_unknown_word_is_answered_without_the_prefix_of_a_library():
+    assert "for 'kind': 'sliding' is not one of" in refused("new", "sliding")
 
 
 def test_a_film_that_is_not_known_is_not_in_the_table_of_formulas():

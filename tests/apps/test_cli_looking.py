@@ -2,6 +2,7 @@
 
 import csv
 import json
+import os
 import re
 import struct
 import zlib
@@ -18,7 +19,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import ertel
-from ertel.apps.reports import drawn, page_of
+from ertel.apps.reports import _value, drawn, page_of
 from ertel.optics import Interferometer, Monochromatic, Rig
 from ertel.physics import hertz
 from ertel.physics.lubricant import DowsonHigginson
@@ -56,6 +57,17 @@ def test_runs_are_listed_with_their_numbers(runs):
     thinnest = ertel.open(runs / "plane").summary["si"]["extremes"]["H_min"]["h_min_m"]
     assert plane["numbers"]["h_min_extreme"]["value"] == pytest.approx(thinnest)
     assert plane["numbers"]["h_min_extreme"]["units"] == "m"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no such names")
+def test_a_run_of_any_name_and_time_is_one_row(tmp_path, monkeypatch):
+    """Some file systems keep times, by mistake of a clock or by intent, that no calendar has."""
+    run = tmp_path / "first\nsecond"
+    (run / "run.zarr").mkdir(parents=True)
+    (run / "case.toml").write_text(SMALL_IMPACT)
+    monkeypatch.setattr("ertel.apps.looking.LATEST", 1e9)
+    _, row = ertel_("ls", str(tmp_path)).stdout.splitlines()
+    assert row.startswith(r"first\nsecond  ") and "unfinished 0%  2001-09-0" in row
 
 
 def test_two_runs_side_by_side_and_in_one_figure(runs, tmp_path):
@@ -156,6 +168,12 @@ def test_a_run_on_one_page(runs, tmp_path, name):
     assert "lubricant" in case and f"{run.case.kind}, {run.case.method.in_words}: converged" in computed
     if name == "plane":
         assert re.search(r"contact.radius +10 mm", case) and re.search(r"contact.mass +0.03267 kg", case)
+
+
+def test_a_name_that_begins_with_a_number_has_no_prefix():
+    for text in ("2000 rpm", "20000 series", "2024", "40 degC"):
+        assert _value(text) == text
+    assert _value("313.15 K") == "40 degC" and _value("5e6 Pa") == "5 MPa"
 
 
 def test_a_study_on_one_page(tmp_path):

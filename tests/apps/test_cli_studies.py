@@ -87,10 +87,10 @@ def rows(path):
 def test_a_study_from_its_file_to_its_table(here):
     done = ertel_(*SWEEP)
     assert done.stderr == "2 runs, 2 of them to do\n"
-    title, head, *table, said, film, start, mass, stored = done.stdout.splitlines()
+    title, head, *table, said, film, start, stored = done.stdout.splitlines()
     assert title == "loads" and head.split()[0] == "M" and [row.split()[0] for row in table] == ["20", "40"]
     assert said == "2 runs: 2 converged; 2 with warnings" and "warnings" in head.split()  # 17 nodes are few
-    for warning in (film, start, mass):
+    for warning in (film, start):
         assert warning.startswith("Warning: runs/") and warning.endswith("(and 1 other run)")
     assert stored == "Stored in sweeps/loads, with sweep.zarr and sweep.csv"  # too short for key numbers to draw
     directory = rows(here / "sweeps/loads/sweep.csv")[0]["directory"]

@@ -138,3 +138,18 @@ def test_rough_examples(name: str, nodes: int, until: float) -> None:
     grid = grid_of(case)
     heights = np.asarray(discretise.heights(case.features, case, grid, until))
     assert np.corrcoef((films[1] - films[0]).ravel(), heights.ravel())[0, 1] > 0.9
+
+
+@pytest.mark.slow  # whole planes; other examples are computed in solvers, on the pages and in validation
+@pytest.mark.parametrize(
+    ("name", "short"),
+    [
+        ("skewed_ellipse", []),
+        ("rough_impact", ["time.until=0.2", "time.tolerance=0.01"]),
+        ("rough_rolling", ["time.until=0.05", "time.tolerance=0.01"]),
+    ],
+)
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_case_files_that_nothing_else_computes(name: str, short: list[str]) -> None:
+    result = ertel.simulate(load_case(EXAMPLES / f"{name}.toml", ["solver.nodes=33", *short]))
+    assert result.summary["status"] == "converged" and result.dataset["H"].min() > 0.0

@@ -192,6 +192,9 @@ def test_roughness_as_numbers_in_every_way():
     assert found.asperities.longest == 5e-5 and found.asperities.hurst == 0.8
     with pytest.raises(ConfigError, match=r'surfaces.sigma = "Ra 0.04": must be a quantity above zero with a unit'):
         surfaces(sigma="Ra 0.04")
+    for twice in ("Ra Ra 40 nm", "Ra" * 50_000):
+        with pytest.raises(ConfigError, match="must be a quantity above zero"):
+            surfaces(sigma=twice)
     with pytest.raises(ConfigError, match="hurst"):
         surfaces(sigma=1e-7, asperities={**law, "hurst": "5 um"})
 

@@ -113,3 +113,18 @@ def test_values_of_all_kinds_must_differ():
         parse_study({"contact": {"M": 200, "L": 10}, "solver": {"method": [{1, 2}, {1, 2}]}})
     with pytest.raises(ConfigError, match=r"^contact.speed = .* both ends must have the same unit"):
         parse_study(ball("1 mm/s:1 m/s:2"))
+
+
+def test_each_value_is_not_compared_with_all_others():
+    compared = []
+
+    class Number(float):
+        __hash__ = float.__hash__
+
+        def __eq__(self, other):
+            compared.append(other)
+            return float(self) == other
+
+    with pytest.raises(ConfigError, match=r"M = -500.0: must be"):
+        parse_study(moes(M=[Number(value) for value in range(-500, 0)]))
+    assert len(compared) < 5 * 500

@@ -333,6 +333,7 @@ def test_a_history_and_numbers(ball):
     assert known.predicted(ball) == pytest.approx(h_c, rel=1e-9) and "; start 20 µs" in repr(aligned)
     for name, value in (("h_c", ball.summary["si"]["h_c_m"]), ("p_max", ball.summary["si"]["p_max_Pa"])):
         assert Measurement.number(name, value).predicted(ball) == pytest.approx([value])
+        assert repr(ball.compare(Measurement.number(name, value))).endswith(", 1 value")
     # The run starts at -37.41 us, and its first step is 1.87 us later.
     h_c = ball.si["h_c"].values[0]
     assert Measurement("history", "h_c", [h_c, h_c], [-37.4e-6, -36e-6]).predicted(ball) == pytest.approx([h_c, h_c])

@@ -289,6 +289,7 @@ def test_modules_come_from_no_directory_of_other_users(two, monkeypatch, recwarn
 
 KILLED = """
 from ertel.runs.cluster import local
+from ertel.runs.workers import Task
 from test_cluster import never_ends
 if __name__ == "__main__":
     with local(1) as workers:

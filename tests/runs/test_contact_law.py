@@ -90,6 +90,7 @@ def test_the_file_is_read_without_ertel(tmp_path: Path) -> None:
     [
         ((0.5, 3e-6), r"speed = 0\.5: must be from 0\.1 to 0\.4 m/s"),
         ((0.2, [3e-6, 2e-6]), r"layer = 2e-06: must be from 3e-06 to 1\.2e-05 m"),
+        ((float("nan"), 3e-6), r"speed = nan: must be from"),
         ((0.2,), r"got 1 values; give speed and layer"),
     ],
 )
@@ -106,6 +107,7 @@ def test_outside_the_table_there_is_no_law(values: Any, message: str) -> None:
         (study([run(1, 1, "failed: no film")] * 6), r"6 of 6 runs failed or have no rebound.*failed: no film.*rebound"),
         (study(RUNS, kind="rolling"), r'"product" of rolling cases'),
         (study(RUNS, layers=[0.0, 3e-6]), r"layer must have two or more values above zero"),
+        (study(RUNS, layers=["thin", "thick"]), r"layer must have two or more values above zero"),
     ],
 )
 def test_studies_that_give_no_law(wrong: StudyResult, message: str) -> None:

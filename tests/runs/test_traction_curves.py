@@ -149,6 +149,7 @@ DIMENSIONLESS = parse_case({"contact": {"kind": "rolling", "M": 20, "L": 10}, "s
     ("case", "given", "said"),
     [
         (physical(), {}, "exactly one of slide_to_roll, mean_speed, load; got none"),
+        (physical(), {"slide_to_roll": [0], "load": [1]}, "got slide_to_roll and load"),
         (physical(), {"load": "1:5"}, "load = .*FIRST:LAST:NUMBER"),
         (physical(), {"mean_speed": [1.0, 900.0]}, 'at mean_speed = "900.0 m/s": solver.half_width .* give it there'),
         (physical(), {"mean_speed": [1.0], "film": "once"}, "film depends on mean_speed"),

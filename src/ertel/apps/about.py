@@ -27,7 +27,8 @@ def bibtex() -> str:
 
 def _citation() -> str:
     """The same in a line."""
-    entries = [dict(re.findall(r"(\w+) += {(.*)}", entry)) for entry in bibtex().split("\n\n")]
+    text = bibtex().replace("{" + ertel.__version__, "{Version " + ertel.__version__)
+    entries = [dict(re.findall(r"(\w+) += {(.*)}", entry)) for entry in text.split("\n\n")]
     software, paper = (re.sub(r"[{}]|\.(?=\. )", "", ". ".join(entry.values())) for entry in entries)
     return f"{software}. Cite with it: {paper}."
 

@@ -310,14 +310,17 @@ def browse(
     whoever has the address can use the app. Each run is a process of its own that goes on
     when the app is closed; its Close button can stop the runs, too. Ctrl-C closes the app.
     """
-    for name in ("aiohttp", "requests", "tornado"):  # 15 MB of web clients and servers, which NiceGUI would import
-        sys.modules.setdefault(name, None)  # type: ignore[arg-type]
+    hidden = {"aiohttp", "requests", "tornado"} - {*sys.modules}  # 15 MB, which NiceGUI would import
+    sys.modules.update(dict.fromkeys(hidden))  # type: ignore[arg-type]
     try:
         from ertel.apps.browser import server
     except ModuleNotFoundError as error:
         if error.name != "nicegui":
             raise
         leave(BAD_INPUT, "the app needs NiceGUI: pip install 'ertel[app]'")
+    finally:
+        for name in hidden:
+            del sys.modules[name]  # whoever reads measured surfaces needs requests
     with bad_input():
         going = server.serve(
             folder.absolute(), port, browser, lambda address: say(f"The app is at {address}, Ctrl-C closes it")

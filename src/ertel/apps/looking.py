@@ -32,6 +32,7 @@ Lighting = Literal["mono", "two-beam", "white"]
 FRINGES_HELP = "Draw the interference fringes instead: monochromatic, of two beams only, or in white light."
 Format = Literal["png", "svg", "pdf", "webp", "gif", "mp4"]
 MOVIES = ("webp", "gif", "mp4")
+LATEST = 2.5e11  # s, in the year 9892: a file system may say a time that no calendar has
 
 
 def ls(folder: Annotated[Path | None, path_argument("DIR", FOLDER_HELP)] = None, as_json: Json = False) -> None:
@@ -67,7 +68,7 @@ def _run_as_data(run: Path, folder: Path) -> dict[str, Any]:
 
     files = [run / name for name in (CASE, PROGRESS, SUMMARY)]
     changed = max((path.lstat().st_mtime for path in files if lexists(path)), default=0.0)
-    written = datetime.fromtimestamp(changed).isoformat(timespec="seconds")
+    written = datetime.fromtimestamp(min(max(changed, 0.0), LATEST)).isoformat(timespec="seconds")
     data = {"directory": str(run.relative_to(folder)), "status": "damaged", "done": 0.0, "written": written}
     try:
         case, summary = read_case(run), read_summary(run)

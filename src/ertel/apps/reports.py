@@ -21,6 +21,7 @@ from ertel.case.case import Case
 from ertel.case.records import show
 from ertel.case.status import Status
 from ertel.inputs.quantities import split
+from ertel.physics import units
 from ertel.plots.drawing import NoFigure, Picture, families
 from ertel.results.numbers import aligned, differences, moment, more_lines, numbers, values_of
 from ertel.results.variables import in_celsius, with_prefix
@@ -38,6 +39,7 @@ COLUMNS = int((PAPER[0] - 2 * MARGIN) * 72.0 / (0.602 * LETTER))  # letters acro
 HALF = COLUMNS // 2 - 2
 WIDEST = 60  # letters of a heading in its full size
 MOST_LINES, MOST_NOTES, MOST_OF_CASE = 38, 24, 20
+SI_UNITS = {mark.unit for mark in vars(units).values() if isinstance(mark, units.Unit)}  # other texts are names
 LEFT_OUT = ("solver.", "time.", "output.", "schema", "contact.kind")  # of the case: how it is computed, and names
 
 
@@ -133,9 +135,9 @@ def _short(line: str, most: int) -> str:
 
 def _value(value: Any) -> str:
     number, unit = split(value)
-    if not number:
+    if unit not in SI_UNITS:
         return value if isinstance(value, str) else show(value)
-    return with_prefix(*in_celsius(float(number), unit or "1"))
+    return with_prefix(*in_celsius(float(number), unit))
 
 
 def drawn(page: Page) -> Figure:

@@ -6,7 +6,7 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from ertel.apps.terminal import capital, print_text
-from ertel.case.records import ConfigError, show
+from ertel.case.records import ConfigError, printable, show
 from ertel.inputs import materials, oils
 from ertel.physics.materials import Material, NamedOil, Sourced, celsius
 from ertel.physics.units import Unit, marks
@@ -27,7 +27,8 @@ TITLES = {"shear": "shear thinning", "limiting_stress": "limiting stress"}
 
 def print_rows(rows: Sequence[Sequence[str]], left: int = 1) -> None:
     """Rows of texts below each other, the first columns aligned to the left, the others to the right."""
-    for line in aligned(list(zip(*rows, strict=True)), left):
+    in_lines = [map(printable, row) for row in rows]  # a name with a line break in it is still one row
+    for line in aligned(list(zip(*in_lines, strict=True)), left):
         print_text(line)
 
 

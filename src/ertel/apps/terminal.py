@@ -40,7 +40,8 @@ def print_json(content: Any) -> None:
 
 def print_text(text: str = "", **style: Any) -> None:
     """Print a text, with its control characters escaped, in a style of typer where a terminal has it."""
-    typer.secho(printable(text), color=False if "NO_COLOR" in os.environ else None, **style)
+    plain = os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb"
+    typer.secho(printable(text), color=False if plain else None, **style)
 
 
 def capital(text: str) -> str:

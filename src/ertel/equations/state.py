@@ -36,9 +36,9 @@ class State:
 
     The fields are P, H and others that a method needs to go on; where asperities touch, P_asperity is their part of P.
     load, outside: the double integral of P on the grid and outside it.  around: the number of nodes with P > 0 outside
-    the middle of the grid, None where nobody has counted them.  status, work, error, record: of the step that
-    made this state: its outcome, its work, how far the film is from its prediction (relative), and its numbers by name
-    (those of `Stepper.measure` and of `account`).
+    the middle of the grid, None where nobody has counted them, as after a change of the fields.  status, work, error,
+    record: of the step that made this state: its outcome, its work, how far the film is from its prediction (relative),
+    and its numbers by name (those of `Stepper.measure` and of `account`).
     """
 
     T: float
@@ -158,7 +158,11 @@ def unpacked(numbers: Mapping[str, Array]) -> dict[str, float]:
     return dict(zip(names.split(), np.asarray(values).tolist(), strict=True))
 
 
-_numbers = Program(jax.jit(lambda plane, P, H: packed(key_values(plane, P, H))), ANY_SIZE)
+def _key_numbers(plane: Plane, P: Array, H: Array) -> dict[str, Array]:
+    return packed(key_values(plane, P, H))
+
+
+_numbers = Program(jax.jit(_key_numbers), ANY_SIZE)
 
 
 def film_error(film: Array, predicted: Array, P: Array, thin: Array | float, even: Symmetry, coarsenings: int) -> Array:

@@ -49,6 +49,7 @@ _AS_IN_PAPERS = [  # what stands in papers and data sheets: what pint reads in i
     (re.compile(r"(?<=[^\W\d_])\.(?=[^\W\d_])"), "*"),
     (re.compile(r"(?<=[^\W\d_])(-?[1-4])(?![\w.])"), r"^\1"),  # mm2/s, K-1
 ]
+_MEAN = re.compile(r"\s*Ra(?!\s*Ra)")  # of heights; once
 _VG = re.compile(r"\s*ISO[\s-]*VG[\s-]*([0-9]{1,4})\s*", re.I)
 
 
@@ -80,8 +81,8 @@ def parse_quantity(value: object, unit: Unit) -> float:
         if unit.unit != KINEMATIC_VISCOSITY.unit:
             raise ValueError("is a viscosity at 40 degC; give an oil by name (ertel oils), or nu40, nu100 and density")
         value = f"{grade[1]} mm^2/s"
-    if unit == ROUGHNESS and isinstance(value, str) and (mean := value.lstrip()).startswith("Ra"):
-        return RMS_OVER_MEAN * parse_quantity(mean.removeprefix("Ra"), unit)
+    if unit == ROUGHNESS and isinstance(value, str) and (mean := _MEAN.match(value)):
+        return RMS_OVER_MEAN * parse_quantity(value[mean.end() :], unit)
     if isinstance(value, str) and _THOUSANDS.match(value[:LONGEST]):
         raise ValueError("has a comma that may part thousands or decimals; write a point, and nothing for thousands")
     description = f'a quantity {"" if unit.signed else "above zero "}with a unit such as "{unit.example}"'

@@ -217,8 +217,9 @@ def _between(table: Array, row: Array, column: Array) -> Array:
     """Entries of a table (rows, columns, channels) at places between them; beyond it those at its edge."""
     from scipy.ndimage import map_coordinates  # here: it takes long to import
 
-    channels = np.moveaxis(table, -1, 0)
-    return np.stack([map_coordinates(each, (row, column), order=1, mode="nearest") for each in channels], axis=-1)
+    places, channels = np.array([row.ravel(), column.ravel()]), np.moveaxis(table, -1, 0)
+    found = np.stack([map_coordinates(each, places, order=1, mode="nearest") for each in channels], axis=-1)
+    return found.reshape(*row.shape, -1)
 
 
 @dataclass(frozen=True)

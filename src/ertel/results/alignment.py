@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from ertel.results.numbers import IN_SI, numbers
 from ertel.results.profiles import profile
+from ertel.results.study_table import counted
 from ertel.results.variables import VARIABLES, Variable, names_where, shifted, to_si, with_clock, with_prefix
 
 Values = NDArray[np.float64]
@@ -229,7 +230,7 @@ class Comparison:
     def in_words(self) -> str:
         """The comparison in a line: where, the difference, and what the alignment took off."""
         m, where = self.measurement, f", {self.where}" if self.where else ""
-        about = f"{m.name}: {QUANTITIES[m.quantity].long_name}{where}: {self.text}, {len(self.x)} values"
+        about = f"{m.name}: {QUANTITIES[m.quantity].long_name}{where}: {self.text}, {counted(len(self.x), 'value')}"
         return f"{about}; {self.aligned}" if self.aligned else about
 
     def __repr__(self) -> str:
