@@ -14,6 +14,7 @@ from ertel.case.case import Case
 from ertel.inputs.studies import convergence_series, coordinates, parse_study
 from ertel.results.numbers import aligned
 from ertel.runs import files, studies
+from ertel.runs.files import StoreError
 from ertel.runs.store import RunStore
 from ertel.runs.studies import gather as gathered
 from ertel.runs.studies import left_of, run_directory, run_study, write_study
@@ -113,6 +114,15 @@ def test_a_stopped_study_goes_on_to_the_same_numbers(tmp_path):
     assert again == whole and set(whole.values()) == {"converged"}
     found, wanted = (gathered(study, tmp_path / name).dataset["h_min_extreme"].values for name in "ab")
     assert np.array_equal(found, wanted)
+
+
+def test_a_process_that_is_killed_while_it_writes_leaves_the_directory_of_its_study(tmp_path):
+    (tmp_path / "runs").mkdir()
+    (tmp_path / "progress.json.f562171d.partial").touch()
+    assert studies.require_place(tmp_path, "fit") == tmp_path
+    (tmp_path / "mine.f562171d.partial").touch()
+    with pytest.raises(StoreError, match="holds other files"):
+        studies.require_place(tmp_path, "fit")
 
 
 def test_a_run_that_was_killed_is_not_said_to_run(tmp_path):

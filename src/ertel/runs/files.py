@@ -7,6 +7,7 @@ flipped bit, and a file that was cut short, from content.
 import errno
 import json
 import os
+import re
 import shutil
 import time
 import warnings
@@ -28,6 +29,7 @@ except ImportError:  # not on Windows
 CHECKSUM = "checksum"  # the key of it in a JSON file
 LENGTH = 2 * sha256().digest_size  # of a checksum, in hexadecimal digits
 DRAFT = ".partial"  # how the name of a file ends that is being written
+NUMBERED = re.compile(rf"\.[0-9a-f]{{8}}\{DRAFT}$")  # that of one which is replaced
 YOUNG = 60.0  # seconds: a younger draft may be that of a process that writes
 LOCK = ".lock"  # the file in a directory that is locked
 ASKING = 0.2  # s: `is_locked` holds the lock for much less

@@ -49,7 +49,7 @@ from ertel.runs.directory import (
 )  # fmt: skip
 from ertel.runs.drive import bars
 from ertel.runs.engine import Engine
-from ertel.runs.files import NotDrawn, StoreError, delete, locked, require_no_links
+from ertel.runs.files import NUMBERED, NotDrawn, StoreError, delete, locked, require_no_links
 from ertel.runs.store import RunStore, compute
 from ertel.runs.study_result import ConvergenceResult, StudyResult
 from ertel.runs.workers import Condition, Failure, StopSignal, Task, Workers, never
@@ -198,7 +198,8 @@ def require_place(directory: str | Path, name: str = NAME, option: str = "direct
     place = Path(directory).absolute()
     visible = {path.name for path in place.glob("[!.]*")}
     own = {RUNS, STOP, PROGRESS, *(f"{name}.{ending}" for ending in ENDINGS)}
-    is_own = f"{name}.zarr" in visible or (RUNS in visible and visible <= own)
+    written = {NUMBERED.sub("", file) for file in visible}  # a process may have been killed while it wrote one
+    is_own = f"{name}.zarr" in visible or (RUNS in visible and written <= own)
     if visible and not is_own:
         some = ", ".join(sorted(visible)[:5])
         earlier = {NAME: "study", "traction": "curve", "convergence": "series"}.get(name, name)
