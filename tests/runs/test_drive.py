@@ -7,6 +7,7 @@ from functools import cache
 from types import SimpleNamespace
 from typing import Any
 
+import jax
 import numpy as np
 import pytest
 from cases import impact, march
@@ -212,7 +213,8 @@ def test_a_law_that_jax_cannot_differentiate_is_refused_when_its_case_is_made(mo
     for name, law in laws.items():
         monkeypatch.setitem(OIL_LAWS[name]._records, "own", type(law))
     contact = {"radius": "10 mm", "load": "20 N", "mean_speed": "1 m/s", "E_prime": "220 GPa"}
-    with pytest.raises(ertel.ConfigError, match=said):
+    strict = jax.transfer_guard("disallow"), jax.numpy_dtype_promotion("strict"), jax.debug_nans(True)
+    with strict[0], strict[1], strict[2], pytest.raises(ertel.ConfigError, match=said):  # switches of the user
         ertel.rolling(**contact, nodes=17, oil=ertel.Oil(eta0=0.04, alpha=2e-8, **laws))
 
 

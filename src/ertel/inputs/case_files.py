@@ -128,7 +128,7 @@ def require_laws(case: Case) -> None:
 
         along = getattr(case.lubricant, name, lambda stress: laws["rheology"].fluidity(stress, 0.0))
         try:
-            with jax.debug_nans(False):
+            with jax.debug_nans(False), jax.transfer_guard("allow"), jax.numpy_dtype_promotion("standard"):
                 value, slope = jax.jvp(along, (np.zeros(1),), (np.ones(1),))
         except jax.errors.TracerArrayConversionError as error:
             why = "is computed by numpy, and the solver differentiates it: write jax.numpy in place of numpy"
