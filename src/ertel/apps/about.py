@@ -19,17 +19,16 @@ from ertel.runs.store import RunStore
 PACKAGES = {"JAX": "jax", "jaxlib": "jaxlib", "NumPy": "numpy", "SciPy": "scipy", "xarray": "xarray", "zarr": "zarr"}
 
 
-def bibtex() -> str:
+def bibtex(version: str = ertel.__version__) -> str:
     """BibTeX entries of ertel, of this version, and of the paper whose equations it solves."""
-    text = Path(__file__).with_name("citation.bib").read_text(encoding="utf-8")
-    return text.replace("VERSION", ertel.__version__)
+    return Path(__file__).with_name("citation.bib").read_text(encoding="utf-8").replace("VERSION", version)
 
 
 def _citation() -> str:
     """The same in a line."""
-    text = bibtex().replace("{" + ertel.__version__, "{Version " + ertel.__version__)
-    entries = [dict(re.findall(r"(\w+) += {(.*)}", entry)) for entry in text.split("\n\n")]
-    software, paper = (re.sub(r"[{}]|\.(?=\. )", "", ". ".join(entry.values())) for entry in entries)
+    entries = bibtex(f"Version {ertel.__version__}").split("\n\n")
+    fields = (dict(re.findall(r"(\w+) += {(.*)}", entry)) for entry in entries)
+    software, paper = (re.sub(r"[{}]|\.(?=\. )", "", ". ".join(each.values())) for each in fields)
     return f"{software}. Cite with it: {paper}."
 
 

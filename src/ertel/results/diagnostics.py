@@ -231,11 +231,11 @@ def _grid(case: Case, solutions: "Sequence[SteadyGrid]") -> Iterator[str]:
         return
     coarse, fine = (solution.measure() for solution in solutions[-2:])
     if films := film_errors(case, solutions):
-        shares = {name: film.error / abs(film.value) for name, film in films.items() if film.value}
+        shares = {name: film.error / abs(film.extrapolated) for name, film in films.items() if film.extrapolated}
         worst = max(shares, key=lambda name: shares[name])
         if shares[worst] > LARGE_ERROR:
             finer = _use(2 * case.solver.nodes - 1)
-            is_known = shares[worst] <= UNKNOWN and films[worst].value > 0.0
+            is_known = shares[worst] <= UNKNOWN and films[worst].extrapolated > 0.0  # as of `Number.known`
             how_well = f"uncertain by about {shares[worst]:.0%}" if is_known else "not known"
             yield f"{worst} is {how_well} on this grid; {finer}"
     else:

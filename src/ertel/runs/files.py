@@ -90,9 +90,9 @@ def delete(path: Path) -> None:
 
 def delete_drafts(directory: Path, age: float) -> None:
     """Delete the drafts of `replace` that are older than so many seconds: those of killed processes."""
-    for draft in directory.glob(f"*.{'[0-9a-f]' * 8}{DRAFT}"):
+    for draft in directory.glob(f"*{DRAFT}"):
         with suppress(FileNotFoundError):
-            if time.time() - draft.lstat().st_mtime > age:
+            if NUMBERED.search(draft.name) and time.time() - draft.lstat().st_mtime > age:
                 delete(draft)
 
 
