@@ -450,21 +450,19 @@ TURNS = {"stop and start": [[0, 1], [2, 0], [3, 0], [5, 1]], "there and back": [
 
 
 @pytest.mark.slow  # 1 min each
-@pytest.mark.parametrize(("name", "change"), [("stop and start", 1e-5), ("there and back", 0.05)])
-def test_a_thin_layer_is_kept_where_the_flow_stops_or_turns(name: str, change: float) -> None:
+@pytest.mark.parametrize(("name", "nodes", "change"), [("stop and start", 129, 1e-5), ("there and back", 65, 0.05)])
+def test_a_thin_layer_is_kept_where_the_flow_stops_or_turns(name: str, nodes: int, change: float) -> None:
     """And the film comes back; where it turns the contact rolls on the track that it left.
 
-    After the stop it stays 2.7e-4 off, because its reference follows the menisci of the run (`Flow.beside`).
+    On 65 nodes the steady equations have a second film, whose meniscus is a node away in one row: H_c differs by 3e-4.
     """
     motion = {"entrainment": TURNS[name]}
-    given = {"nodes": 65, "method": "transient", "motion": motion, "until": 12.0, "time_tolerance": 1e-4}
+    given = {"nodes": nodes, "method": "transient", "motion": motion, "until": 12.0, "time_tolerance": 1e-4}
     run = simulate(ertel.rolling(M=100, L=10, layer=0.05, **given))
     assert run.status.ok
     assert run.summary["budgets"]["mass"]["imbalance"] < 1e-12
     assert run.dataset["oil"].values.min() > 0.0
     first, last = run.dataset["H_c"].values[[0, -1]]
-    if name == "stop and start" and change < abs(last / first - 1.0) < 5e-4:
-        pytest.xfail(f"the film is {last / first - 1.0:.1e} off")
     assert last == pytest.approx(first, rel=change)
 
 
