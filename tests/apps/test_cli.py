@@ -13,23 +13,19 @@ from matplotlib.figure import Figure
 import ertel
 from ertel import plots
 from ertel.apps import about
-from ertel.apps.process import MOVED
 from ertel.inputs.case_files import load_case
 from ertel.runs import compile, store
 from ertel.runs.directory import ask_to_stop, is_asked_to_stop, read_progress
 from ertel.runs.store import RunStore
 
 
-def test_version_about_and_earlier_commands(monkeypatch):
+def test_version_and_about(monkeypatch):
     assert ertel_("--version").stdout == f"ertel {ertel.__version__}\n"
     text = ertel_("about").stdout
     for said in (f"ertel          {ertel.__version__}", "NumPy", "cpu", str(compile.cache_directory()), "Tribology"):
         assert said in text
     monkeypatch.setattr(about, "version", lambda package: "0.11.0")  # it computes wrongly
     assert 'pip install "jax!=0.10.2,!=0.11.0"' in ertel_("about").stdout
-    for command, now in MOVED.items():
-        assert f"{command}: ertel {now} does this now" in refused(command, "case.toml")
-    assert "ertel show runs/a --about does this now" in refused("about", "runs/a")
 
 
 def test_run_tells_what_it_stores(small, runs):

@@ -56,7 +56,7 @@ def test_an_amount_is_a_number_or_a_quantity():
     ids=lambda text: text[:20],
 )
 def test_what_is_no_length_or_would_hang_is_refused(text):
-    with pytest.raises(ValueError, match=r"must be a quantity above zero|has an unknown unit"):
+    with pytest.raises(ValueError, match="must be|has an unknown unit"):
         parse_quantity(text, LENGTH)
 
 

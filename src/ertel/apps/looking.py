@@ -86,6 +86,7 @@ def _print_runs(every: Sequence[Mapping[str, Any]], folder: Path) -> None:
     """Print the runs, then a row for each study in the place of its runs."""
     from ertel.apps.browser.folder import about_study
     from ertel.apps.tables import print_rows
+    from ertel.case.status import Status
     from ertel.results.variables import VARIABLES, in_celsius, name_in_si, stored_in, with_prefix
     from ertel.runs.directory import study_of
 
@@ -103,10 +104,12 @@ def _print_runs(every: Sequence[Mapping[str, Any]], folder: Path) -> None:
         numbers = [run["numbers"].get(name_in_si(name)) or run["numbers"].get(name) for name in names]
         texts = [with_prefix(*in_celsius(each["value"], each["units"])) if each else "" for each in numbers]
         rows.append([run["directory"], case, status, _minute(run["written"]), *texts])
+    failures = {status.value for status in Status if status.failed}
     for study, of in studies.items():
-        done, last = sum(run["done"] >= 1 for run in of), max(run["written"] for run in of)
-        about = [str(study.relative_to(folder)), about_study(study), f"{done} of {len(of)} runs done"]
-        rows.append([*about, _minute(last), *("" for _ in names)])
+        failed, last = sum(run["status"] in failures for run in of), max(run["written"] for run in of)
+        done = sum(run["done"] >= 1 and run["status"] not in failures for run in of)
+        status = f"{done} of {len(of)} runs done{f', {failed} failed' if failed else ''}"
+        rows.append([str(study.relative_to(folder)), about_study(study), status, _minute(last), *("" for _ in names)])
     print_rows(rows, left=4)
 
 

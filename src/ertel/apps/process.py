@@ -207,19 +207,8 @@ def _handled(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]
 # -- errors -----------------------------------------------------------------------------------------------------------
 
 
-MOVED = {"params": "check", "film": "check --set contact.kind=rolling", "schema": "new --schema"}  # earlier commands
-
-
 class Commands(TyperGroup):
     """The commands; no error leaves them as a traceback."""
-
-    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Find the command; of an earlier one, tell what does its work."""
-        if args[0] in MOVED:
-            leave(BAD_INPUT, f"{args[0]}: ertel {MOVED[args[0]]} does this now")
-        if args[0] == "about" and args[1:] and not args[1].startswith("-"):
-            leave(BAD_INPUT, f"about {args[1]}: ertel show {in_shell(Path(args[1]))} --about does this now")
-        return super().resolve_command(ctx, args)
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command; typer would end it with 130 and no message after any signal."""

@@ -197,6 +197,8 @@ class Reader:
             return self._plain_value(value, options, mark, names)
 
     def _plain_value(self, value: Any, options: Sequence[Any], mark: Mark | None, names: Sequence[str]) -> Any:
+        if isinstance(value, list) and Ellipsis not in options:
+            raise ValueError("must be one value; a list of values makes a study (ertel sweep)")
         if isinstance(mark, Unit):
             try:
                 return self.amount(value, mark) if mark.scale else self.quantity(value, mark)
