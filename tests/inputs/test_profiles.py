@@ -2,7 +2,6 @@
 
 import sys
 from collections.abc import Mapping
-from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -11,7 +10,7 @@ import numpy as np
 import pytest
 
 from ertel.case.case import Case
-from ertel.case.height_map import HeightMap, Measured
+from ertel.case.height_map import Measured
 from ertel.inputs.case_files import ConfigError, parse_case
 from ertel.physics.units import Quantity
 from ertel.results.diagnostics import case_warnings
@@ -70,7 +69,7 @@ def test_the_files_of_a_profile(tmp_path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("detrend", "form", "degree"),
+    ("told", "form", "degree"),
     [
         ({}, FORM, 1),
         ({"detrend": "plane"}, FORM, 1),
@@ -78,19 +77,17 @@ def test_the_files_of_a_profile(tmp_path) -> None:
         ({"detrend": "mean"}, 5e-6, 0),
     ],
 )
-def test_the_form_of_the_body_is_taken_off(tmp_path, monkeypatch, detrend, form, degree) -> None:
+def test_the_form_of_the_body_is_taken_off(tmp_path, monkeypatch, told, form, degree) -> None:
     """The polynomial that fits best, also to the waves; without any other package."""
     np.save(tmp_path / "row.npy", WAVE + form)
     monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
     left = WAVE - np.polyval(np.polyfit(PLACES, WAVE, degree), PLACES)
-    assert is_of_heights(profile(tmp_path, file="row.npy", unit="m", spacing="2.5 um", **detrend), left)
+    assert is_of_heights(profile(tmp_path, file="row.npy", unit="m", spacing="2.5 um", **told), left)
 
 
 def test_round_off_is_no_profile(tmp_path, caplog) -> None:
     np.save(tmp_path / "row.npy", BOW)
-    with pytest.raises(
-        ConfigError, match=r'^roughness\[1\].detrend = "curvature": leaves nothing but round-off of file'
-    ):
+    with pytest.raises(ConfigError, match=r'^roughness\[1\].detrend = "curvature": leaves nothing but round-off'):
         profile(tmp_path, file="row.npy", unit="m", spacing="2.5 um", detrend="curvature")
     write(tmp_path / "stylus.asc", 1e6 * LENGTH * PLACES, 1e6 * WAVE)
     short = case_warnings(case(tmp_path, file="stylus.asc", unit="um", length_x="300 um"))
@@ -110,10 +107,12 @@ def test_gaps_are_filled_by_straight_lines_and_counted(tmp_path) -> None:
     found = case(tmp_path, file="gaps.txt", unit="um", detrend="none", cutoff="100 um")
     (heights,) = found.maps.values()
     np.testing.assert_allclose(heights.heights[0], 1e6 * line, atol=1e-9)
-    said = [sentence for sentence in case_warnings(found) if sentence.startswith("roughness[1]")]
-    assert said == [
-        "roughness[1]: 3 of the 240 points of the profile were gaps: their heights are interpolated from their rims"
-    ]
+    (said,) = [sentence for sentence in case_warnings(found) if sentence.startswith("roughness[1]")]
+    assert said.startswith("roughness[1]: 3 of the 240 points of the profile were gaps")
+    ((name, heights),) = found.maps.items()
+    (tmp_path / name).write_bytes(heights.to_bytes())  # as in a run directory
+    again = parse_case(found.to_data(), tmp_path)
+    assert again == found == Case.from_data(found.to_data(), found.maps) and again.digest == found.digest
 
 
 def test_a_profile_and_a_map_have_their_contacts(tmp_path) -> None:
@@ -129,15 +128,3 @@ def test_a_profile_and_a_map_have_their_contacts(tmp_path) -> None:
         case(tmp_path, file="stylus.asc", unit="m")
     with pytest.raises(ConfigError, match=r"^roughness\[1\]: varies along y; a line takes .*, or a profile"):
         case(tmp_path, file="map.npy", unit="m", spacing="2 um")
-
-
-def test_a_case_with_a_profile_comes_back_and_its_digest_is_that_of_the_heights(tmp_path) -> None:
-    write(tmp_path / "stylus.asc", 1e6 * LENGTH * PLACES, 1e6 * WAVE)
-    found = case(tmp_path, file="stylus.asc", unit="um")
-    ((name, heights),) = found.maps.items()
-    (tmp_path / name).write_bytes(heights.to_bytes())  # as in a run directory
-    again = parse_case(found.to_data(), tmp_path)
-    assert again == found == Case.from_data(found.to_data(), found.maps) and again.digest == found.digest
-    (feature,) = found.roughness
-    other = replace(feature.shape, file=HeightMap(2.0 * heights.heights))
-    assert replace(found, roughness=(replace(feature, shape=other),)).digest != found.digest
