@@ -16,7 +16,6 @@ from ertel.case.case import Case
 from ertel.inputs.case_files import ConfigError, apply_overrides, load_case, parse_case
 from ertel.physics import lubricant
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
 MOES = {"M": 1000, "L": 10}
 OIL = {"eta0": "0.1 Pa*s", "alpha": "22 / GPa"}
 
@@ -75,13 +74,6 @@ def test_an_isoviscous_oil_has_no_pressure_index_and_needs_no_alpha(contact):
     assert case.lubricant.viscosity_law == lubricant.Isoviscous()
 
 
-@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.toml")), ids=lambda path: path.stem)
-def test_examples_are_cases(path):
-    case = load_case(path)
-    assert case.name == path.stem
-    assert case.on_half_grid().solver.nodes == (case.solver.nodes + 1) // 2
-
-
 def test_overrides_are_toml_or_text_and_one_value():
     given = {"contact": dict(MOES)}
     items = ["solver.nodes=129", "time.until=rebound", "contact.M = 2e3", "lubricant.alpha=20 / GPa", 'name="a b"']
@@ -111,12 +103,9 @@ def test_overrides_are_toml_or_text_and_one_value():
     # What followed in further lines was silently left out.
     assert apply_overrides({}, ["solver.nodes=65\n[time]\nuntil=1"])["solver"]["nodes"] == "65\n[time]\nuntil=1"
     assert apply_overrides({}, ["solver.nodes=" + "[" * 900 + "]" * 900])["solver"]["nodes"].startswith("[[[")
-
-
-@pytest.mark.parametrize("item", ["solver.nodes", "=3", "a.b.c.d.e=3", "solver.=3", "a..b=3"])
-def test_malformed_override(item):
-    with pytest.raises(ConfigError, match=r"--set .*section\.key=value"):
-        apply_overrides({}, [item])
+    for malformed in ("solver.nodes", "=3", "a.b.c.d.e=3", "solver.=3", "a..b=3"):
+        with pytest.raises(ConfigError, match=r"--set .*section\.key=value"):
+            apply_overrides({}, [malformed])
 
 
 def read(tmp_path: Path, content: bytes, name: str = "case.toml") -> Case:
@@ -148,10 +137,7 @@ def test_a_byte_order_mark_and_lines_of_windows_are_read(tmp_path, content):
         (b"[" + b"a" * 900_000 + b"]\n[" + b"a" * 900_000 + b"]", "is too large"),
         (b"[" + b"a" * 400_000 + b"]\n[" + b"a" * 400_000 + b"]", "Cannot declare ("),
     ],
-    ids=[
-        *("utf-16", "bytes", "open", "null", "arrays", "tables", "digits"),
-        *("key", "quoted key", "large", "larger", "long key"),
-    ],
+    ids=lambda value: value if isinstance(value, str) else "",
 )
 def test_what_is_no_case_file_is_said_shortly(tmp_path, content, said):
     with pytest.raises(ConfigError) as caught:
@@ -173,16 +159,10 @@ def test_a_folder_a_pipe_or_a_device_is_refused_and_not_waited_for(tmp_path):
 
 @pytest.mark.parametrize(
     ("name", "expected"),
-    [
-        ("my ball.toml", "my ball"),
-        (".case.toml", "case"),
-        ("a:b.toml", "a_b"),
-        ("\x1b[1m.toml", "_[1m"),
-        ("...toml", ""),
-    ],
+    [("my ball", "my ball"), (".case", "case"), ("a:b", "a_b"), ("\x1b[1m", "_[1m"), ("..", "")],
 )
 def test_a_case_without_a_name_is_called_as_its_file_is(tmp_path, name, expected):
-    assert read(tmp_path, SMALL, name).name == expected
+    assert read(tmp_path, SMALL, f"{name}.toml").name == expected
 
 
 MANY = pytest.mark.parametrize("examples", [60, pytest.param(1000, marks=pytest.mark.slow)])

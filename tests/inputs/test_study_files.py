@@ -92,16 +92,13 @@ def test_a_file_with_overrides(tmp_path):
     assert shape(load_study(file, ["contact.L=[5, 10, 20]"])) == (2, 3)
 
 
-@pytest.mark.parametrize(("contact", "message"), REFUSALS["study_values"], ids=str)
-def test_wrong_values_are_named(contact, message):
-    with pytest.raises(ConfigError, match=message):
-        parse_study(moes(**contact))
+SECTIONS = [({"M": [100, 200], "L": [5, 10, 20]}, said, {"sweep": sweep}) for sweep, said in REFUSALS["study_sections"]]
 
 
-@pytest.mark.parametrize(("sweep", "message"), REFUSALS["study_sections"], ids=str)
-def test_a_wrong_section_is_named(sweep, message):
+@pytest.mark.parametrize(("contact", "message", "more"), [*((*row, {}) for row in REFUSALS["study_values"]), *SECTIONS])
+def test_a_wrong_value_or_section_is_named(contact, message, more):
     with pytest.raises(ConfigError, match=message):
-        parse_study({**moes(M=[100, 200], L=[5, 10, 20]), "sweep": sweep})
+        parse_study({**moes(**contact), **more})
 
 
 def test_values_of_all_kinds_must_differ():
