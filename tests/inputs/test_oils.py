@@ -76,44 +76,24 @@ def test_the_temperature_coefficient_is_the_derivative(T):
 
 
 SQUALANE = oils.get("squalane")
-VISCOSITY = {  # T (K): {p (MPa): mPa s}; open repository erichuang384/4YR; 338 K and above: Schmidt et al. 2015
-    303.15: {0.1: 22.4, 10: 27.8, 30: 41.7, 60: 74.3},
-    313.15: {0.1: 14.9, 10: 18.3, 30: 27.0, 60: 46.0},
-    323.15: {0.1: 10.5, 20: 15.5, 60: 30.7},
-    333.15: {0.1: 7.7, 20: 11.1, 60: 20.9},
-    338.20: {1.05: 6.815, 60.42: 17.706, 119.82: 40.324, 161.3: 68.139},
-    353.15: {0.1: 4.6, 20: 6.4, 60: 11.6},
-    373.12: {0.62: 3.122, 60.03: 7.219, 120.42: 14.403, 201.38: 32.723},
-}
-DENSITY = {  # T (K): kg/m^3 at 0.1 and 45 MPa
-    278.15: (818.1, 839.31),
-    303.15: (801.88, 825.61),
-    333.15: (782.73, 809.62),
-    353.15: (770.03, 799.24),
-}
+MEASURED = tomllib.loads((DATA / "squalane.toml").read_text(encoding="utf-8"))
 
 
-@pytest.mark.parametrize("T", VISCOSITY)
-def test_viscosity_of_squalane(T):
+@pytest.mark.parametrize(("T", "points"), MEASURED["viscosity"])
+def test_viscosity_of_squalane(T, points):
     oil = SQUALANE.at(T)
-    for p, measured in VISCOSITY[T].items():
+    for p, measured in points:
         found = 1e3 * oil.eta0 * float(oil.viscosity_law.viscosity(p * 1e6))
         assert found == pytest.approx(measured, rel=0.025 if p < 2 else 0.12)
 
 
-def test_viscosity_of_squalane_at_ambient_pressure():
-    # 2.432 mPa s at 388.13 K and 0.89 MPa, 1.68 at 413.24 K and 0.61 MPa; 27.6 at 298 K (Liu et al. 2023).
-    for T, measured in {298.15: 27.6, 388.13: 2.432, 413.0: 1.68}.items():
+def test_viscosity_and_density_of_squalane_at_ambient_pressure():
+    for T, measured in MEASURED["ambient"]:
         assert 1e3 * SQUALANE.viscosity_at(T) == pytest.approx(measured, rel=0.03)
-
-
-@pytest.mark.parametrize("T", DENSITY)
-def test_density_of_squalane(T):
-    ambient, compressed = DENSITY[T]
-    assert SQUALANE.density_at(T) == pytest.approx(ambient, rel=0.002)
-    law = SQUALANE.pressure_laws_at(T).density
-    assert not isinstance(law, str)
-    assert law.density(45e6) == pytest.approx(compressed / ambient, rel=0.0015)
+    for T, ambient, compressed in MEASURED["density"]:
+        assert SQUALANE.density_at(T) == pytest.approx(ambient, rel=0.002)
+        law = SQUALANE.pressure_laws_at(T).density
+        assert law.density(45e6) == pytest.approx(compressed / ambient, rel=0.0015)
 
 
 @pytest.mark.parametrize(
