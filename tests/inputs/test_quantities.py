@@ -1,4 +1,4 @@
-"""Quantities with units: what they are in SI, what is refused, and plain numbers in a case; see data/quantities.toml."""
+"""Quantities with units: what they are in SI, what is refused, plain numbers in a case; see data/quantities.toml."""
 
 import tomllib
 from dataclasses import fields, is_dataclass
