@@ -4,8 +4,6 @@ import struct
 import sys
 import tracemalloc
 import zipfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
@@ -208,22 +206,17 @@ ALLOWED = "a map of 4 to 4096 points a side, or a profile of 4 to 1048576"
 IN_A_LINE = "has more than 4096 numbers in a line; a map has at most 4096 points a side"
 
 
-@contextmanager
-def memory_below(most: float) -> Iterator[None]:
-    """Bytes that Python and NumPy take at once."""
+def refused(folder: Path, name: str, message: str, most: float = 5e6, **table: Any) -> None:
+    """Refuse a file with at most so many bytes of Python and NumPy at once."""
+    import SurfaceTopography  # noqa: F401  (its own memory does not count)
+
     tracemalloc.start()
     try:
-        yield
+        with pytest.raises(ConfigError) as caught:
+            read(folder, file=name, **table)
         assert tracemalloc.get_traced_memory()[1] < most
     finally:
         tracemalloc.stop()
-
-
-def refused(folder: Path, name: str, message: str, most: float = 5e6, **table: Any) -> None:
-    import SurfaceTopography  # noqa: F401  (its own memory does not count)
-
-    with memory_below(most), pytest.raises(ConfigError) as caught:
-        read(folder, file=name, **table)
     assert str(caught.value).startswith(f'roughness[1].file = "{name}": {message}')
 
 
@@ -259,19 +252,6 @@ def test_many_lines_of_numbers_are_refused_before_they_are_read(tmp_path, monkey
     assert read(tmp_path, file="fits.txt", unit="um", length_x="1 mm").file.heights.shape == (50, 100)
 
 
-def zipped(path: Path, members: dict[str, bytes], declared: int | None = None) -> None:
-    """A zip archive.  declared: the size of its first member as its directory says it."""
-    content = BytesIO()
-    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name, data in members.items():
-            archive.writestr(name, data)
-    packed = content.getvalue()
-    if declared is not None:
-        first = len(next(iter(members.values()))).to_bytes(4, "little")
-        packed = packed.replace(first, declared.to_bytes(4, "little"))
-    path.write_bytes(packed)
-
-
 BRANCHES = b"<b/>" * 3_000_000
 
 
@@ -289,7 +269,13 @@ BRANCHES = b"<b/>" * 3_000_000
 )
 def test_a_zip_archive_is_refused_by_what_it_unpacks_to(tmp_path, name, members, declared, most, message) -> None:
     """The directory declares gigabytes here; the members have them in an attack."""
-    zipped(tmp_path / name, members, declared)
+    content = BytesIO()
+    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
+        for member, data in members.items():
+            archive.writestr(member, data)
+    size = len(next(iter(members.values())))  # of the first member, as the directory has it
+    packed = content.getvalue().replace(size.to_bytes(4, "little"), (declared or size).to_bytes(4, "little"))
+    (tmp_path / name).write_bytes(packed)
     refused(tmp_path, name, message, most)
 
 

@@ -49,6 +49,11 @@ def read(folder: Path, text: str, encoding: str = "utf-8", **given) -> Measureme
     return Measurement.read(folder / "film.csv", **given)
 
 
+def seen(line: xr.Dataset, x, moved=0.0, lifted=0.0, sigma=None, **given) -> Measurement:
+    """A film of a run as it is measured at places x, in a frame that is moved."""
+    return Measurement("profile", "h", np.interp(x - moved, line["x"], line["h"]) + lifted, x, sigma, **given)
+
+
 def test_a_moment_by_number_by_quantity_and_by_event(ball):
     data, t0 = ball.dataset, ball.case.scales.t0
     T = 60e-6 / t0 + 1.0  # from the touch, and from the start
@@ -110,12 +115,10 @@ def test_the_summary_says_when_the_bodies_touch_and_counts_from_there(ball):
 def test_the_start_of_a_clock_is_found_from_all_of_its_frames(ball):
     """Two films by a clock that shows 23 us at the touch; of one alone the centre is not known either."""
     x, rng = np.linspace(-2.2e-4, 2.2e-4, 31), np.random.default_rng(1)
-    lines = {t: ball.profile(f"{t!r} s") for t in (5e-6, 20e-6)}
     frames = [
-        Measurement("profile", "h", np.interp(x, line["x"], line["h"]) + rng.normal(0, 2e-9, 31), x, 2e-9,
-                    at=f"{t + 23e-6!r} s", align="start")
-        for t, line in lines.items()
-    ]  # fmt: skip
+        seen(ball.profile(f"{t!r} s"), x, 0.0, rng.normal(0, 2e-9, 31), 2e-9, at=f"{t + 23e-6!r} s", align="start")
+        for t in (5e-6, 20e-6)
+    ]
     alone = replace(ball, dataset=dry_impact(BALL_FALLS, radial=True, rebound=False))  # a dry rebound has it once more
     moved = replace(frames[0], x=x + 4e-6, align=("start", "centre"))
     found = alone.compare(moved)
@@ -135,13 +138,13 @@ def test_a_centre_that_is_far_off_is_doubted(ball):
     """A profile of another oil was moved by most of the contact, without a word."""
     x = np.linspace(-2.2e-4, 2.2e-4, 45)
     line, far = ball.profile(), 1.2e-4
-    moved = Measurement("profile", "h", np.interp(x - far, line["x"], line["h"]), x, align="centre", name="film.csv")
+    moved = seen(line, x, far, align="centre", name="film.csv")
     found = ball.compare(moved)
     assert found.shift["centre"] == pytest.approx(far, rel=0.02)
     (warning,) = found.warnings
     assert warning.startswith("film.csv: the centre 120") and "half of the contact's half width" in warning
     assert f"warning: {warning}" in repr(found)
-    near = Measurement("profile", "h", np.interp(x - 5e-6, line["x"], line["h"]), x, align="centre")
+    near = seen(line, x, 5e-6, align="centre")
     assert ball.compare(near).warnings == []
     from_a_corner = replace(near, x=x + 4e-4)  # of a camera
     assert ball.compare(from_a_corner).shift["centre"] == pytest.approx(4.05e-4, rel=0.01)
@@ -231,9 +234,8 @@ def test_what_is_not_known_of_a_profile_is_found(ball):
     """A profile that is moved, lifted and tilted, with noise: all three within three standard errors."""
     line, sigma = ball.profile(), 2e-9
     x, known = np.linspace(-2e-4, 2e-4, 41), np.array([3e-6, 40e-9, 1e-4])
-    h = np.interp(x - known[0], line["x"], line["h"]) + known[1] + known[2] * x
-    h += np.random.default_rng(0).normal(0.0, sigma, 41)
-    measured = Measurement("profile", "h", h, x, sigma, align=("centre", "offset", "tilt"))
+    lifted = known[1] + known[2] * x + np.random.default_rng(0).normal(0.0, sigma, 41)
+    measured = seen(line, x, known[0], lifted, sigma, align=("centre", "offset", "tilt"))
     found = ball.compare(measured)
     shift = [found.shift[name] for name in ("centre", "offset", "tilt")]
     slope = np.gradient(np.interp(x - known[0], line["x"], line["h"]), x)
@@ -241,7 +243,7 @@ def test_what_is_not_known_of_a_profile_is_found(ball):
     errors = sigma * np.sqrt(np.diag(np.linalg.inv(shapes @ shapes.T))) / scale
     assert np.all(np.abs(shift - known) < 3 * errors) and np.all(errors < 0.2 * known)
     assert 1.5e-9 < found.rms < 2.1e-9 and "rms difference" in repr(found)
-    assert measured.predicted(ball) == pytest.approx(h - found.difference, abs=1e-20)
+    assert measured.predicted(ball) == pytest.approx(measured.values - found.difference, abs=1e-20)
     assert ball.compare(replace(measured, align=())).rms > 1e-8
 
 
