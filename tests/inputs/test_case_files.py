@@ -2,6 +2,8 @@
 
 import json
 import os
+import tomllib
+from copy import deepcopy
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -9,13 +11,14 @@ from typing import Any
 import numpy as np
 import pytest
 from case_file_strategies import HEIGHTS, case_data, case_files, outcome
-from cases import BALL, STEEL
+from cases import BALL, DATA, STEEL
 from hypothesis import given, reject, settings
 
 from ertel.case.case import Case
 from ertel.inputs.case_files import ConfigError, apply_overrides, load_case, parse_case
 from ertel.physics import lubricant
 
+OVERRIDES = tomllib.loads((DATA / "overrides.toml").read_text(encoding="utf-8"))
 MOES = {"M": 1000, "L": 10}
 OIL = {"eta0": "0.1 Pa*s", "alpha": "22 / GPa"}
 
@@ -74,36 +77,18 @@ def test_an_isoviscous_oil_has_no_pressure_index_and_needs_no_alpha(contact):
     assert case.lubricant.viscosity_law == lubricant.Isoviscous()
 
 
-def test_overrides_are_toml_or_text_and_one_value():
-    given = {"contact": dict(MOES)}
-    items = ["solver.nodes=129", "time.until=rebound", "contact.M = 2e3", "lubricant.alpha=20 / GPa", 'name="a b"']
-    items += ["motion.load=[[0, 1], [2, 3]]", 'roughness=[{shape = "spot", height = 0.1, radius = 1}]']
-    data = apply_overrides(given, items)
-    assert data == {
-        "contact": {"M": 2000.0, "L": 10},
-        "solver": {"nodes": 129},
-        "time": {"until": "rebound"},
-        "lubricant": {"alpha": "20 / GPa"},
-        "name": "a b",
-        "motion": {"load": [[0, 1], [2, 3]]},
-        "roughness": [{"shape": "spot", "height": 0.1, "radius": 1}],
-    }
-    assert given == {"contact": MOES}  # left alone
-    of_law = {"surfaces": {"asperities": {"law": "persson", "hurst": 0.8}}}
-    items = ["surfaces.asperities.hurst=0.7", "surfaces.asperities.longest=50 um", "lubricant.rheology.law=carreau"]
-    assert apply_overrides(of_law, items) == {
-        "surfaces": {"asperities": {"law": "persson", "hurst": 0.7, "longest": "50 um"}},
-        "lubricant": {"rheology": {"law": "carreau"}},
-    }
-    assert of_law["surfaces"]["asperities"]["hurst"] == 0.8
-    other = apply_overrides(of_law, ["surfaces.asperities.law=greenwood-tripp"])
-    assert other == {"surfaces": {"asperities": {"law": "greenwood-tripp"}}}  # whose numbers are others
+@pytest.mark.parametrize(("given", "settings", "expected"), OVERRIDES["overrides"])
+def test_overrides_are_toml_or_text_and_one_value(given, settings, expected):
+    before = deepcopy(given)
+    assert apply_overrides(given, settings) == expected
+    assert given == before
+
+
+def test_wrong_overrides():
     with pytest.raises(ConfigError, match="nodes is not a section or a table"):
         apply_overrides({"solver": {"nodes": 129}}, ["solver.nodes.of=3"])
-    # What followed in further lines was silently left out.
-    assert apply_overrides({}, ["solver.nodes=65\n[time]\nuntil=1"])["solver"]["nodes"] == "65\n[time]\nuntil=1"
     assert apply_overrides({}, ["solver.nodes=" + "[" * 900 + "]" * 900])["solver"]["nodes"].startswith("[[[")
-    for malformed in ("solver.nodes", "=3", "a.b.c.d.e=3", "solver.=3", "a..b=3"):
+    for malformed in OVERRIDES["malformed"]:
         with pytest.raises(ConfigError, match=r"--set .*section\.key=value"):
             apply_overrides({}, [malformed])
 

@@ -1,6 +1,7 @@
 """What a tribologist types in Python: the same keys, the same case and the same messages as in a case file."""
 
 import inspect
+import re
 from dataclasses import fields
 
 import numpy as np
@@ -102,13 +103,11 @@ def test_every_section_arrives():
     assert ertel.rolling(**ROLLING, oil=OIL, method="transient", roughness=[table]).roughness == case.roughness
 
 
-@pytest.mark.parametrize("key", NOT_THERE)
-def test_what_ertel_does_not_do_is_said(key):
-    for section in ("contact", "lubricant"):
-        contact = {"M": 200, "L": 10}
-        with pytest.raises(ConfigError) as caught:
-            parse_case({"contact": contact, section: {**(contact if section == "contact" else {}), key: 1}})
-        assert NOT_THERE[key] in str(caught.value)
+def test_what_ertel_does_not_do_is_said():
+    for key, reason in NOT_THERE.items():
+        for section, kept in (("contact", {"M": 200, "L": 10}), ("lubricant", {})):
+            with pytest.raises(ConfigError, match=re.escape(reason)):
+                parse_case({"contact": {"M": 200, "L": 10}, section: {**kept, key: 1}})
 
 
 def of_surfaces(**given):

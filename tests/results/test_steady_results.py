@@ -1,24 +1,26 @@
 """What a run with the section [thermal] says: maps in K, a part of the summary, lines to read, warnings."""
 
-from collections import Counter
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 import pytest
 from cases import STEEL_BODIES
+from made_up import BALL_ROLLS, solutions, steady
 
 import ertel
 from ertel.apps.tables import print_summary
 from ertel.case.estimates import grid_of
 from ertel.case.sections import Inlet
+from ertel.case.status import Status
 from ertel.inputs.case_files import parse_case
 from ertel.physics.thermal import AT_REST, SLOWEST, slow_excess
 from ertel.results.dataset import assemble_steady
 from ertel.results.diagnostics import thermal_warnings
 from ertel.results.numbers import key_numbers, lines
+from ertel.results.summary import steady_summary
 from ertel.results.variables import HEATED_MAPS, to_si
 from ertel.runs.store import RunStore
 from ertel.solvers import grid_solution
@@ -35,34 +37,26 @@ def case_of(**sections: Any) -> ertel.Case:
     return parse_case({"contact": CONTACT, "lubricant": OIL, "solver": {"nodes": 65}, **sections})
 
 
-@contextmanager
-def counting(calls: Counter[str]) -> Iterator[None]:
-    """Count what is computed of each grid."""
-
-    def counted(name: str, function: Any) -> Any:
-        def call(*arguments: Any, **options: Any) -> Any:
-            calls[name] += 1
-            return function(*arguments, **options)
-
-        return call
-
-    with pytest.MonkeyPatch.context() as patch:
-        for name in ("_account_program", "heated"):
-            patch.setattr(grid_solution, name, counted(name, getattr(grid_solution, name)))
-        yield
+def computed(folder: Path, flush_interval: float) -> tuple[ertel.Result, dict[str, int]]:
+    """A stored run with heat, and how often account and heat were computed."""
+    names = "_account_program", "heated"
+    with ExitStack() as stack:
+        stack.enter_context(patch.object(RunStore, "flush_interval", flush_interval))
+        mocks = [
+            stack.enter_context(patch.object(grid_solution, name, wraps=getattr(grid_solution, name))) for name in names
+        ]
+        run = ertel.run(case_of(thermal=DATA | {"inlet": "gupta"}), folder)
+    return run, {name: mock.call_count for name, mock in zip(names, mocks, strict=True)}
 
 
 @pytest.fixture(scope="module")
-def calls() -> Counter[str]:
-    return Counter()
+def counted(tmp_path_factory: pytest.TempPathFactory) -> tuple[ertel.Result, dict[str, int]]:
+    return computed(tmp_path_factory.mktemp("runs") / "run", 100.0)  # which is written at its end alone
 
 
 @pytest.fixture(scope="module")
-def run(calls: Counter[str], tmp_path_factory: pytest.TempPathFactory) -> ertel.Result:
-    """A stored run that is written at its end alone."""
-    with counting(calls), pytest.MonkeyPatch.context() as patch:
-        patch.setattr(RunStore, "flush_interval", 100.0)
-        return ertel.run(case_of(thermal=DATA | {"inlet": "gupta"}), tmp_path_factory.mktemp("runs") / "run")
+def run(counted: tuple[ertel.Result, dict[str, int]]) -> ertel.Result:
+    return counted[0]
 
 
 def test_maps_and_summary(run: ertel.Result) -> None:
@@ -112,9 +106,8 @@ def test_what_is_said_and_shown(run: ertel.Result, capsys: pytest.CaptureFixture
 
 
 def test_off_when_absent() -> None:
-    run = ertel.simulate(case_of().on_half_grid())
-    assert "thermal" not in run.summary
-    assert not set(HEATED_MAPS) & set(run.dataset)
+    assert "thermal" not in steady_summary(BALL_ROLLS, solutions(BALL_ROLLS), {}, Status.CONVERGED)
+    assert not set(HEATED_MAPS) & set(steady(BALL_ROLLS))
 
 
 def test_warnings(run: ertel.Result) -> None:
@@ -137,13 +130,7 @@ def test_how_much_too_hot_a_slow_surface_is() -> None:
     assert slow_excess(0.0) == 0.0
 
 
-def test_account_and_heat_are_computed_once_for_a_grid(
-    run: ertel.Result, calls: Counter[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    """Checkpoints, data and summary share them; the heat is that of the finest grid so far."""
-    assert calls == {"_account_program": 2, "heated": 1}  # of a stored run; grids of 33 and 65 nodes
-    calls.clear()
-    monkeypatch.setattr(RunStore, "flush_interval", 0.0)
-    with counting(calls):
-        ertel.run(case_of(thermal=DATA | {"inlet": "gupta"}), tmp_path / "run")
-    assert calls == {"_account_program": 2, "heated": 2}
+def test_account_and_heat_are_computed_once_for_a_grid(counted: tuple[ertel.Result, dict[str, int]], tmp_path) -> None:
+    """Checkpoints, data and summary share them; the heat is that of the finest grid so far, of 33 and 65 nodes."""
+    assert counted[1] == {"_account_program": 2, "heated": 1}
+    assert computed(tmp_path / "run", 0.0)[1] == {"_account_program": 2, "heated": 2}
