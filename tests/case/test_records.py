@@ -2,6 +2,7 @@
 
 import functools
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -68,44 +69,39 @@ def test_a_law_with_data_of_its_own_is_a_table() -> None:
         Case(Conditions(M=200, L=10), Oil(viscosity=law))
 
 
-def read(data: Any) -> Tube:
-    return READER.record(Tube, data, "tube")
-
-
-def check(record: Any) -> Any:
-    return checked(record, "tube")
-
-
-def in_no_units(record: Any) -> Any:
-    return scaled(record, None, "tube")
+DOORS: dict[str, Callable[[Any], Any]] = {
+    "read": lambda data: READER.record(Tube, data, "tube"),
+    "check": lambda record: checked(record, "tube"),
+    "scale": lambda record: scaled(record, None, "tube"),  # in a dimensionless case
+}
 
 
 @pytest.mark.parametrize(
-    ("function", "given", "place", "word"),
+    ("door", "given", "place", "word"),
     [
-        (read, {"radius": "0.01 m", "width": 1}, "tube.width = 1", "unknown key; allowed: radius, until, note"),
-        (read, {"until": 1.0}, "tube.radius", "missing"),
-        (read, {"radius": "10 mm"}, 'tube.radius = "10 mm"', "must be a number and the unit m"),
-        (read, [0.01], "tube = [0.01]", "must be a section, [tube]"),
-        (check, Tube(-0.01), 'tube.radius = "-0.01 m"', "finite and above zero"),
-        (check, Tube(0.01, Quantity(0.0, "s")), 'tube.until = "0.0 s"', "finite and above zero"),
-        (check, Tube("0.01"), 'tube.radius = "0.01"', "must be a number"),  # type: ignore[arg-type]
-        (check, Tube(np.ones(2)), 'tube.radius = "[1. 1.]"', "must be a number"),  # type: ignore[arg-type]
-        (check, Tube(1e-300), 'tube.radius = "1e-300 m"', "between 1e-30 and 1e+30 m"),
-        (check, Tube(10**400), 'tube.radius = "(an integer of about 400 digits) m"', "between 1e-30 and 1e+30 m"),
-        (check, Tube(0.01, 1e31), "tube.until = 1e+31", "between 1e-30 and 1e+30, in units t0"),
-        (check, Solver(nodes=65.0), "tube.nodes = 65.0", "must be an integer"),  # type: ignore[arg-type]
-        (check, Solver(tolerance=1.0), "tube.tolerance = 1.0", "must be less than 1"),
-        (in_no_units, Output(SECONDS), 'tube.interval = "0.002 s"', "a plain number"),
-        (in_no_units, Feature(Spot(Quantity(1.0, "m"), 0.1)), 'tube.radius = "1.0 m"', "a dimensionless case has no m"),
-        (in_no_units, Drive(load=Oscillation(1.0, 0.1, SECONDS)), 'tube.load.period = "0.002 s"', "a plain number"),
-        (in_no_units, Drive(load=Polyline(((SECONDS, 1.0),))), 'tube.load[1] = "0.002 s"', "a plain number"),
+        ("read", {"radius": "0.01 m", "width": 1}, "tube.width = 1", "unknown key; allowed: radius, until, note"),
+        ("read", {"until": 1.0}, "tube.radius", "missing"),
+        ("read", {"radius": "10 mm"}, 'tube.radius = "10 mm"', "must be a number and the unit m"),
+        ("read", [0.01], "tube = [0.01]", "must be a section, [tube]"),
+        ("check", Tube(-0.01), 'tube.radius = "-0.01 m"', "finite and above zero"),
+        ("check", Tube(0.01, Quantity(0.0, "s")), 'tube.until = "0.0 s"', "finite and above zero"),
+        ("check", Tube("0.01"), 'tube.radius = "0.01"', "must be a number"),  # type: ignore[arg-type]
+        ("check", Tube(np.ones(2)), 'tube.radius = "[1. 1.]"', "must be a number"),  # type: ignore[arg-type]
+        ("check", Tube(1e-300), 'tube.radius = "1e-300 m"', "between 1e-30 and 1e+30 m"),
+        ("check", Tube(10**400), 'tube.radius = "(an integer of about 400 digits) m"', "between 1e-30 and 1e+30 m"),
+        ("check", Tube(0.01, 1e31), "tube.until = 1e+31", "between 1e-30 and 1e+30, in units t0"),
+        ("check", Solver(nodes=65.0), "tube.nodes = 65.0", "must be an integer"),  # type: ignore[arg-type]
+        ("check", Solver(tolerance=1.0), "tube.tolerance = 1.0", "must be less than 1"),
+        ("scale", Output(SECONDS), 'tube.interval = "0.002 s"', "a plain number"),
+        ("scale", Feature(Spot(Quantity(1.0, "m"), 0.1)), 'tube.radius = "1.0 m"', "a dimensionless case has no m"),
+        ("scale", Drive(load=Oscillation(1.0, 0.1, SECONDS)), 'tube.load.period = "0.002 s"', "a plain number"),
+        ("scale", Drive(load=Polyline(((SECONDS, 1.0),))), 'tube.load[1] = "0.002 s"', "a plain number"),
     ],
     ids=str,
 )
-def test_what_a_record_cannot_have_is_refused_with_its_place(function, given, place, word) -> None:
+def test_what_a_record_cannot_have_is_refused_with_its_place(door, given, place, word) -> None:
     with pytest.raises(ValueError, match=f"^{re.escape(place)}: .*{re.escape(word)}"):
-        function(given)
+        DOORS[door](given)
 
 
 def test_a_complaint_is_about_the_field_of_the_place() -> None:

@@ -21,6 +21,7 @@ from cases import CASES, REFUSALS, SHEET
 from hypothesis import strategies as st
 
 from ertel.case.case import KEYS as SECTIONS
+from ertel.case.case import Case
 from ertel.case.conditions import Conditions
 from ertel.case.sections import Drive, Output, Solver, Thermal, Time
 from ertel.inputs.case_files import ConfigError, load_case, parse_case, to_toml
@@ -219,8 +220,13 @@ def outcome(path: Path) -> str:
     assert case.name.isprintable() and len(Path("runs", case.name).parts) <= 2, "its name is no plain file name"
     for name, heights in case.maps.items():
         (path.parent / name).write_bytes(heights.to_bytes())
-    again = parse_case(tomllib.loads(to_toml(case)), path.parent)
-    assert again == case and again.digest == case.digest and again.name == case.name, "does not read back as the same"
+    written = case.to_data()
+    stored = Case.from_data(written, case.maps)
+    for again in (stored, parse_case(tomllib.loads(to_toml(case)), path.parent)):
+        assert again == case and again.digest == case.digest and again.name == case.name, "reads back as another"
+        assert again.oil.reference == case.oil.reference, "has lost its sources"
+    assert stored.to_data() == json.loads(json.dumps(written)) == written, "holds what JSON and TOML cannot"
+    assert (stored.motion, stored.features, stored.lubricant) == (case.motion, case.features, case.lubricant)
     return "a case"
 
 

@@ -38,20 +38,19 @@ def test_a_product_combines_all_values():
     assert found["viscosity"][0] == ["roelands", "barus"] and found["until"][0] == ["0.5", "max-approach"]
 
 
-@pytest.mark.parametrize(("M", "L"), [([100, 300], [5, 20]), ([100, 100, 300], [5, 20, 5])])
-def test_a_zip_takes_the_values_side_by_side(M, L):
-    """Its points may share values."""
-    study = parse_study({**moes(M=M, L=L), "sweep": {"mode": "zip"}})
-    assert shape(study) == (len(M),)
-    assert pairs(study) == list(zip(M, L, strict=True))
+def test_a_zip_takes_the_values_side_by_side_which_may_be_shared():
+    for M, L in (([100, 300], [5, 20]), ([100, 100, 300], [5, 20, 5])):
+        study = parse_study({**moes(M=M, L=L), "sweep": {"mode": "zip"}})
+        assert shape(study) == (len(M),)
+        assert pairs(study) == list(zip(M, L, strict=True))
 
 
-@pytest.mark.parametrize("speeds", ["100 mm/s:200 mm/s:2", "100:200 mm/s:2", "100 mm/s:200:2"])
-def test_a_unit_at_one_end_holds_for_both(speeds):
-    study = parse_study(ball(speeds))
-    assert [case.contact.speed for case in study.cases] == [0.1, 0.2]
-    values, about = coordinates(study)["speed"]
-    assert values == [0.1, 0.2] and about["units"] == "m/s" and about["field"] == "contact.speed"
+def test_a_unit_at_one_end_holds_for_both():
+    for speeds in ("100 mm/s:200 mm/s:2", "100:200 mm/s:2", "100 mm/s:200:2"):
+        study = parse_study(ball(speeds))
+        assert [case.contact.speed for case in study.cases] == [0.1, 0.2]
+        values, about = coordinates(study)["speed"]
+        assert values == [0.1, 0.2] and about["units"] == "m/s" and about["field"] == "contact.speed"
 
 
 def test_values_in_tables_vary_too():
