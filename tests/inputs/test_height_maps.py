@@ -1,9 +1,10 @@
-"""Files of measured surfaces in a case: formats, units, trend, gaps, and what is said where something is missing."""
+"""Files of measured surfaces and profiles in a case: formats, units, trend, gaps, and what is said of wrong ones."""
 
 import struct
 import sys
 import tracemalloc
 import zipfile
+from collections.abc import Mapping
 from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
@@ -87,8 +88,12 @@ def surfaces(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place
 
 
-def read(folder: Path, **table: Any) -> Measured:
-    (feature,) = parse_case({**CONTACT, "roughness": [{"shape": "measured", **table}]}, folder).roughness
+def case_of(folder: Path, contact: Mapping[str, Any] = CONTACT, **table: Any) -> Case:
+    return parse_case({**contact, "roughness": [{"shape": "measured", **table}]}, folder)
+
+
+def read(folder: Path, contact: Mapping[str, Any] = CONTACT, **table: Any) -> Measured:
+    (feature,) = case_of(folder, contact, **table).roughness
     assert isinstance(feature.shape, Measured)
     return feature.shape
 
@@ -135,7 +140,7 @@ def test_the_form_of_the_body_is_taken_off(tmp_path, detrend, form) -> None:
 
 def test_gaps_are_filled_from_their_rims_and_counted(surfaces, tmp_path) -> None:
     np.testing.assert_allclose(heights(read(surfaces, file="gaps.nc", detrend="none")), SMOOTH, atol=1e-14)
-    case = parse_case({**CONTACT, "roughness": [{"shape": "measured", "file": "few gaps.nc"}]}, surfaces)
+    case = case_of(surfaces, file="few gaps.nc")
     (said,) = [sentence for sentence in case_warnings(case) if "gaps" in sentence]
     assert said.startswith("roughness[1]: 3 of the 600 points of the map were gaps")
     for name, heights_ in case.maps.items():  # as in a run directory
@@ -198,6 +203,97 @@ def test_the_file_that_ertel_wrote_is_taken_as_it_is(tmp_path) -> None:
         read(tmp_path, file=own.name, detrend="mean", length_y="0.2 mm", **table)
     with pytest.raises(ConfigError, match=r"^roughness\[1\].length_y: missing"):
         read(tmp_path, file=own.name, **table)
+
+
+# -- profiles ---------------------------------------------------------------------------------------------------------
+
+ROLLER = {"kind": "rolling", "radius": "10 mm", "load": "2 kN", "mean_speed": "1 m/s", "E_prime": "226 GPa"}
+POINT = {"contact": ROLLER, "lubricant": CONTACT["lubricant"], "solver": {"method": "transient"}}
+LINE = {**POINT, "contact": {**ROLLER, "length": "10 mm"}}
+PLACES = (np.arange(240) + 0.5) / 240 - 0.5
+RIDGES = 1e-8 * np.cos(2 * np.pi * 6 * PLACES)  # m, along 600 um
+SLOPE = 3e-6 + 2e-6 * PLACES
+ARCH = SLOPE + 5e-6 * PLACES**2
+
+
+def columns(path: Path, *numbers: np.ndarray, header: str = "") -> None:
+    np.savetxt(path, np.column_stack(numbers), fmt="%.9g", header=header, comments="")
+
+
+def is_profile(shape: Measured, expected: np.ndarray) -> bool:
+    assert lengths(shape) == pytest.approx([600e-6], rel=1e-9) and heights(shape).shape == (1, 240)
+    return np.abs(heights(shape)[0] - expected).max() < 1e-14
+
+
+def test_the_files_of_a_profile(tmp_path) -> None:
+    """Two columns, one, one row, an array, and a file of SurfaceTopography, all of the same heights."""
+    from SurfaceTopography import UniformLineScan
+
+    x = 0.6 * (PLACES + 0.5)  # mm
+    columns(tmp_path / "units.txt", x, 1e6 * RIDGES, header="x (mm)  z (um)")
+    columns(tmp_path / "stylus.asc", 1e3 * x, 1e6 * RIDGES)
+    columns(tmp_path / "heights.txt", 1e9 * RIDGES)
+    np.savetxt(tmp_path / "row.txt", 1e9 * RIDGES[None], fmt="%.9g")
+    np.save(tmp_path / "row.npy", RIDGES)
+    UniformLineScan(1e6 * RIDGES, 600.0, unit="um").to_netcdf(tmp_path / "scan.nc")
+    spaced = {"unit": "nm", "spacing": "2.5 um"}
+    told = {"units.txt": {}, "stylus.asc": {"unit": "um"}, "heights.txt": spaced, "row.txt": spaced, "scan.nc": {}}
+    for name, table in {**told, "row.npy": {"unit": "m", "length_x": "0.6 mm"}}.items():
+        assert is_profile(read(tmp_path, LINE, file=name, **table, detrend="none"), RIDGES), name
+
+
+@pytest.mark.parametrize(
+    ("detrend", "form", "degree"), [("", SLOPE, 1), ("plane", SLOPE, 1), ("curvature", ARCH, 2), ("mean", 5e-6, 0)]
+)
+def test_the_form_is_taken_off_a_profile(tmp_path, monkeypatch, detrend, form, degree) -> None:
+    """The polynomial that fits best, also to the waves; without any other package."""
+    np.save(tmp_path / "row.npy", RIDGES + form)
+    monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
+    told = {"detrend": detrend} if detrend else {}
+    left = RIDGES - np.polyval(np.polyfit(PLACES, RIDGES, degree), PLACES)
+    assert is_profile(read(tmp_path, LINE, file="row.npy", unit="m", spacing="2.5 um", **told), left)
+
+
+def test_gaps_of_a_profile_are_filled_by_straight_lines_and_counted(tmp_path) -> None:
+    line = 1e-7 * PLACES
+    gaps = np.isin(np.arange(240), (7, 8, 100))
+    columns(tmp_path / "gaps.txt", 600 * PLACES, np.where(gaps, np.nan, 1e6 * line))
+    found = case_of(tmp_path, LINE, file="gaps.txt", unit="um", detrend="none", cutoff="100 um")
+    ((name, content),) = found.maps.items()
+    np.testing.assert_allclose(content.heights[0], 1e6 * line, atol=1e-9)
+    (said,) = [sentence for sentence in case_warnings(found) if sentence.startswith("roughness[1]")]
+    assert said.startswith("roughness[1]: 3 of the 240 points of the profile were gaps")
+    (tmp_path / name).write_bytes(content.to_bytes())  # as in a run directory
+    again = parse_case(found.to_data(), tmp_path)
+    assert again == found == Case.from_data(found.to_data(), found.maps) and again.digest == found.digest
+
+
+def test_a_profile_and_a_map_have_their_contacts(tmp_path) -> None:
+    columns(tmp_path / "stylus.asc", 600 * PLACES, 1e6 * RIDGES)
+    np.save(tmp_path / "row.npy", ARCH)
+    np.save(tmp_path / "map.npy", np.outer(np.arange(1, 9), RIDGES))
+    ridges = case_of(tmp_path, POINT, file="stylus.asc", unit="um").features[0].shape
+    found = ridges.heights(np.linspace(-0.5, 0.5, 9), np.linspace(-3.0, 3.0, 4)[:, None])
+    assert np.ptp(found[0]) > 0 and np.array_equal(found, np.broadcast_to(found[0], (4, 9)))
+    for table, message in (
+        ({"file": "stylus.asc", "unit": "m"}, r".length_x = .* m: is above a metre; give unit, or length_x"),
+        ({"file": "map.npy", "unit": "m", "spacing": "2 um"}, ": varies along y; a line takes .*, or a profile"),
+        ({"file": "row.npy", "unit": "m", "spacing": "2.5 um", "detrend": "curvature"}, ".detrend = .* round-off"),
+    ):
+        with pytest.raises(ConfigError, match=rf"^roughness\[1\]{message}"):
+            case_of(tmp_path, LINE, **table)
+    small = "the profile is smaller than the contact (without its taper 1.6 a, the contact 2 a)"
+    for length, speaks in (("300 um", True), (None, False)):
+        found = case_of(tmp_path, LINE, file="stylus.asc", unit="um", length_x=length)
+        assert any(small in sentence for sentence in case_warnings(found)) == speaks
+        assert speaks or not any("the profile is" in sentence for sentence in case_warnings(found))
+
+
+def test_some_readers_log_all_bytes_of_a_file(tmp_path, caplog) -> None:
+    (tmp_path / "stylus.txt").write_bytes(bytes(range(256)) * 20)
+    with pytest.raises(ConfigError, match="SurfaceTopography cannot read it"):
+        read(tmp_path, file="stylus.txt")
+    assert caplog.text == ""
 
 
 # -- files that would fill the memory ---------------------------------------------------------------------------------

@@ -36,7 +36,7 @@ def test_nothing_lies_across_a_line(steady: ertel.Result, impact: ertel.Result, 
         (table,) = to_csv(run.dataset, tmp_path)
         assert not ACROSS & {*table.read_text().splitlines()[0].split(",")}
     assert "on 129 nodes along x" in repr(steady)
-    assert "X = 0.9" in repr(impact)
+    assert "X = 0.9" in repr(impact) and " a*\n" in repr(impact)
     for text in (repr(impact), repr(impact.case)):  # 2d is the name of a square grid
         assert "impact (line contact, in time), M = " in text and "(2d)" not in text
 

@@ -98,7 +98,7 @@ def test_what_is_said_and_shown(run: ertel.Result, capsys: pytest.CaptureFixture
     # Tables have the warm films, friction and a temperature; the cold films follow in one line.
     print_summary(run.case, said)
     rows = capsys.readouterr().out.splitlines()
-    assert [row.split()[4] for row in rows[3:5]] == ["H_c_warm", "H_min_warm"]
+    assert [(row.split()[4], " nm " in row) for row in rows[3:5]] == [("H_c_warm", True), ("H_min_warm", True)]
     assert [row.startswith("Without heat") for row in rows if " H_c " in row] == [True]
     assert any("mu_sliding_warm" in row for row in rows)
     assert [number.name for number in key_numbers(said)][-1] == "T_film_max"
