@@ -99,6 +99,7 @@ def test_units_of_a_header_may_differ(tmp_path: Path):
         (rows(np.vstack([X[0], HEIGHTS])), "line 1: the first row has places"),
         (rows(np.column_stack([Y[:, 0], HEIGHTS])), "the first column has places"),
         *((changed(1, 1, mark), "marks a gap") for mark in ("-9999", "-32768", "1e30", "9999", "-1e10", "3.4e38")),
+        (rows(np.where(HEIGHTS == HEIGHTS.max(), 9999.0, 1e3 * HEIGHTS)), "marks a gap"),  # 97 ranges away
         (rows(np.column_stack([POINTS, np.arange(30)])), "a list of points with 4 columns"),
         (rows(np.column_stack([np.arange(30), POINTS])), "a list of points with 4 columns"),
         (rows(np.delete(POINTS, 7, axis=0)), "1 of its 6 x 5 points are missing"),
