@@ -10,7 +10,7 @@ import pytest
 import tomli_w
 from case_file_strategies import case_data, case_files, outcome
 from cases import BALL, DATA, STEEL
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 
 from ertel.case.case import Case
 from ertel.inputs.case_files import ConfigError, apply_overrides, load_case, parse_case
@@ -152,7 +152,7 @@ def test_a_case_without_a_name_is_called_as_its_file_is(tmp_path, name, expected
 def test_any_file_is_a_case_that_reads_back_or_refused_in_one_line(tmp_path: Path, examples: int) -> None:
     path = tmp_path / "case.toml"
 
-    @settings(max_examples=examples)
+    @settings(max_examples=examples, suppress_health_check=[HealthCheck.too_slow])  # where other work takes the cores
     @given(content=case_files() | case_data().map(lambda data: tomli_w.dumps(data).encode()))
     def is_a_case_or_refused(content: bytes) -> None:
         path.write_bytes(content)
