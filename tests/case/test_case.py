@@ -1,5 +1,6 @@
 """A case writes itself, knows its digest, and refuses what makes no sense, whichever way it was made."""
 
+import re
 from dataclasses import dataclass, fields, replace
 from math import nan
 from typing import Annotated, Any
@@ -36,8 +37,7 @@ def test_the_name_and_where_the_oils_data_come_from_change_no_result() -> None:
     other = impact(oil=replace(OIL, reference="another"), name="two")
     assert case == other
     assert case.digest == other.digest
-    # Not equal, but with the same law.
-    case = Case(Conditions(**BALL), oil=replace(OIL, viscosity="barus"))
+    case = Case(Conditions(**BALL), oil=replace(OIL, viscosity="barus"))  # not equal, but with the same law
     other = replace(case, oil=replace(case.oil, viscosity=Barus(2.2e-8)))
     assert case.lubricant == other.lubricant
 
@@ -51,9 +51,8 @@ def test_whatever_changes_a_result_changes_the_digest(data) -> None:
 
 
 def test_stored_runs_are_found_again() -> None:
-    assert [Case.from_data(data).digest for digest, data in CASES if digest] == [
-        digest for digest, _ in CASES if digest
-    ]
+    stored = [(digest, data) for digest, data in CASES if digest]
+    assert [Case.from_data(data).digest for _, data in stored] == [digest for digest, _ in stored]
 
 
 def test_no_field_was_forgotten() -> None:
@@ -84,7 +83,7 @@ def test_what_has_no_name_cannot_be_written() -> None:
     with pytest.raises(ValueError, match=r"^roughness\[1\]\.Nameless: is not a registered shape.*ertel\.shapes"):
         case.to_data()
     with pytest.raises(ValueError, match="is not a registered shape"):
-        case.digest  # noqa: B018
+        _ = case.digest
     for law in ("viscosity", "density"):
         with pytest.raises(ValueError, match=f"Nameless: is not a registered {law} law"):
             Oil(**{law: Nameless()})
@@ -102,7 +101,7 @@ def test_what_is_filled_in_and_what_follows() -> None:
     assert (case.time, case.output, case.is_steady, case.starts_apart) == (None, None, True, False)
     assert case.motion == STEADY_ROLLING
     with pytest.raises(ValueError, match="a steady contact has no time"):
-        case.schedule  # noqa: B018
+        _ = case.schedule
     centred = replace(METHODS["transient"].defaults, inlet=3.0)
     case = rolling("transient")
     assert replace(case, solver=centred) == replace(case, solver=replace(centred, inlet=None))
@@ -114,27 +113,23 @@ def test_what_is_filled_in_and_what_follows() -> None:
     assert half_width({"lambda_bar": p.lambda_bar, "alpha_bar": p.alpha_bar}) == half_width({"M": 30, "L": 5}) > 2
 
 
-STEADY, ON_TRACK = rolling(), Case(Conditions(**TRACK), OIL, METHODS["steady"].defaults)
+MOVED = replace(rolling(), drive=Drive(slide_to_roll=-2.0), roughness=(Feature(Spot(0.3, 0.1)),))
+ON_TRACK = Case(Conditions(**TRACK), OIL, METHODS["steady"].defaults)
 
 
 @pytest.mark.parametrize(
-    ("case", "changes", "message"),
+    ("case", "changes", "place"),
     [  # of each kind one; the rules themselves are in data/refusals.toml
-        (impact(), {"solver": Solver(half_width=nan)}, "solver.half_width = NaN: must be a finite number"),
-        (ON_TRACK, {"oil": replace(OIL, viscosity=Barus(-1.0))}, 'lubricant.viscosity.alpha = "-1.0 1/Pa": must be'),
-        (ON_TRACK, {"time": Time(tolerance=Quantity(1e-3, "m"))}, 'time.tolerance = "0.001 m": must be a number'),
-        (ON_TRACK, {"roughness": (Feature(Spot(Quantity(1e-3, "s"), 0.1)),)}, 'roughness[1].radius = "0.001 s": must'),
-        (
-            replace(STEADY, drive=Drive(slide_to_roll=-2.0), roughness=(Feature(Spot(0.3, 0.1)),)),
-            {"drive": None},
-            "roughness[1].surface = 1",
-        ),
+        (impact(), {"solver": Solver(half_width=nan)}, "solver.half_width = NaN"),
+        (ON_TRACK, {"oil": replace(OIL, viscosity=Barus(-1.0))}, 'lubricant.viscosity.alpha = "-1.0 1/Pa"'),
+        (ON_TRACK, {"time": Time(tolerance=Quantity(1e-3, "m"))}, 'time.tolerance = "0.001 m"'),
+        (ON_TRACK, {"roughness": (Feature(Spot(Quantity(1e-3, "s"), 0.1)),)}, 'roughness[1].radius = "0.001 s"'),
+        (MOVED, {"drive": None}, "roughness[1].surface = 1"),
     ],
 )
-def test_every_rule_is_kept_by_replace_too(case, changes, message) -> None:
-    with pytest.raises(ValueError) as caught:
+def test_every_rule_is_kept_by_replace_too(case, changes, place) -> None:
+    with pytest.raises(ValueError, match=f"^{re.escape(place)}"):
         replace(case, **changes)
-    assert str(caught.value).startswith(message)
 
 
 @pytest.mark.parametrize("values", [{"M": 1e300, "L": 10.0}, {"M": 10**400, "L": 10.0}, {"M": 200.0, "L": 1e31}])

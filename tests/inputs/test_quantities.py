@@ -1,19 +1,30 @@
-"""Quantities with units: what they are in SI, and that any other text is refused."""
+"""Quantities with units: what they are in SI, what is refused, plain numbers in a case; see data/quantities.toml."""
 
+import tomllib
+from dataclasses import fields, is_dataclass
 from math import inf, isclose
 from typing import Any
 
 import numpy as np
+import pint
 import pytest
+from cases import DATA
 from hypothesis import given
 from hypothesis import strategies as st
 
+import ertel
 from ertel.case.records import ConfigError
 from ertel.inputs import quantities
+from ertel.inputs.case_files import parse_case
 from ertel.inputs.layout import READER
 from ertel.inputs.quantities import parse_quantity, parse_values
 from ertel.physics import units
-from ertel.physics.units import COMPLIANCE, FINITE, LENGTH, LOAD, POSITION, VELOCITY, WIDTH, Bounds, Quantity, Unit
+from ertel.physics.motion import Oscillation
+from ertel.physics.registry import SHAPES
+from ertel.physics.units import FINITE, LENGTH, LOAD, POSITION, WIDTH, Quantity, Unit, marks
+
+TEXTS = tomllib.loads((DATA / "quantities.toml").read_text(encoding="utf-8"))
+TOO_LONG = [" " * 3000, "1" + " " * 3000 + "m", "1 " + "m" * 10**6, "9" * 400 + " m"]
 
 
 @pytest.mark.parametrize(("written", "unit"), units.PREFIXED)
@@ -31,75 +42,25 @@ def test_an_amount_is_a_number_or_a_quantity():
     assert READER.amount("50 um", WIDTH) == Quantity(5e-5, "m")
     assert READER.amount(-1, POSITION) == -1.0
     for value in (0, -1.0, inf, True, [1]):
-        with pytest.raises(ValueError, match="must be a finite number above zero, in units a, or a quantity such as"):
+        with pytest.raises(ValueError, match="must be a finite number above zero, in units a, or a quantity"):
             READER.amount(value, WIDTH)
     for value in (10**400, 1e31, 1e-31):
         with pytest.raises(ValueError, match=r"^must be between 1e-06 and 1e\+06, in units a$"):
             READER.amount(value, WIDTH)
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        *("0 mm", "-10 mm", "nan m", "inf m", "10", "mm", "", "1e999 m"),
-        "1 m**(9**9**9)",
-        "1 m^9^9",
-        "1 m*9**9**9",
-        " " * 3000,
-        "1" + " " * 3000 + "m",
-        "1 " + "m" * 10**6,
-        "9" * 400 + " m",
-        "1 km**99/mm**98",
-        "1 parsec**30/m**29",
-        "1e-99999999999999999999 m",
-    ],
-    ids=lambda text: text[:20],
-)
-def test_what_is_no_length_or_would_hang_is_refused(text):
-    with pytest.raises(ValueError, match="must be|has an unknown unit"):
-        parse_quantity(text, LENGTH)
-
-
-@pytest.mark.parametrize(
-    ("text", "mark", "value"),
-    [
-        *((text, LENGTH, 0.01) for text in ("10 mm", "10mm", " 1e-2 m ", "10000 µm", "1 cm")),
-        *((text, COMPLIANCE, 22e-9) for text in ("22 / GPa", "22 1/GPa", "22e-9 1/Pa", "2.2e-8 m^2/N", "22/(GPa)")),
-        *((text, COMPLIANCE, 22e-9) for text in ("0.022 / MPa", "22 GPa**-1", "22 GPa^-1", "22 (GPa)^(-1)")),
-        *((text, COMPLIANCE, 22e-9) for text in ("22 µm·mm/N", "22e-9 m²/N", "22 /(kN/mm^2)")),
-        *((text, COMPLIANCE, 22e-9) for text in ("22 GPa⁻¹", "2,2⋅10⁻⁸ m²/N", "22e\u22129 Pa⁻¹")),
-        *((text, COMPLIANCE, 22e-9) for text in ("2.2\u00d710^-8 m2/N", "22 GPa-1")),
-        *((text, units.VISCOSITY, 0.04) for text in ("40 mPas", "40 mPa⋅s", "40 mPa.s", "40 mPa-s", "0,04 Pa*s")),
-        *((text, units.KINEMATIC_VISCOSITY, 68e-6) for text in ("68 mm2/s", "68 cSt", "ISO VG 68", "iso-vg 68")),
-        *((text, units.DENSITY, 870) for text in ("870 kg/m3", "870 kg m⁻³", "870\u00a0kg/m³")),
-        *((text, units.CONDUCTIVITY, 0.14) for text in ("0.14 W/mK", "0,14 W/m·K", "0.14 W m⁻¹ K⁻¹")),
-        *((text, units.TEMPERATURE, 313.65) for text in ("40.5 ℃", "40,5 °C", "313,65 K")),
-        *((text, units.ANGLE, 30.0) for text in ("30°", "30 deg")),
-        ("\u22120.6 m/s", VELOCITY, -0.6),
-        ("0,123 N", LOAD, 0.123),
-        ("0.5 inch", LENGTH, 0.0127),
-    ],
-)
-def test_quantities_as_papers_and_data_sheets_write_them(text, mark, value):
-    assert isclose(parse_quantity(text, mark), value, rel_tol=1e-12)
+@pytest.mark.parametrize(("mark", "value", "texts"), TEXTS["read"])
+def test_quantities_as_papers_and_data_sheets_write_them(mark, value, texts):
+    for text in texts:
+        assert isclose(parse_quantity(text, getattr(units, mark)), value, rel_tol=1e-12), text
     assert parse_quantity("18.6 mm", LENGTH) == 0.0186  # 18.6 * 0.001 is 0.018600000000000002 in floats
 
 
-@pytest.mark.parametrize(
-    ("text", "mark", "said"),
-    [
-        *((text, LOAD, "may part thousands") for text in ("1,234 N", "1,234.5 N", "1.234,5 N", "1,5,2 N")),
-        ("ISO VG 68", units.VISCOSITY, "is a viscosity at 40 degC; give an oil by name"),
-        *((text, LENGTH, "dimension") for text in ("10 kg", "10 degC")),
-        *(
-            (text, LENGTH, r"^must be between 1e-30 and 1e\+30 m$")
-            for text in ("1e300 m", "1e-300 m", "1e31 m", "1e22 Gm")
-        ),
-    ],
-)
-def test_doubtful_quantities_other_dimensions_and_absurd_sizes_are_refused(text, mark, said):
-    with pytest.raises(ValueError, match=said):
-        parse_quantity(text, mark)
+@pytest.mark.parametrize(("mark", "said", "texts"), [*TEXTS["refused"], ("LENGTH", "must be a quantity", TOO_LONG)])
+def test_what_is_no_quantity_doubtful_absurd_or_would_hang_is_refused(mark, said, texts):
+    for text in texts:
+        with pytest.raises(ValueError, match=said):
+            parse_quantity(text, getattr(units, mark))
 
 
 @given(st.text(max_size=12))
@@ -111,44 +72,100 @@ def test_any_text_as_a_length_is_a_length_or_refused(text):
     assert value is not None and 0 < value < inf
 
 
-@pytest.mark.parametrize(
-    ("given", "mark", "values"),
-    [
-        ("0:0.5:3", FINITE, [0, 0.25, 0.5]),
-        ("0.5:-0.5:3", FINITE, [0.5, 0, -0.5]),
-        ("1e-3 : 1e-1 : 3 : log", FINITE, [1e-3, 1e-2, 1e-1]),
-        ("0, 0.01, 0.05", FINITE, [0, 0.01, 0.05]),
-        ("0.1", FINITE, [0.1]),
-        (0.1, FINITE, [0.1]),
-        (np.linspace(0, 1, 3), FINITE, [0, 0.5, 1]),
-        ("100 mm/s:10 m/s:3:log", VELOCITY, [0.1, 1, 10]),
-        ("0.1:10:3:log", VELOCITY, [0.1, 1, 10]),
-        ("100:300 mm/s:3", VELOCITY, [0.1, 0.2, 0.3]),
-        ("100 mm/s:300:3", VELOCITY, [0.1, 0.2, 0.3]),
-        (["5 N", 10], LOAD, [5, 10]),
-    ],
-    ids=str,
-)
-def test_several_values(given: Any, mark: Unit | Bounds, values: list[float]) -> None:
-    assert parse_values("x", given, mark) == pytest.approx(values, rel=1e-14)
+@pytest.mark.parametrize(("mark", "given", "values"), [*TEXTS["values"], ("FINITE", np.linspace(0, 1, 3), [0, 0.5, 1])])
+def test_several_values(mark: str, given: Any, values: list[float]) -> None:
+    assert parse_values("x", given, getattr(units, mark)) == pytest.approx(values, rel=1e-14)
+
+
+def test_a_range_has_the_round_numbers_between_its_ends() -> None:
     assert parse_values("x", "-0.1:0.2:4", FINITE) == (-0.1, 0.0, 0.1, 0.2)
     assert parse_values("x", "-0.1:0.2:10", FINITE)[3] == 0.0
 
 
-@pytest.mark.parametrize(
-    ("given", "mark", "said"),
-    [
-        ("0:0.5", FINITE, "must be FIRST:LAST:NUMBER, or FIRST:LAST:NUMBER:log"),
-        ("0:1:3:log", FINITE, "must both be above zero, or both below"),
-        ("0, 0.5, 0.2", FINITE, "must rise or fall"),
-        ("a:1:3", FINITE, '"a" must be a finite number'),
-        ([], FINITE, "must be one value or more"),
-        ("0.1 kg:1 kg:3", VELOCITY, "wrong dimension"),
-        ([None], LOAD, "must be numbers in N"),
-    ],
-    ids=str,
-)
-def test_wrong_values_are_refused_in_a_sentence(given: Any, mark: Unit | Bounds, said: str) -> None:
-    with pytest.raises(ConfigError, match=said) as error:
-        parse_values("load", given, mark)
-    assert str(error.value).startswith("load")
+@pytest.mark.parametrize(("mark", "given", "said"), TEXTS["wrong_values"])
+def test_wrong_values_are_refused_with_their_place(mark: str, given: Any, said: str) -> None:
+    with pytest.raises(ConfigError, match=rf"^load.*{said}"):
+        parse_values("load", given, getattr(units, mark))
+    with pytest.raises(ConfigError, match=r"^load.* must be numbers in N"):
+        parse_values("load", [None], LOAD)
+
+
+# -- in a case --------------------------------------------------------------------------------------------------------
+
+Q = pint.UnitRegistry().Quantity
+ROLLING = {"kind": "rolling", "radius": "10 mm", "load": "40 N", "mean_speed": "0.5 m/s", "E_prime": "220 GPa"}
+OIL = {"eta0": "40 mPa*s", "alpha": "20 / GPa"}
+NEEDED = {  # what a shape needs besides
+    "waviness": {"amplitude": "20 nm", "wavelength_x": "50 um", "front": "-90 um"},
+    "rings": {"amplitude": "20 nm", "wavelength": "50 um"},
+    "spot": {"radius": "50 um", "depth": "20 nm"},
+    "self-affine": {"rms": "20 nm", "hurst": 0.8, "shortest": "30 um", "longest": "60 um", "front": "-90 um"},
+}
+NEEDED["self-affine"]["ramp"] = "9 um"
+
+
+def amount_keys(record):
+    found = marks(record)
+    return [item.name for item in fields(record) if isinstance(found.get(item.name), Unit) and found[item.name].scale]
+
+
+KEYS = [("lubricant", {}, key) for key in ("layer", "layer_1", "layer_2")]
+KEYS += [(name, table, key) for name, table in NEEDED.items() for key in amount_keys(SHAPES[name])]
+KEYS += [("motion", {"mean": 1, "amplitude": 0.1, "period": "1 ms"}, key) for key in amount_keys(Oscillation)]
+
+
+def test_the_table_has_all_shapes():
+    assert {name for name in NEEDED if is_dataclass(SHAPES[name])} == set(NEEDED)
+    assert len(KEYS) > 15
+
+
+@pytest.mark.parametrize(("section", "table", "key"), KEYS)
+def test_a_plain_number_for_a_length_or_a_time_of_a_case_in_si_is_refused(section, table, key):
+    number = 8.0 if key == "period" else 0.3
+    data = {"contact": ROLLING, "lubricant": OIL, "solver": {"method": "transient"}}
+    table = {other: value for other, value in table.items() if {other, key} != {"depth", "height"}} | {key: number}
+    if section == "lubricant":
+        data["lubricant"] = OIL | table
+    elif section == "motion":
+        data["motion"] = {"load": table}
+    else:
+        data["roughness"] = [{"shape": section, "surface": 2, **table}]
+    with pytest.raises(ConfigError, match=rf"{key} = {number}: is a plain number; in a case in SI it needs its unit"):
+        parse_case(data)
+
+
+def test_points_and_records_of_python_likewise():
+    keys = {key: value for key, value in ROLLING.items() if key != "kind"} | {"oil": ertel.Oil(0.04, 20e-9)}
+    for more in (
+        {"layer": 8.5e-6},
+        {"layer": [["0 um", 1e-6], ["50 um", "1 um"]]},
+        {"motion": {"load": [[0, 1], [5e-3, 2]]}, "method": "transient"},
+        {"roughness": [ertel.Feature(ertel.Spot(ertel.quantity("50 um"), depth=2e-8), 2)], "method": "transient"},
+    ):
+        with pytest.raises(ConfigError, match="is a plain number"):
+            ertel.rolling(**keys, **more)
+    assert ertel.rolling(**keys, layer=Q(2, "um")).oil.layer == ertel.quantity("2 um")
+    spot = ertel.Spot(radius=Q(50, "um"), depth=Q(20, "nm"))
+    (feature,) = ertel.rolling(**keys, roughness=[ertel.Feature(spot, 2)], method="transient").features
+    assert feature.shape.radius == pytest.approx(50e-6 / ertel.rolling(**keys).scales.a)
+
+
+def test_quantities_of_pint_keep_their_unit():
+    keys = {**ROLLING, "radius": Q(10, "mm"), "load": Q(0.04, "kN")}
+    assert parse_case({"contact": keys, "lubricant": OIL}) == parse_case({"contact": ROLLING, "lubricant": OIL})
+    assert ertel.quantity(Q(20, "nm")) == Quantity(2e-8, "m")
+    heights = np.random.default_rng(0).normal(size=(16, 16))
+    shape = ertel.Measured.of(Q(heights, "nm"), Q(2, "um"))
+    assert shape.length_x.value == pytest.approx(32e-6)
+    assert shape.rms.value == pytest.approx(shape.file.rms)
+    assert shape.file.rms == pytest.approx(1e-9 * np.sqrt(np.mean(heights**2)), rel=0.2)
+    film = ertel.Measurement("profile", "h", Q([100.0, 101.0], "nm"), Q([0.0, 1.0], "um"), Q(2, "nm"), at=Q(60, "us"))
+    assert (film.values.tolist(), film.x.tolist()) == (pytest.approx([1e-7, 1.01e-7]), pytest.approx([0.0, 1e-6]))
+    assert (film.sigma, film.at) == (pytest.approx(2e-9), "6e-05 s")
+    assert ertel.Measurement.number("h_c", Q(3.6, "um")).values == pytest.approx(3.6e-6)
+    with pytest.raises(ValueError, match="has the wrong dimension"):
+        ertel.Measurement.number("h_c", Q(3.6, "s"))
+    assert ertel.oils.at("squalane", Q(40, "degC")) == ertel.oils.at("squalane", "40 degC")
+    sheet = {"nu40": "68 cSt", "nu100": "8.7 cSt", "density": 880}
+    one, other = (ertel.oils.data_sheet(**sheet, temperature=each) for each in (Q(333.15, "K"), "60 degC"))
+    assert one == other

@@ -38,20 +38,19 @@ def test_a_product_combines_all_values():
     assert found["viscosity"][0] == ["roelands", "barus"] and found["until"][0] == ["0.5", "max-approach"]
 
 
-@pytest.mark.parametrize(("M", "L"), [([100, 300], [5, 20]), ([100, 100, 300], [5, 20, 5])])
-def test_a_zip_takes_the_values_side_by_side(M, L):
-    """Its points may share values."""
-    study = parse_study({**moes(M=M, L=L), "sweep": {"mode": "zip"}})
-    assert shape(study) == (len(M),)
-    assert pairs(study) == list(zip(M, L, strict=True))
+def test_a_zip_takes_the_values_side_by_side_which_may_be_shared():
+    for M, L in (([100, 300], [5, 20]), ([100, 100, 300], [5, 20, 5])):
+        study = parse_study({**moes(M=M, L=L), "sweep": {"mode": "zip"}})
+        assert shape(study) == (len(M),)
+        assert pairs(study) == list(zip(M, L, strict=True))
 
 
-@pytest.mark.parametrize("speeds", ["100 mm/s:200 mm/s:2", "100:200 mm/s:2", "100 mm/s:200:2"])
-def test_a_unit_at_one_end_holds_for_both(speeds):
-    study = parse_study(ball(speeds))
-    assert [case.contact.speed for case in study.cases] == [0.1, 0.2]
-    values, about = coordinates(study)["speed"]
-    assert values == [0.1, 0.2] and about["units"] == "m/s" and about["field"] == "contact.speed"
+def test_a_unit_at_one_end_holds_for_both():
+    for speeds in ("100 mm/s:200 mm/s:2", "100:200 mm/s:2", "100 mm/s:200:2"):
+        study = parse_study(ball(speeds))
+        assert [case.contact.speed for case in study.cases] == [0.1, 0.2]
+        values, about = coordinates(study)["speed"]
+        assert values == [0.1, 0.2] and about["units"] == "m/s" and about["field"] == "contact.speed"
 
 
 def test_values_in_tables_vary_too():
@@ -92,16 +91,13 @@ def test_a_file_with_overrides(tmp_path):
     assert shape(load_study(file, ["contact.L=[5, 10, 20]"])) == (2, 3)
 
 
-@pytest.mark.parametrize(("contact", "message"), REFUSALS["study_values"], ids=str)
-def test_wrong_values_are_named(contact, message):
-    with pytest.raises(ConfigError, match=message):
-        parse_study(moes(**contact))
+SECTIONS = [({"M": [100, 200], "L": [5, 10, 20]}, said, {"sweep": sweep}) for sweep, said in REFUSALS["study_sections"]]
 
 
-@pytest.mark.parametrize(("sweep", "message"), REFUSALS["study_sections"], ids=str)
-def test_a_wrong_section_is_named(sweep, message):
+@pytest.mark.parametrize(("contact", "message", "more"), [*((*row, {}) for row in REFUSALS["study_values"]), *SECTIONS])
+def test_a_wrong_value_or_section_is_named(contact, message, more):
     with pytest.raises(ConfigError, match=message):
-        parse_study({**moes(M=[100, 200], L=[5, 10, 20]), "sweep": sweep})
+        parse_study({**moes(**contact), **more})
 
 
 def test_values_of_all_kinds_must_differ():

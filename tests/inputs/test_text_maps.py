@@ -37,26 +37,44 @@ def changed(row: int, column: int, word: str) -> list[str]:
     return [" ".join(line) for line in lines]
 
 
+PLACES, PROFILE = 0.5 * np.arange(30), np.round(0.1 * HEIGHTS.ravel(), 5)
+STYLUS = np.column_stack([PLACES, PROFILE])
+GWYDDION = "   Profile 1", "   x     y", "  [mm]  [um]"  # above the numbers of a graph
+
+
 @pytest.mark.parametrize(
-    ("lines", "length"),
+    ("lines", "heights", "length"),
     [
-        (rows(HEIGHTS), 0.0),
-        (rows(HEIGHTS, ","), 0.0),
-        (rows(HEIGHTS, ";", comma=True), 0.0),
-        (rows(HEIGHTS, "\t", comma=True), 0.0),
-        (rows(HEIGHTS, " ", comma=True), 0.0),
-        (["# some words", *rows(HEIGHTS)], 0.0),
-        (rows(POINTS), 3.0),
-        (rows(POINTS[::-1]), 3.0),
-        (rows(np.random.default_rng(0).permutation(POINTS)), 3.0),
-        (["X [mm]\tY [mm]\tZ [mm]", *rows(POINTS, "\t")], 3e-3),
-        (["X;Y;Z", "mm;mm;mm", *rows(POINTS, ";")], 3e-3),
+        (rows(HEIGHTS), HEIGHTS, 0.0),
+        (rows(HEIGHTS, ","), HEIGHTS, 0.0),
+        (rows(HEIGHTS, ";", comma=True), HEIGHTS, 0.0),
+        (rows(HEIGHTS, "\t", comma=True), HEIGHTS, 0.0),
+        (rows(HEIGHTS, " ", comma=True), HEIGHTS, 0.0),
+        (["# some words", *rows(HEIGHTS)], HEIGHTS, 0.0),
+        (rows(POINTS), HEIGHTS, 3.0),
+        (rows(POINTS[::-1]), HEIGHTS, 3.0),
+        (rows(np.random.default_rng(0).permutation(POINTS)), HEIGHTS, 3.0),
+        (["X [mm]\tY [mm]\tZ [mm]", *rows(POINTS, "\t")], 1e-3 * HEIGHTS, 3e-3),
+        (["X;Y;Z", "mm;mm;mm", *rows(POINTS, ";")], 1e-3 * HEIGHTS, 3e-3),
+        # A profile is a list of places and heights, or of heights
+        (rows(STYLUS), PROFILE, 15.0),
+        (rows(STYLUS[::-1]), PROFILE, 15.0),
+        (rows(STYLUS, ", "), PROFILE, 15.0),
+        (rows(STYLUS, ";", comma=True), PROFILE, 15.0),
+        (rows(STYLUS, "  ", comma=True), PROFILE, 15.0),
+        (["Operator: X", "x (mm)\tz (um)", *rows(STYLUS, "\t")], 1e-6 * PROFILE, 15e-3),
+        (["x;h", "mm;um", *rows(STYLUS, ";", comma=True)], 1e-6 * PROFILE, 15e-3),
+        ([*GWYDDION, *rows(STYLUS)], 1e-6 * PROFILE, 15e-3),
+        (["x_mm, y_mm, z_um", *rows(np.insert(STYLUS, 1, 3.0, axis=1), ",")], 1e-6 * PROFILE, 15e-3),
+        (["z (um)", *rows(STYLUS[:, 1:])], 1e-6 * PROFILE, 0.0),
+        (["# X Position, Height", *rows(STYLUS)], PROFILE, 15.0),
+        (rows(STYLUS[:, 1:]), PROFILE, 0.0),
     ],
 )
-def test_what_is_read_is_right(lines, length):
-    heights, found = read(lines)
-    np.testing.assert_allclose(heights, HEIGHTS * (length / 3.0 if length else 1.0), rtol=1e-9, atol=1e-12)
-    assert found == pytest.approx(length)
+def test_what_is_read_is_right(lines, heights, length):
+    found, along_x = read(lines)
+    np.testing.assert_allclose(found, heights, rtol=1e-9, atol=1e-15)
+    assert along_x == pytest.approx(length)
 
 
 def test_units_of_a_header_may_differ(tmp_path: Path):
@@ -71,36 +89,29 @@ def test_units_of_a_header_may_differ(tmp_path: Path):
         parse_case({"contact": {"M": 1000, "L": 10}, "roughness": [table]}, tmp_path)
 
 
-PLACES, PROFILE = 0.5 * np.arange(30), 0.1 * HEIGHTS.ravel()
-STYLUS = np.column_stack([PLACES, PROFILE])
-
-
-@pytest.mark.parametrize(
-    ("lines", "unit"),
-    [
-        (rows(STYLUS), (1.0, 1.0)),
-        (rows(STYLUS[::-1]), (1.0, 1.0)),
-        (rows(STYLUS, ", "), (1.0, 1.0)),
-        (rows(STYLUS, ";", comma=True), (1.0, 1.0)),
-        (rows(STYLUS, "  ", comma=True), (1.0, 1.0)),
-        (["Operator: X", "x (mm)\tz (um)", *rows(STYLUS, "\t")], (1e-3, 1e-6)),
-        (["x;h", "mm;um", *rows(STYLUS, ";", comma=True)], (1e-3, 1e-6)),
-        (["   Profile 1", "   x     y", "  [mm]  [um]", *rows(STYLUS)], (1e-3, 1e-6)),  # as Gwyddion writes a graph
-        (["x_mm, y_mm, z_um", *rows(np.insert(STYLUS, 1, 3.0, axis=1), ",")], (1e-3, 1e-6)),
-        (["z (um)", *rows(STYLUS[:, 1:])], (0.0, 1e-6)),
-        (["# X Position, Height", *rows(STYLUS)], (1.0, 1.0)),
-        (rows(STYLUS[:, 1:]), (0.0, 1.0)),
-    ],
-)
-def test_a_profile_is_a_list_of_places_and_heights_or_of_heights(lines, unit):
-    heights, length = read(lines)
-    np.testing.assert_allclose(heights, np.round(PROFILE, 5) * unit[1], rtol=1e-9, atol=1e-15)
-    assert length == pytest.approx(15.0 * unit[0])
-
-
 @pytest.mark.parametrize(
     ("lines", "complaint"),
     [
+        (changed(2, 3, "***"), r"line 3: '\*\*\*' is not a number; a gap is written nan"),
+        (changed(0, 0, "***"), r"line 1: '\*\*\*' is not a number"),
+        ([*rows(HEIGHTS)[:2], "0.1 0.2", *rows(HEIGHTS)[2:]], "line 3 has 2 numbers, and line 1 has 6"),
+        (rows(np.column_stack([np.r_[0.0, Y[:, 0]], np.vstack([X[0], HEIGHTS])])), "line 1: the first row has places"),
+        (rows(np.vstack([X[0], HEIGHTS])), "line 1: the first row has places"),
+        (rows(np.column_stack([Y[:, 0], HEIGHTS])), "the first column has places"),
+        *((changed(1, 1, mark), "marks a gap") for mark in ("-9999", "-32768", "1e30", "9999", "-1e10", "3.4e38")),
+        (rows(np.where(HEIGHTS == HEIGHTS.max(), 9999.0, 1e3 * HEIGHTS)), "marks a gap"),  # 97 ranges away
+        (rows(np.column_stack([POINTS, np.arange(30)])), "a list of points with 4 columns"),
+        (rows(np.column_stack([np.arange(30), POINTS])), "a list of points with 4 columns"),
+        (rows(np.delete(POINTS, 7, axis=0)), "1 of its 6 x 5 points are missing"),
+        (rows(np.vstack([POINTS, POINTS[4]])), "this point is given 2 times"),
+        (["Y [mm] X [mm] Z [um]", *rows(POINTS)], "must have x, y and z in this order"),
+        (["X Y Z [um]", *rows(POINTS)], "with all units or none"),
+        (["X Y Intensity", *rows(POINTS)], "is not understood"),
+        (["distance (mm)", *rows(POINTS)], "is not understood"),
+        ([line.replace(" ", ";").replace(".", ",", 1) for line in rows(HEIGHTS)], "commas and points"),
+        (["0,0000,42,0735,7,0560", "1,0000,42,0735,7,0560"], "may be the decimals of another number"),
+        (["some words"], "no rows of numbers"),
+        # No profile
         (rows(STYLUS[:, ::-1]), "not a regular profile"),
         (rows(STYLUS**2), "not a regular profile; resample them first"),
         (rows(np.delete(STYLUS, 7, axis=0)), "not a regular profile"),
@@ -116,34 +127,6 @@ def test_a_profile_is_a_list_of_places_and_heights_or_of_heights(lines, unit):
         ([*rows(STYLUS), "15.0 -9999"], "height -9999 marks a gap"),
         ([*rows(STYLUS), "15.0 ***"], "line 31: '.*' is not a number; a gap is written nan"),
         ([*rows(STYLUS), "15.0"], "line 31 has 1 numbers, and line 1 has 2"),
-    ],
-)
-def test_what_is_no_profile_is_refused(lines, complaint):
-    with pytest.raises(ValueError, match=complaint):
-        read(lines)
-
-
-@pytest.mark.parametrize(
-    ("lines", "complaint"),
-    [
-        (changed(2, 3, "***"), r"line 3: '\*\*\*' is not a number; a gap is written nan"),
-        (changed(0, 0, "***"), r"line 1: '\*\*\*' is not a number"),
-        ([*rows(HEIGHTS)[:2], "0.1 0.2", *rows(HEIGHTS)[2:]], "line 3 has 2 numbers, and line 1 has 6"),
-        (rows(np.column_stack([np.r_[0.0, Y[:, 0]], np.vstack([X[0], HEIGHTS])])), "line 1: the first row has places"),
-        (rows(np.vstack([X[0], HEIGHTS])), "line 1: the first row has places"),
-        (rows(np.column_stack([Y[:, 0], HEIGHTS])), "the first column has places"),
-        *((changed(1, 1, mark), "marks a gap") for mark in ("-9999", "-32768", "1e30", "9999", "-1e10", "3.4e38")),
-        (rows(np.column_stack([POINTS, np.arange(30)])), "a list of points with 4 columns"),
-        (rows(np.column_stack([np.arange(30), POINTS])), "a list of points with 4 columns"),
-        (rows(np.delete(POINTS, 7, axis=0)), "1 of its 6 x 5 points are missing"),
-        (rows(np.vstack([POINTS, POINTS[4]])), "this point is given 2 times"),
-        (["Y [mm] X [mm] Z [um]", *rows(POINTS)], "must have x, y and z in this order"),
-        (["X Y Z [um]", *rows(POINTS)], "with all units or none"),
-        (["X Y Intensity", *rows(POINTS)], "is not understood"),
-        (["distance (mm)", *rows(POINTS)], "is not understood"),
-        ([line.replace(" ", ";").replace(".", ",", 1) for line in rows(HEIGHTS)], "commas and points"),
-        (["0,0000,42,0735,7,0560", "1,0000,42,0735,7,0560"], "may be the decimals of another number"),
-        (["some words"], "no rows of numbers"),
     ],
 )
 def test_what_may_be_read_in_two_ways_is_refused(lines, complaint):
