@@ -39,7 +39,7 @@ def test_maps_lie_at_exact_times_and_events_are_kept() -> None:
 
 def test_first_contact_is_resolved_automatically() -> None:
     """The step falls by itself when the oil stiffens and grows again later."""
-    data = simulate(impact(1000, 10, 65, solver={"method": "radial"})).dataset
+    data = simulate(impact(1000, 10, 33, solver={"method": "radial"})).dataset
     dT = data.dT.values
     contact = int(np.argmax(data.F.values > 0.01))
     assert dT[:contact].max() > 2.5 * dT[contact : contact + 10].min()
