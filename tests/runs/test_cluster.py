@@ -71,7 +71,7 @@ def until_stopped(begun: Path, stop: StopSignal) -> str:
 
 
 class Waiting:
-    """A wish to stop that never comes, in a worker: asked after the third step, it waits until a worker was killed."""
+    """No wish to stop, in a worker: asked after the third step, it waits until a worker was killed."""
 
     def __init__(self, directory: Path):
         self.directory, self.asked = directory, itertools.count()

@@ -28,7 +28,6 @@ def test_a_case_may_be_a_path_or_a_mapping(tmp_path):
 
 
 OF_A_CASE = "case = {}: must be a Case, a mapping, or the path of a case file$"
-RESPONSES = ertel.respond, ertel.respond_linearly, ertel.respond_in_rolling
 
 
 @pytest.mark.parametrize(
@@ -37,7 +36,9 @@ RESPONSES = ertel.respond, ertel.respond_linearly, ertel.respond_in_rolling
         (ertel.simulate, [], OF_A_CASE),
         (ertel.run, ["nowhere"], OF_A_CASE),
         (ertel.to_toml, [], OF_A_CASE),
-        *((respond, [[]], OF_A_CASE) for respond in RESPONSES),
+        (ertel.respond, [[]], OF_A_CASE),
+        (ertel.respond_linearly, [[]], OF_A_CASE),
+        (ertel.respond_in_rolling, [[]], OF_A_CASE),
         (partial(ertel.traction, slide_to_roll=[0.1]), [], OF_A_CASE),
         (ertel.parse_case, [], "data = {}: must be a mapping; load_case reads"),
         (ertel.load_case, [], "path = {}: must be the path of a case file; parse_case takes"),

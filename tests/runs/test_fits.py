@@ -88,21 +88,15 @@ def test_two_unknowns_their_errors_noise_and_conditions_by_linear_least_squares(
     assert found.dataset["conditions"].values.tolist() == ["", "speed = 0.4 m/s", ""]
 
 
+def film(eta0: float, speed: float) -> float:
+    return 1e-6 * (eta0 * speed) ** 0.67
+
+
 def test_a_curve_over_the_speed_with_a_common_offset(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """The zero of a rig's spacer is not known: a run at each speed, and one offset for all."""
-
-    def film(eta0: float, speed: float) -> float:
-        return 1e-6 * (eta0 * speed) ** 0.67
-
-    speeds = np.array([0.4, 0.1, 0.2])
-    films = [film(TRUTH[0], speed) + 12e-9 for speed in speeds]
-    rows = [f"{1e3 * speed:.1f};{1e9 * h:.4f}" for speed, h in zip(speeds, films, strict=True)]
+    rows = [f"{1e3 * speed:.1f};{1e9 * film(0.04, speed) + 12:.4f}" for speed in (0.4, 0.1, 0.2)]
     (tmp_path / "curve.csv").write_text("\n".join(["Rig 2", "speed_mm_per_s;h_c_nm", *rows]).replace(".", ","))
-
-    def film_of(_: Any, answer: Any) -> float:
-        return film(answer.case.oil.eta0, answer.case.contact.speed)
-
-    monkeypatch.setattr(alignment, "number_of", film_of)
+    monkeypatch.setattr(alignment, "number_of", lambda _, run: film(run.case.oil.eta0, run.case.contact.speed))
     curve = Measurement.read(tmp_path / "curve.csv", sigma="1 nm", align="offset")
     assert (curve.kind, curve.along) == ("curve", "speed") and curve.x == pytest.approx([0.1, 0.2, 0.4])
     found = fitted(curve, unknowns=ONE)
@@ -115,11 +109,10 @@ def test_a_curve_over_the_speed_with_a_common_offset(monkeypatch: pytest.MonkeyP
 
 
 def test_a_prior_decides_what_the_data_do_not_and_bounds_are_said() -> None:
-    film = measured(FILM)
-    found = fitted(film, measured(FILM))
+    found = fitted(measured(FILM), measured(FILM))
     assert "the data do not decide" in found.warnings[0] and "give a prior" in found.warnings[0]
     with_prior = {**UNKNOWNS, "lubricant.alpha": {"bounds": ["5 / GPa", "60 / GPa"], "prior": ["20 / GPa", "2 / GPa"]}}
-    found = fitted(film, unknowns=with_prior)
+    found = fitted(measured(FILM), unknowns=with_prior)
     assert list(found.values.values()) == pytest.approx(TRUTH, rel=1e-3)
     assert found.standard_errors["alpha"] == pytest.approx(2e-9, rel=0.01)
     assert found.warnings[0].endswith("the prior does, to 20 %")
@@ -261,15 +254,11 @@ def dry_films(cases: Sequence[Case]) -> list[Result]:
 
 
 def test_frames_by_a_clock_that_began_earlier() -> None:
-    """The films of a run that starts from a larger gap, by a camera that shows 23 us at the touch, give the oil.
-
-    Only those counted from the start of the run, which is not the same, ended on a bound.
-    """
-    dry, x = DRY, np.linspace(-2e-4, 2e-4, 21)
-    late = {name: (name, dry[name].values + 0.66, dry[name].attrs) for name in ("time", "frame")}
+    """The films of a run that starts from a larger gap, by a camera that shows 23 us at the touch, give the oil."""
+    x, late = np.linspace(-2e-4, 2e-4, 21), {n: (n, DRY[n].values + 0.66, DRY[n].attrs) for n in ("time", "frame")}
     rng, frames = np.random.default_rng(2), []
     for t in (-10e-6, 5e-6):
-        line = profile(dry.assign_coords(late), f"{t!r} s")
+        line = profile(DRY.assign_coords(late), f"{t!r} s")
         h = np.interp(x, line["x"], line["h"]) + 5e-9 * rng.standard_normal(21)
         frames.append(Measurement("profile", "h", h, x, 5e-9, at=f"{t + 23e-6!r} s", align="start"))
     problem = fit_problem(START, frames, SOUGHT)
@@ -360,13 +349,13 @@ def test_a_file_with_lists_is_one_measurement_for_each_value(tmp_path: Path) -> 
             load_fit_problem(tmp_path / "fit.toml")
 
 
-ON_GLASS = {"radius": "10 mm", "material_1": "steel", "material_2": "glass", "drop_height": "10 mm"}
-
-
 @pytest.mark.slow
 def test_fringes_of_an_impact_decide_viscosity_and_pressure_viscosity_coefficient() -> None:
     """Forty fringes of 33 rings fix both to less than 0.3 %, with the error of the grid, and within two such errors."""
-    case = {"contact": ON_GLASS, "lubricant": {"eta0": "99 mPa*s", "alpha": "21.8 / GPa"}}
+    case = {
+        "contact": {**NAMED["contact"], "material_2": "glass"},
+        "lubricant": {"eta0": "99 mPa*s", "alpha": "21.8 / GPa"},
+    }
     case |= {"solver": {"method": "radial", "nodes": 33}, "time": {"start_approach": -1.5, "until": "max-approach"}}
     truth = ertel.simulate({**case, "lubricant": {"eta0": "100 mPa*s", "alpha": "22 / GPa"}})
     seen = fringes(truth.profile(), truth.case, np.linspace(-250e-6, 250e-6, 301), 150.0, 40.0, 0)
