@@ -38,7 +38,7 @@ def test_the_summary_of_a_steady_contact(kinds):
     films = [name for name in KEYS.split() if name.startswith(("H_c", "H_min"))]
     expected = {f"h{name[1:]}_m": summary[name] * s.film for name in films}
     expected |= {"load_N": 3.888524, "approach_m": summary["Delta"] * s.film}
-    assert {name: summary["si"][name] for name in expected} == pytest.approx(expected)
+    assert {name: summary["si"][name] for name in expected} == pytest.approx(expected, rel=1e-6, abs=0.0)
     assert {"delta_m", "u_m_m_per_s", "t0_s", "x_min_m", "y_min_m", "p_max_Pa"} <= set(summary["si"])
     assert "v0_m_per_s" not in summary["si"]
 

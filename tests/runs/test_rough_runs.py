@@ -135,7 +135,9 @@ def roller() -> Case:
     return ertel.rolling(radius_ratio=0, M=10, L=10, nodes=65, motion=motion, roughness=[profile])
 
 
-@pytest.mark.parametrize(("name", "figure"), [("case", "maps"), pytest.param("roller", "film", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    ("name", "figure"), [("case", "maps"), pytest.param("roller", "midlines", marks=pytest.mark.slow)]
+)
 def test_a_run_is_resumed_shown_and_plotted_from_its_directory_alone(tmp_path, request, name, figure) -> None:
     directory, case = tmp_path / "run", request.getfixturevalue(name)
     compute(RunStore.create(directory, case), [stop_after(4)])
