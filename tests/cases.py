@@ -116,18 +116,16 @@ def changed_cases(data: dict[str, Any]) -> Iterator[tuple[str, Case]]:
 
 def free_ball(p: Parameters, oil: Oil, solver: Solver, time: Time | None = None, *features: Feature) -> Case:
     """A dimensionless impact from records."""
-    return Case(_contact("impact", p), oil, solver, roughness=features, time=time)
+    contact = Conditions("impact", lambda_bar=p.lambda_bar, alpha_bar=p.alpha_bar)
+    return Case(contact, oil, solver, roughness=features, time=time)
 
 
 def rolled(
     p: Parameters, oil: Oil, solver: Solver, drive: Drive | None = None, *features: Feature, time: Time | None = None
 ) -> Case:
     """A dimensionless rolling contact from records."""
-    return Case(_contact("rolling", p), oil, solver, drive, features, time)
-
-
-def _contact(kind: Any, p: Parameters) -> Conditions:
-    return Conditions(kind, lambda_bar=p.lambda_bar, alpha_bar=p.alpha_bar)
+    contact = Conditions("rolling", lambda_bar=p.lambda_bar, alpha_bar=p.alpha_bar)
+    return Case(contact, oil, solver, drive, features, time)
 
 
 def steady_solver(nodes: int, **changes: Any) -> Solver:

@@ -1,8 +1,7 @@
-"""Closed forms with which the tests and the validation scripts compare: sheared films, traction,
-temperatures, and the scales by Moes.
+"""Closed forms with which tests and validation scripts compare: sheared films, traction, temperatures, Moes' scales.
 
-Symbols of Eyring's flow: B = eta (u1 - u2)/(h tau0), sliding; Sigma = h |dp/dx|/(2 tau0), pressure gradient; one
-dimension.  The exact flow in two dimensions, of any law, is in `ertel.equations.shear`.
+Symbols of Eyring's flow, in one dimension: B = eta (u1 - u2)/(h tau0), sliding; Sigma = h |dp/dx|/(2 tau0), pressure
+gradient.  The exact flow in two dimensions, of any law, is in `ertel.equations.shear`.
 """
 
 from math import asinh, log, sqrt
@@ -23,8 +22,7 @@ Real = NDArray[np.float64]
 def eyring_stress(B: ArrayLike, Sigma: ArrayLike) -> Real:
     """Mid-plane stress over tau0 with the gradient along the sliding: asinh(B Sigma/sinh Sigma).
 
-    Conry TF, Wang S, Cusano C. A Reynolds-Eyring equation for elastohydrodynamic lubrication in line contacts. J Tribol
-    1987;109:648-654.
+    Conry TF, Wang S, Cusano C. J Tribol 1987;109:648-654.
     """
     sliding, gradient = np.asarray(B, dtype=float), np.asarray(Sigma, dtype=float)
     return np.asarray(np.arcsinh(sliding / _sinh_ratio(gradient)))
@@ -65,10 +63,10 @@ def hertz_mean_stress(S_c: float, alpha_p_h: float) -> float:
 
 
 def arana_traction(limit: float, alpha: float, p_mean: float, viscosity: float, sliding: float, film: float) -> float:
-    """mu = min{(2 Lambda/(alpha p_mean)) asinh[eta alpha V_s/(2 Lambda h)], Lambda}.
+    """mu = min{(2 Lambda/(alpha p_mean)) asinh[eta alpha V_s/(2 Lambda h)], Lambda}: Eyring's law with a limit.
 
-    It is Eyring's law with tau_E = 2 Lambda/alpha and the limit Lambda p_mean.  Arana A, Larranaga J, Ulacia I, et al.
-    Proc Inst Mech Eng J 2019;233:303-316.  Their oils are `ertel.oils`' naphthenic-100, mineral-100 and pao-100.
+    Arana A, Larranaga J, Ulacia I, et al. Proc Inst Mech Eng J 2019;233:303-316.  Their oils are `ertel.oils`'
+    naphthenic-100, mineral-100 and pao-100.
 
     limit: Lambda.  alpha: ln(eta(p)/eta(0))/p at p_mean, 1/Pa.  p_mean in Pa.  viscosity: eta in Pa s at that pressure
     and the film's temperature.  sliding: V_s = |u1 - u2| in m/s.  film: central film phi_T h_c in m, with inlet shear
@@ -90,10 +88,7 @@ def mean_rise(stress: float, sliding: float, film: float, conductivity: float) -
 
 
 def flash_temperature(heat: Real, solid: Solid, speed: float, spacing: float) -> Real:
-    """Temperature rise of a moving surface, in K.
-
-    heat: flux into the body in W/m^2, shape (..., n), index along X last.  The rest as in `thermal.response`.
-    """
+    """Rise of a moving surface in K.  heat: into the body, W/m^2, along X last; the rest as in `thermal.response`."""
     return np.asarray(heat @ response(solid, speed, heat.shape[-1], spacing).T)
 
 
@@ -107,8 +102,8 @@ class Nahme(NamedTuple):
 def nahme(number: float) -> Nahme:
     """Shear between walls of one temperature with eta = eta_wall exp(-beta (T - T_wall)), in closed form.
 
-    number: Na = eta_wall beta (u1 - u2)^2/k.  theta_max = ln(1 + Na/8) and tau h/(eta_wall |u1 - u2|) = asinh(s)/(s (1
-    + s^2)^{1/2}) with s^2 = Na/8.  Nahme R. Ing Arch 1940;11:191-209.
+    number: Na = eta_wall beta (u1 - u2)^2/k.  theta_max = ln(1 + Na/8); tau h/(eta_wall |u1 - u2|) = asinh(s)/(s (1 +
+    s^2)^{1/2}), s^2 = Na/8.  Nahme R. Ing Arch 1940;11:191-209.
     """
     s = sqrt(number / 8.0)
     return Nahme(log(1.0 + number / 8.0), asinh(s) / (s * sqrt(1.0 + s**2)) if s > 0 else 1.0)

@@ -10,14 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from ertel.case.case import Case
-from ertel.physics.lubricant import Oil
 from ertel.physics.surfaces import Feature, Waviness
 
-REACH = 1.0  # wavelengths on both sides of the centre
 STEP = 1e-3  # relative, of the pressure, for the bulk modulus
 NEAR = 1e-5  # relative, of the stress, for its slope
 
@@ -54,49 +51,29 @@ def pair(wavelength: float) -> list[list[Feature]]:
 
 
 def ripples(data: xr.Dataset, first: int, wavelength: float) -> SlidingWaviness:
-    """The ripples of clearance and pressure at the centre, over the height of waves at rest.
+    """The ripples of clearance (a share of the height of waves at rest) and pressure (p_h R/a^2) at the centre.
 
-    Parameters
-    ----------
-    data : xarray.Dataset
-        From `respond_in_rolling`, steady: the response to the wave `first` and the next one are those of a `pair`.
-    first : int
-        Number of the cosine.
-    wavelength : float
-        In a.
-
-    Returns
-    -------
-    SlidingWaviness
-        Complex; the clearance as a share of the height, the pressure in units p_h R/a^2.
+    data: of `respond_in_rolling`, steady, with the `pair` whose cosine is the wave number `first`.  wavelength: in a.
+    By least squares beside what is slow, as it varies with X.
     """
-    found = [_at_centre(data, name, first, wavelength) for name in ("dH", "dP")]
-    return SlidingWaviness(-found[0], -found[1])
-
-
-def _at_centre(data: xr.Dataset, name: str, first: int, wavelength: float) -> complex:
-    """The amplitude of the wave of this length, by least squares beside what is slow, as it varies with X."""
-    line = data.sel(Y=0.0, method="nearest").sel(X=slice(-REACH * wavelength, REACH * wavelength))
-    real = (line[f"{name}_amplitude"] * np.cos(line[f"{name}_phase"])).values
-    x: NDArray[np.float64] = line["X"].values
+    line = data.sel(Y=0.0, method="nearest").sel(X=slice(-wavelength, wavelength))
+    x = line["X"].values
     wave, slow = np.exp(2j * pi / wavelength * x), np.ones_like(x)
     parts = np.stack([wave, x * wave, slow, x * slow], axis=1)
-    return complex(np.linalg.lstsq(parts, real[first] + 1j * real[first + 1])[0][0])
+    real = [(line[f"{name}_amplitude"] * np.cos(line[f"{name}_phase"])).values for name in ("dH", "dP")]
+    clearance, pressure = (np.linalg.lstsq(parts, each[first] + 1j * each[first + 1])[0][0] for each in real)
+    return SlidingWaviness(complex(-clearance), complex(-pressure))
 
 
 class Centre(NamedTuple):
-    """What Hooke's theory takes from the middle of a contact.
+    """What Hooke's theory takes from the middle of a contact."""
 
-    film (m), pressure (Pa), viscosity: d(stress)/d(shear rate) (Pa s), newtonian: eta at that pressure (Pa s),
-    bulk_modulus: of the oil (Pa), lag: speed of the waviness, which is at rest, minus the oil's mean speed (m/s).
-    """
-
-    film: float
-    pressure: float
-    viscosity: float
-    newtonian: float
-    bulk_modulus: float
-    lag: float
+    film: float  # m
+    pressure: float  # Pa
+    viscosity: float  # d(stress)/d(shear rate), Pa s
+    newtonian: float  # eta at that pressure, Pa s
+    bulk_modulus: float  # of the oil, Pa
+    lag: float  # speed of the waviness, which is at rest, minus the oil's mean speed, m/s
 
 
 def centre(case: Case, data: xr.Dataset) -> Centre:
@@ -111,13 +88,9 @@ def centre(case: Case, data: xr.Dataset) -> Centre:
     stress = brentq(lambda tau: float(law.fluidity(tau, p)) * tau - newtonian, 0.0, newtonian, rtol=1e-12)
     less, same, more = (float(law.fluidity(stress * (1.0 + change), p)) for change in (-NEAR, 0.0, NEAR))
     slope = same + (more - less) / (2.0 * NEAR)  # d(fluidity * stress)/d(stress): small gradients along the sliding
-    return Centre(h, p, eta / slope, eta, _bulk_modulus(case.oil, p), -speed)
-
-
-def _bulk_modulus(oil: Oil, p: float) -> float:
-    """rho dp/drho, infinite if the oil is not compressible."""
-    less, more = (float(oil.density_law.density(p * (1.0 + sign * STEP))) for sign in (-1.0, 1.0))
-    return (more + less) * STEP * p / (more - less) if more > less else inf
+    less, more = (float(case.oil.density_law.density(p * (1.0 + sign * STEP))) for sign in (-1.0, 1.0))
+    bulk_modulus = (more + less) * STEP * p / (more - less) if more > less else inf  # rho dp/drho
+    return Centre(h, p, eta / slope, eta, bulk_modulus, -speed)
 
 
 def hooke(case: Case, at: Centre, wavelength: float) -> SlidingWaviness:
@@ -129,7 +102,7 @@ def hooke(case: Case, at: Centre, wavelength: float) -> SlidingWaviness:
 
 
 def hooke_number(case: Case, at: Centre, wavelength: float) -> float:
-    """Hooke's Q = (12/pi^2) eta_eff |v - u| wavelength^2/(E' h^3)."""
+    """Hooke's Q of `hooke_waviness`, without its sign."""
     assert case.scales is not None
     length = wavelength * case.scales.a
     return 12 / pi**2 * at.viscosity * abs(at.lag) * length**2 / (case.scales.E_prime * at.film**3)

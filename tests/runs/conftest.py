@@ -1,5 +1,8 @@
 """Stored runs that several files of tests share."""
 
+import shutil
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -27,3 +30,8 @@ def grids(kinds: Any) -> Any:
     from ertel.solvers.steady import nested
 
     return list(nested(kinds["steady"].case))
+
+
+@pytest.fixture
+def copy(tmp_path: Path) -> Callable[..., Path]:
+    return lambda directory, name="run": Path(shutil.copytree(directory, tmp_path / name))

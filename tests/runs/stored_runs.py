@@ -1,8 +1,6 @@
-"""Stored runs of every kind, what is in them, and death in the middle of a run."""
+"""Stored runs of every kind, and what is in them."""
 
-import itertools
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -13,7 +11,6 @@ import xarray as xr
 from cases import RADIAL, SHORT_FALL, physics, stop_after
 
 import ertel
-from ertel.case.case import Case
 from ertel.inputs.case_files import parse_case
 from ertel.runs.drive import Run, result_of, run_of
 from ertel.runs.files import StoreError
@@ -60,61 +57,44 @@ class Kind:
     def whole(self) -> ertel.Result:
         return result_of(self.run)
 
-    def _stored(self, name: str, *observers: Any) -> Path:
-        store = RunStore.create(self._place / name, self.case, self.run)
-        if observers:
-            compute(store, observers)
-        return store.directory
-
     @cached_property
     def begun(self) -> Path:
-        return self._stored("begun")
+        return RunStore.create(self._place / "begun", self.case, self.run).directory
 
     @cached_property
     def finished(self) -> Path:
-        return self._stored("finished", lambda item: None)
+        compute(store := RunStore.create(self._place / "finished", self.case, self.run))
+        return store.directory
 
     @cached_property
     def cut(self) -> Path:
-        return self._stored("cut", stop_after(CUT[self.name]))
+        compute(store := RunStore.create(self._place / "cut", self.case, self.run), [stop_after(CUT[self.name])])
+        return store.directory
 
     def is_whole(self, run: RunStore) -> bool:
-        return self._is(run.case, run.dataset(), run.summary())
-
-    def _is(self, case: Case, data: xr.Dataset, summary: dict[str, Any] | None) -> bool:
-        xr.testing.assert_identical(physics(data), physics(self.whole.dataset))
-        about, expected = of_no_process(data.attrs), of_no_process(self.whole.dataset.attrs)
-        if case.name != self.case.name:  # a flipped letter of the name is an edit that users may make
-            assert replace(case, name=self.case.name) == self.case
-            about = about | {key: expected[key] for key in ("title", "case")}
+        """Whether a stored run is the one in memory; its data and its case must be."""
+        found = run.result()
+        xr.testing.assert_identical(physics(found.dataset), physics(self.whole.dataset))
+        about, expected = of_no_process(found.dataset.attrs), of_no_process(self.whole.dataset.attrs)
+        if found.case.name != self.case.name:  # a flipped letter of the name is an edit that users may make
+            assert replace(found.case, name=self.case.name) == self.case
+            about |= {key: expected[key] for key in ("title", "case")}
         assert about == expected
-        return summary is not None and of_no_process(summary) == of_no_process(self.whole.summary)
+        return of_no_process(dict(found.summary)) == of_no_process(self.whole.summary)
 
-    def opened(self, directory: Path) -> bool:
-        """Whether a run is read as it should be; False where it is refused, in one sentence."""
-        with _refused_in_a_sentence():
-            found = RunStore.open(directory).result()
-            return self._is(found.case, found.dataset, dict(found.summary))
+    def opened(self, directory: Path, do: Callable[[RunStore], object] = lambda run: None) -> bool:
+        """Whether a run is as it should be, after something was done; False where it is refused, in one sentence."""
+        try:
+            run = RunStore.open(directory)
+            do(run)
+            return self.is_whole(run)
+        except StoreError as error:
+            assert "\n" not in str(error) and len(str(error)) < 600
         return False
 
     def resumed(self, directory: Path) -> bool:
-        """Whether a run is what it should be after it was continued; False where it is refused, in one sentence."""
-        with _refused_in_a_sentence():
-            run = RunStore.open(directory)
-            compute(run)
-            return self.is_whole(run)
-        return False
-
-
-@contextmanager
-def _refused_in_a_sentence() -> Iterator[None]:
-    try:
-        yield
-    except StoreError as error:
-        assert "\n" not in str(error) and len(str(error)) < 600
-
-
-# -- death ------------------------------------------------------------------------------------------------------------
+        """The same, of a run that is continued."""
+        return self.opened(directory, compute)
 
 
 class Evil:
@@ -122,32 +102,3 @@ class Evil:
 
     def __reduce__(self) -> tuple[object, ...]:
         return pytest.fail, ("a pickle was loaded",)
-
-
-class Killed(BaseException):
-    """Nobody catches it, like SIGKILL."""
-
-
-@contextmanager
-def killed(
-    monkeypatch: pytest.MonkeyPatch, place: Any, name: str, when: str = "after", count: int = 1
-) -> Iterator[None]:
-    """End this block before or after the given call of a function; it may also come to its own end before."""
-    original, calls = getattr(place, name), itertools.count(1)
-
-    def deadly(*arguments: Any, **options: Any) -> Any:
-        last = next(calls) == count
-        if last and when == "before":
-            raise Killed
-        result = original(*arguments, **options)
-        if last:
-            raise Killed
-        return result
-
-    with monkeypatch.context() as patch:
-        patch.setattr(place, name, deadly)
-        try:
-            yield
-        except Killed:
-            return
-        assert next(calls) <= count, "it was killed and went on"

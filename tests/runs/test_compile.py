@@ -4,6 +4,8 @@ import json
 import os
 import subprocess
 import warnings
+from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -40,14 +42,12 @@ def test_jax_computes_right():
 def test_a_wrong_jax_is_told_once(monkeypatch, version, wrong):
     monkeypatch.setattr(compile, "version", lambda package: version)
     compile.check_jax.cache_clear()
-    with warnings.catch_warnings(record=True) as told:
-        warnings.simplefilter("always")
+    with warnings.catch_warnings(record=True, action="always") as told:
         compile.check_jax()
         compile.check_jax()
-    assert [str(warning.message) for warning in told] == ([compile.wrong_version(version)] if wrong else [])
-    assert not wrong or (
-        version in str(told[0].message) and 'pip install "jax!=0.10.2,!=0.11.0"' in str(told[0].message)
-    )
+    said = [str(warning.message) for warning in told]
+    assert said == [compile.wrong_version(version)] * wrong
+    assert all(version in sentence and 'pip install "jax!=0.10.2,!=0.11.0"' in sentence for sentence in said)
 
 
 COMMAND = """
@@ -205,9 +205,9 @@ print(json.dumps(events))
 @pytest.mark.parametrize(
     ("cases", "solvers"),
     [
-        ({"impact": IMPACT.format("radial")}, ["solve_ring_step"]),
+        ({"impact": IMPACT.format("radial")}, {"solve_ring_step"}),
         pytest.param(
-            {"rolling": ROLLING, "impact": IMPACT.format("2d")}, ["solve", "solve_step"], marks=pytest.mark.slow
+            {"rolling": ROLLING, "impact": IMPACT.format("2d")}, {"solve", "solve_step"}, marks=pytest.mark.slow
         ),
     ],
     ids=["radial", "all"],
@@ -219,10 +219,9 @@ def test_a_run_after_the_warm_up_compiles_nothing_and_traces_no_solver(tmp_path,
     told = as_a_user(tmp_path, "-m", "ertel", "warm-up", *files).stderr.splitlines()
     assert [line.partition(":")[0].partition("  ")[2] for line in told[: len(cases)]] == list(cases)
     events = json.loads(as_a_user(tmp_path, "-c", RUN, *files).stdout.splitlines()[-1])
-    assert "cache_hits" in events
-    assert "cache_misses" not in events
+    assert "cache_hits" in events and "cache_misses" not in events
     traced = {name for event, _, name in (event.partition(" ") for event in events) if event == "jaxpr_trace_duration"}
-    assert {f"exported_{solve}" for solve in solvers} <= traced and not {*solvers} & traced
+    assert {f"exported_{solve}" for solve in solvers} <= traced and not solvers & traced
     loaded = ertel.open(tmp_path / "impact.toml.run").dataset
     plain = ertel.simulate(ertel.load_case(tmp_path / "impact.toml")).dataset
     for name in ("time", "Delta", "V", "F", "P_c", "H_c", "H_min"):
@@ -233,14 +232,10 @@ def test_blas_has_one_thread_until_the_last_block_ends():
     """Also where blocks of two threads overlap and the first one ends first."""
     libraries = ThreadpoolController().select(user_api="blas").lib_controllers
 
-    def threads():
-        return {library.num_threads for library in libraries}
-
+    first, second, seen = ExitStack(), ExitStack(), []
+    begin_one, begin_other = (partial(stack.enter_context, one_blas_thread()) for stack in (first, second))
     with threadpool_limits(2, "blas"):
-        first, second = one_blas_thread(), one_blas_thread()
-        first.__enter__(), second.__enter__()
-        assert threads() == {1}
-        first.__exit__(None, None, None)
-        assert threads() == {1}
-        second.__exit__(None, None, None)
-        assert threads() == {2}
+        for do in (begin_one, begin_other, first.close, second.close):
+            do()
+            seen.append({library.num_threads for library in libraries})
+    assert seen == [{1}, {1}, {1}, {2}]

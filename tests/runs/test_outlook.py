@@ -95,7 +95,7 @@ def test_a_low_stokes_number_and_the_first_film_of_an_impact() -> None:
 
 
 def test_python_warns_before_the_run_and_once() -> None:
-    case = ertel.rolling(**{**BALL, "nodes": 17, "tolerance": 0.5}, **VG68, slide_to_roll=0.1)
+    case = ertel.rolling(**BALL, **OWN, tolerance=0.5, slide_to_roll=0.1)
     seen: list[int] = []
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("ignore")  # of sockets that earlier tests have left

@@ -1,15 +1,39 @@
-"""Processes of their own: double precision and one thread of BLAS, nothing changed for the process; after a fork."""
+"""Double precision whatever the process has set, one thread of BLAS, and nothing changed; a fork says so."""
 
 import json
 import os
 import warnings
-from functools import cache
+from functools import partial
 
+import jax
 import numpy as np
 import pytest
 from cases import python
 
-pytestmark = pytest.mark.slow  # processes that compile
+import ertel
+from ertel.numerics.programs import double_precision
+from ertel.solvers import steady
+from ertel.solvers.radial import RadialImpact
+from ertel.solvers.transient import Transient2D
+
+
+def test_each_method_refuses_single_precision() -> None:
+    """On grids of no other test: what is compiled already would do."""
+    fall = ertel.impact(M=20, L=5, nodes=17, half_width=4.2)
+    along_r = ertel.impact(M=20, L=5, nodes=35, method="radial")
+    with double_precision():
+        method, other = Transient2D(fall), RadialImpact(along_r)
+        start, first = method.start(), other.start()
+    asked = [
+        *(partial(steady.steady_film, ertel.rolling(M=20, L=5, nodes=17)), partial(method.advance, [start], 0.01)),
+        *(partial(Transient2D, fall), partial(method.measure, start), partial(method.friction, start)),
+        *(partial(RadialImpact, along_r), partial(other.advance, [first], 0.01)),
+    ]
+    with jax.enable_x64(False):
+        for work in asked:
+            with pytest.raises(RuntimeError, match="single precision"):
+                work()
+
 
 RUNS = """
 import warnings
@@ -24,59 +48,26 @@ warnings.simplefilter("ignore", UserWarning)  # coarse grids
 @ertel.viscosity_laws.register("of JAX alone")
 @dataclass(frozen=True)
 class OfJax:
-    '''A law that a user wrote with the functions of JAX.'''
-
     slope: float
 
     def viscosity(self, p):
         return jnp.exp(self.slope * p)
 
 
-IMPACT = {"M": 20, "L": 5, "nodes": 17, "half_width": 4.0, "time_tolerance": 0.05, "until": "max-approach"}
-ROLLING = {"M": 20, "L": 5, "nodes": 17}
-
-
-def final(result):
-    return result.dataset.H.values.ravel()[-289:].tolist()
+def final(case):
+    return ertel.simulate(case).dataset.H.values.ravel()[-289:].tolist()
 
 
 ball = {"radius": 0.01, "ball_density": 7850, "speed": 0.01, "E_prime": 2.2e11}
 oil = ertel.Oil(0.02, 2e-8, viscosity=OfJax(2e-8))
 radial = ertel.impact(**ball, oil=oil, method="radial", nodes=33, until=0.5, time_tolerance=0.05)
-FOUND = {
-    "radial": lambda: final(ertel.simulate(radial)),
-    "steady": lambda: final(ertel.simulate(ertel.rolling(**ROLLING))),
-}
-
-
-def refused():
-    from ertel.numerics.programs import double_precision
-    from ertel.solvers import steady
-    from ertel.solvers.radial import RadialImpact
-    from ertel.solvers.transient import Transient2D
-
-    fall, roll = ertel.impact(**IMPACT), ertel.rolling(**ROLLING)
-    with double_precision():
-        method, other = Transient2D(fall), RadialImpact(radial)
-        start, first = method.start(), other.start()
-    asked = [
-        (steady.steady_film, roll), (Transient2D, fall), (RadialImpact, radial), (method.measure, start),
-        (method.advance, [start], 0.01), (other.advance, [first], 0.01), (method.friction, start),
-    ]
-    said = []
-    for work, *arguments in asked:
-        try:
-            work(*arguments)
-            said.append(False)
-        except RuntimeError as error:
-            said.append("single precision" in str(error))
-    return said
+FOUND = {"radial": lambda: final(radial), "steady": lambda: final(ertel.rolling(M=20, L=5, nodes=17))}
 """
 
-IN_A_PROCESS = """
-import json
+IN_A_PROCESS = f"""
 SWITCHES = {{"jax_debug_nans": True, "jax_disable_jit": True, "jax_numpy_dtype_promotion": "strict",
             "jax_transfer_guard": "disallow"}}
+import json
 import os
 import sys
 import warnings
@@ -90,7 +81,7 @@ blas.limit(limits=2)
 for name, value in SWITCHES.items():  # of a user who looks for an error of his own
     jax.config.update(name, value)
 set_before, told_before = dict(jax.config.values), dict(os.environ)
-{runs}
+{RUNS}
 filters = list(warnings.filters)
 import ertel.runs.store, ertel.runs.traction  # all that computes
 from ertel.numerics.programs import Program
@@ -103,52 +94,30 @@ def watched(program, *arguments):
 
 
 Program.__call__ = watched
-found = {{name: FOUND[name]() for name in {names}}}
-Program.__call__ = call
-found["refused"] = refused()
+found = {{name: run() for name, run in FOUND.items()}}
 said = {{
     "jax": [name for name in set_before if set_before[name] != jax.config.values[name]],
     "environment": [name for name in os.environ if told_before.get(name) != os.environ[name]],
     "filters": filters != list(warnings.filters),
     "x64": jax.config.jax_enable_x64,
-    "threads": [sorted(threads), [library.num_threads for library in blas.lib_controllers]],
+    "threads": [sorted(threads), sorted({{library.num_threads for library in blas.lib_controllers}})],
 }}
 sys.stdout.write(json.dumps([said, found]))
 """
-QUICK = ("radial", "steady")  # all methods are run by the same function, and each refuses single precision
 
 
-@cache
-def alone() -> tuple[dict, dict]:
-    """What a process of its own has changed, and what it computes, in single precision but for ertel."""
-    said, found = json.loads(
-        python("-c", IN_A_PROCESS.format(runs=RUNS, names=QUICK), without=("JAX_ENABLE_X64",)).stdout
-    )
-    return said, found
-
-
-def test_no_setting_of_the_process_is_changed_and_single_precision_is_refused():
-    said = alone()[0]
-    in_runs, after = said.pop("threads")
-    assert said == {"jax": [], "environment": [], "filters": False, "x64": False}
-    assert in_runs == [1] and set(after) == {2}  # of the libraries of BLAS
-    # By each of the methods, where nothing set double precision before.
-    assert alone()[1]["refused"] == [True] * 7
-
-
-@cache
-def here() -> dict:
-    found = {"__name__": __name__}
-    exec(RUNS, found)
-    return found["FOUND"]
-
-
-@pytest.mark.parametrize("name", QUICK)
-def test_a_run_is_that_of_double_precision(name):
+@pytest.mark.slow
+def test_a_run_is_that_of_double_precision_and_changes_no_setting_of_the_process():
     """To round-off: single precision would leave 1e-7 at best."""
+    said, found = json.loads(python("-c", IN_A_PROCESS, without=("JAX_ENABLE_X64",)).stdout)
+    threads = [[1], [2]]  # of the libraries of BLAS, in runs and after
+    assert said == {"jax": [], "environment": [], "filters": False, "x64": False, "threads": threads}
+    names = {"__name__": __name__}
     with warnings.catch_warnings():
-        expected = np.array(here()[name]())
-    assert np.abs(np.array(alone()[1][name]) - expected).max() < 1e-12 * np.abs(expected).max()
+        exec(RUNS, names)
+        for name, run in names["FOUND"].items():
+            expected = np.array(run())
+            assert np.abs(np.array(found[name]) - expected).max() < 1e-12 * np.abs(expected).max()
 
 
 FORKS = """
@@ -156,9 +125,8 @@ import os, sys, warnings
 import ertel
 
 warnings.simplefilter("ignore")
-SMALL = {"solver": {"method": "radial", "nodes": 17}, "time": {"until": 0.02, "tolerance": 0.1}}
-impact = ertel.parse_case({"contact": {"M": 20, "L": 5}, **SMALL})
-rolling = ertel.parse_case({"contact": {"kind": "rolling", "M": 20, "L": 5}, "solver": {"nodes": 17}})
+impact = ertel.impact(M=20, L=5, method="radial", nodes=17, until=0.02, time_tolerance=0.1)
+rolling = ertel.rolling(M=20, L=5, nodes=17)
 DO = {
     "simulate": lambda: print(ertel.simulate(impact).status.value),
     "traction": lambda: ertel.traction(rolling, slide_to_roll=[0.1]),
@@ -185,12 +153,12 @@ for name in DO:
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
 def test_a_fork_of_a_process_that_has_computed_says_so():
     """JAX would hang there.  A fork before computes."""
     first, second, *others = python("-c", FORKS).stdout.splitlines()
     assert first == second == "converged"
-    said = "this process was forked from one in which JAX runs, and would hang; start processes with multiprocessing"
-    expected = [f"{name} {said}" for name in ("simulate", "traction", "respond", "respond_in_rolling")]
-    assert [line.partition(".get_context")[0] for line in others] == expected
-    assert all(line.endswith('("spawn"), or run the cases with ertel.sweep') for line in others)
+    words = [line.partition(" this process was forked from one in which JAX runs, and would hang") for line in others]
+    assert [name for name, found, _ in words if found] == ["simulate", "traction", "respond", "respond_in_rolling"]
+    assert all('get_context("spawn")' in advice and "ertel.sweep" in advice for *_, advice in words)

@@ -82,23 +82,6 @@ def test_roughness_may_be_given_in_si(response: Callable[..., xr.Dataset]) -> No
     np.testing.assert_allclose(found.dH[0].values, found.dH[1].values, rtol=1e-6, atol=1e-12)
 
 
-@pytest.mark.parametrize("response", [respond, respond_linearly])
-def test_roughness_in_si_is_refused_before_a_dimensionless_impact(response: Callable[..., xr.Dataset]) -> None:
-    steps: list[object] = []
-    with pytest.raises(ValueError, match=r"^roughnesses\[1\]\[1\]\.amplitude = .*: must be a plain number"):
-        response(impact(200, 10, 17, time=SHORT), [[Feature(Waviness(quantity("1 nm"), 0.5))]], [steps.append])
-    assert not steps
-
-
-def test_methods_that_have_no_response() -> None:
-    with pytest.raises(ValueError, match=r'^solver\.method = "radial"'):
-        respond(impact(200, 10, 65, solver={"method": "radial", "nodes": 65}), [waviness(1e-3)])
-    case = rolled(Parameters.from_moes(20, 5), OIL, METHODS["transient"].defaults)
-    with pytest.raises(ValueError, match=r'^solver\.method = "transient": must be "steady"'):
-        respond_in_rolling(case, [[Feature(Waviness(0.01, 0.5))]])
-
-
-ROELANDS = Oil()
 TURN = 1.5  # wavelength: 8 nodes
 
 
@@ -139,22 +122,34 @@ def test_responses_add_up() -> None:
 @pytest.mark.slow
 def test_an_unresolved_response_in_rolling_says_so() -> None:
     """On 257 nodes it is 0.53, on 65 nodes 0.65."""
-    case = rolled(Parameters.from_moes(200, 10), ROELANDS, steady_solver(65, tolerance=0.03))
+    case = rolled(Parameters.from_moes(200, 10), Oil(), steady_solver(65, tolerance=0.03))
     with pytest.warns(UserWarning, match=r"^roughnesses\[1\]: the response at the centre is uncertain by up to 29%"):
         data = respond_in_rolling(case, [[Feature(Waviness(1.0, 1.0))]])
     assert data.attrs["status"] == "converged"
     assert float(data["dH_error"][0]) > abs(float(data["dH_amplitude"].sel(X=0, Y=0, method="nearest")[0]) - 0.53)
 
 
+FALL, ALONG_R = impact(200, 10, 17, time=SHORT), impact(200, 10, 65, solver={"method": "radial"})
+IN_TIME = rolled(Parameters.from_moes(20, 5), OIL, METHODS["transient"].defaults)
+IN_SI, WAVES = [Waviness(quantity("1 nm"), 0.5)], [Waviness(0.01, 0.5), Waviness(0.01, 1.0)]
+
+
 @pytest.mark.parametrize(
-    ("features", "message"),
+    ("response", "case", "shapes", "message"),
     [
-        ([RingWaviness(0.01, 0.5)], r"^roughnesses\[1\]\[1\]\.shape = RingWaviness: must be a waviness"),
-        ([Waviness(0.01, 0.5, front=1.0)], r"^roughnesses\[1\]\[1\]\.front = 1\.0: must be infinite"),
-        ([Waviness(0.01, 0.5), Waviness(0.01, 1.0)], r"^roughnesses\[1\]: .* 12\.5664, 6\.28319; must be the same"),
-        ([Waviness(0.01, quantity("5 um"))], r"^roughnesses\[1\]"),
+        (respond, FALL, IN_SI, r"^roughnesses\[1\]\[1\]\.amplitude = .*: must be a plain number"),
+        (respond_linearly, FALL, IN_SI, r"^roughnesses\[1\]\[1\]\.amplitude = .*: must be a plain number"),
+        (respond_in_rolling, rolling(), [Waviness(0.01, quantity("5 um"))], r"^roughnesses\[1\]"),
+        (respond, ALONG_R, WAVES, r'^solver\.method = "radial"'),
+        (respond_in_rolling, IN_TIME, WAVES, r'^solver\.method = "transient": must be "steady"'),
+        (respond_in_rolling, rolling(), [RingWaviness(0.01, 0.5)], r"^roughnesses\[1\]\[1\]\.shape = RingWaviness"),
+        (respond_in_rolling, rolling(), [Waviness(0.01, 0.5, front=1.0)], r"^roughnesses\[1\]\[1\]\.front = 1\.0"),
+        (respond_in_rolling, rolling(), WAVES, r"^roughnesses\[1\]: .* 12\.5664, 6\.28319; must be the same"),
     ],
 )
-def test_what_does_not_repeat_has_no_periodic_response(features: list[Shape], message: str) -> None:
+def test_what_has_no_response_is_refused_before_it_is_computed(
+    response: Callable[..., xr.Dataset], case: Case, shapes: list[Shape], message: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("ertel.numerics.programs.Program.__call__", None)
     with pytest.raises(ValueError, match=message):
-        respond_in_rolling(rolling(), [[Feature(shape) for shape in features]])
+        response(case, [[Feature(shape) for shape in shapes]])

@@ -17,20 +17,15 @@ from ertel.runs.store import RunStore, compute
 from ertel.solvers import steady
 
 pytestmark = pytest.mark.filterwarnings("ignore:H_min is uncertain", "ignore:there is no error estimate")
-KEYS = [  # the issue's
-    *("kind", "M", "L", "lambda_bar", "alpha_bar", "H_c", "H_min", "X_min", "Y_min", "Delta", "P_max", "load"),
-    *("residual", "newton_iterations", "krylov_iterations", "convolutions", "wall_s", "status"),
-    *("H_c_error", "H_min_error", "H_c_extrapolated", "H_min_extrapolated", "warnings", "si"),
-]
-
-
+KEYS = "kind M L lambda_bar alpha_bar H_c H_min X_min Y_min Delta P_max load residual newton_iterations wall_s status "
+KEYS += "krylov_iterations convolutions H_c_error H_min_error H_c_extrapolated H_min_extrapolated warnings si"
 CASE = CASES["steady"]
 
 
 def test_the_summary_of_a_steady_contact(kinds):
     whole, s = kinds["steady"].whole, CASE.scales
     summary = whole.summary
-    assert set(KEYS) <= set(summary)
+    assert summary.keys() >= set(KEYS.split())
     assert summary["load"] == pytest.approx(2 * np.pi / 3, rel=1e-7)
     last = whole.dataset.isel(grid=-1)
     there = [name for name in variables.names_where(lambda variable: variable.at_moment) if name in summary]
@@ -40,10 +35,10 @@ def test_the_summary_of_a_steady_contact(kinds):
     assert summary["H_c_error"] == pytest.approx(abs(fine - coarse) / 3)
     assert summary["H_c_extrapolated"] == pytest.approx(fine + (fine - coarse) / 3)
     assert s is not None
-    for name in ("h_c", "h_min", "h_c_error", "h_min_error", "h_c_extrapolated", "h_min_extrapolated"):
-        assert summary["si"][f"{name}_m"] == pytest.approx(summary[f"H{name[1:]}"] * s.film)
-    assert summary["si"]["load_N"] == pytest.approx(3.888524, rel=1e-6)
-    assert summary["si"]["approach_m"] == pytest.approx(summary["Delta"] * s.film)
+    films = [name for name in KEYS.split() if name.startswith(("H_c", "H_min"))]
+    expected = {f"h{name[1:]}_m": summary[name] * s.film for name in films}
+    expected |= {"load_N": 3.888524, "approach_m": summary["Delta"] * s.film}
+    assert {name: summary["si"][name] for name in expected} == pytest.approx(expected, rel=1e-6, abs=0.0)
     assert {"delta_m", "u_m_m_per_s", "t0_s", "x_min_m", "y_min_m", "p_max_Pa"} <= set(summary["si"])
     assert "v0_m_per_s" not in summary["si"]
 
@@ -57,27 +52,29 @@ def test_the_film_and_its_error_bar_are_those_of_the_reference(nothing_outside):
         assert true / 2 < summary[f"{name}_error"] < 2 * true
 
 
-def said(solutions, case) -> str:
+def said(solutions, case=CASE) -> str:
     return " ".join(diagnostics.steady_warnings(case, solutions))
 
 
 def test_warnings_of_a_coarse_grid(grids):
     coarse, fine = grids
-    assert "no error estimate" in said([fine], CASE)
-    assert "did not converge" in said([replace(coarse, status=Status.NEWTON_STALLED), fine], CASE)
-    assert "overlap" in said([coarse, replace(fine, H=fine.H - 1)], CASE)
-    assert "H_c is uncertain by about" in said([replace(coarse, H=0.5 * coarse.H), fine], CASE)
-    assert "H_min is not known on this grid" in said([replace(coarse, H=3.0 * coarse.H), fine], CASE)
-    assert "is not a node" in said([coarse, fine], parse_case({**STEADY, "solver": {"nodes": 65, "inlet": 4.0}}))
     narrow = replace(fine, outside=0.4 * CASE.geometry.hertz_load)
-    assert "the domain is too small (the oil outside it carries 40% of the load" in said([coarse, narrow], CASE)
-    assert "the films are off by up to about 3%" in said([coarse, narrow], CASE)
-    assert "use solver.half_width >= 5" in said([coarse, narrow], CASE)
-    assert "the domain is too small" not in said([coarse, fine], CASE)
+    for word, solutions in (
+        ("no error estimate", [fine]),
+        ("did not converge", [replace(coarse, status=Status.NEWTON_STALLED), fine]),
+        ("overlap", [coarse, replace(fine, H=fine.H - 1)]),
+        ("H_c is uncertain by about", [replace(coarse, H=0.5 * coarse.H), fine]),
+        ("H_min is not known on this grid", [replace(coarse, H=3.0 * coarse.H), fine]),
+        ("carries 40% of the load", [coarse, narrow]),
+        ("the films are off by up to about 3%", [coarse, narrow]),
+        ("use solver.half_width >= 5", [coarse, narrow]),
+    ):
+        assert word in said(solutions) and word not in said(grids)
+    assert "is not a node" in said(grids, parse_case({**STEADY, "solver": {"nodes": 65, "inlet": 4.0}}))
     height, radius = (f"{0.1 * unit} m" for unit in (CASE.scales.film, CASE.scales.a))
     spot = {"shape": "spot", "height": height, "radius": radius, "surface": 2}
-    contact = ROLL | {"slide_to_roll": 2}
-    assert "2.1 cells" in said([coarse, fine], parse_case({**STEADY, "contact": contact, "roughness": [spot]}))
+    rough = {**STEADY, "contact": ROLL | {"slide_to_roll": 2}, "roughness": [spot]}
+    assert "2.1 cells" in said(grids, parse_case(rough))
 
 
 def test_a_run_that_gives_up(tmp_path, monkeypatch, grids):
@@ -94,8 +91,7 @@ def test_a_run_that_gives_up(tmp_path, monkeypatch, grids):
     assert np.isfinite(data["history"][1, 0]) and data["newton_iterations"].dtype == float
     with pytest.raises(ValueError, match=r"has no solution \(Newton iteration stalled\)"):
         plots.draw(data, "film")
-    said = ertel_("export", str(tmp_path / "run")).stderr
-    assert said.startswith("ertel: warning: the run failed (Newton iteration stalled); the files hold what it computed")
+    assert "the run failed (Newton iteration stalled)" in ertel_("export", str(tmp_path / "run")).stderr
 
 
 @pytest.mark.parametrize("M", [5, 10])
@@ -103,35 +99,25 @@ def test_the_default_domain_of_a_low_load_is_no_reason_for_a_warning(M):
     """H_c is within 0.2 % of that on a domain four times as wide."""
     low = parse_case({"contact": {"kind": "rolling", "M": M, "L": 10}, "solver": {"nodes": 33}})
     text = said([*steady.nested(low)], low)
-    assert "inlet" not in text
-    assert "domain" not in text
+    assert "inlet" not in text and "domain" not in text
 
 
-VANISHED = {"contact": {"kind": "rolling", "M": 20000, "L": 10}, "solver": {"nodes": 33, "tolerance": 0.03}}
-
-
-def numbers_are_withheld(summary):
-    there = [
-        name for name in variables.names_where(lambda variable: variable.at_moment) if name in summary and name != "T"
-    ]
+def assert_without_numbers(summary):
+    there = {*variables.names_where(lambda variable: variable.at_moment)} & summary.keys() - {"T"}
     assert len(there) > 8 and {summary[name] for name in (*there, "H_c_error", "H_min_error")} == {None}
-    assert summary["budgets"] == {}
-    assert not summary.get("extremes")
+    assert summary["budgets"] == {} and not summary.get("extremes")
 
 
 def test_a_film_below_zero_is_no_result():
-    """One sentence says how many nodes are needed; the same in time, where the film is the one at the start."""
+    """The same in time, where the film is the one at the start."""
     for method in ("steady", "transient"):
-        case = parse_case({**VANISHED, "solver": {**VANISHED["solver"], "method": method}})
-        result = simulate(case)
+        result = simulate(ertel.rolling(M=20000, L=10, nodes=33, tolerance=0.03, method=method))
         assert (result.status, result.summary["status"]) == (Status.FILM_VANISHED, "the film vanishes on this grid")
-        numbers_are_withheld(result.summary)
-        first, *others = result.warnings
-        assert "the grid does not resolve the film" in first
-        assert "use solver.nodes >= 1409" in first
-        assert not any("%" in sentence for sentence in (first, *others))
-        assert "no result" in repr(result)
-        assert "H_c" not in repr(result)
+        assert_without_numbers(result.summary)
+        assert "the grid does not resolve the film" in result.warnings[0]
+        assert "use solver.nodes >= 1409" in result.warnings[0]
+        assert "%" not in " ".join(result.warnings)
+        assert "no result" in repr(result) and "H_c" not in repr(result)
 
 
 def test_an_iteration_that_leaves_the_numbers(tmp_path, monkeypatch):
@@ -147,7 +133,7 @@ def test_an_iteration_that_leaves_the_numbers(tmp_path, monkeypatch):
     compute(RunStore.create(tmp_path / "run", CASE))
     summary = RunStore.open(tmp_path / "run").summary()
     assert (summary["status"], summary["residual"]) == ("Newton iteration stalled", None)
-    numbers_are_withheld(summary)
+    assert_without_numbers(summary)
     assert "the solution failed (the iteration led to values that are not numbers)" in summary["warnings"][0]
     assert np.isfinite(guesses).all() and len(guesses) == 3
 

@@ -16,7 +16,7 @@ from ertel.case.case import Case
 from ertel.case.estimates import grid_of
 from ertel.case.height_map import HeightMap, Measured
 from ertel.equations import discretise
-from ertel.inputs.case_files import load_case, parse_case
+from ertel.inputs.case_files import load_case
 from ertel.physics.surfaces import Feature, SelfAffine
 from ertel.plots.view import View
 from ertel.results import diagnostics
@@ -45,7 +45,7 @@ cutoff = 0.5
 
 
 def rough(nodes: int, shape: Any = ROUGH) -> Case:
-    return replace(impact(200, 10, nodes, **{"time": {"tolerance": 0.01, "until": 0.4}}), roughness=(Feature(shape),))
+    return replace(impact(200, 10, nodes, time={"tolerance": 0.01, "until": 0.1}), roughness=(Feature(shape),))
 
 
 @pytest.mark.parametrize("shape", [ROUGH, DISC], ids=["self-affine", "measured"])
@@ -116,65 +116,52 @@ def test_another_surface_needs_no_compilation() -> None:
 
 
 @pytest.fixture
-def case(tmp_path: Path) -> Case:
+def case(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Case:
     """A case whose file is gone when it is run, and so is the package that would read others."""
     np.save(tmp_path / "disc.npy", HEIGHTS)
     (tmp_path / "rough.toml").write_text(TOML, encoding="utf-8")
     found = load_case(tmp_path / "rough.toml")
     (tmp_path / "disc.npy").unlink()
+    monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
     return found
 
 
-@pytest.fixture(autouse=True)
-def _closed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
+@pytest.fixture
+def roller() -> Case:
+    """With a profile on a surface at rest."""
+    x = np.linspace(0.0, 8.0, 400)
+    profile = Measured(HeightMap(np.cos(9 * x) + np.cos(4 * x)), 8.0, rms=0.01, cutoff=0.5)
+    motion = {"slide_to_roll": -2.0}
+    return ertel.rolling(radius_ratio=0, M=10, L=10, nodes=65, motion=motion, roughness=[profile])
 
 
-def test_a_run_is_resumed_shown_and_plotted_without_the_file(tmp_path, case) -> None:
-    directory = tmp_path / "run"
+@pytest.mark.parametrize(
+    ("name", "figure"), [("case", "maps"), pytest.param("roller", "midlines", marks=pytest.mark.slow)]
+)
+def test_a_run_is_resumed_shown_and_plotted_from_its_directory_alone(tmp_path, request, name, figure) -> None:
+    directory, case = tmp_path / "run", request.getfixturevalue(name)
     compute(RunStore.create(directory, case), [stop_after(4)])
-    assert f"heights-{HeightMap(HEIGHTS).digest}.npy" in names(directory)
+    (feature,) = case.features
+    assert f"heights-{feature.shape.file.digest}.npy" in names(directory)
     moved = directory.rename(tmp_path / "moved")
     ertel_("resume", str(moved))
     ertel_("show", str(moved))
-    ertel_("plot", str(moved), "--what", "maps")
+    ertel_("plot", str(moved), "--what", figure)
     data, whole = ertel.open(moved).dataset, simulate(case).dataset
     xr.testing.assert_identical(physics(data), physics(whole))
-
-
-def test_the_dataset_alone_shows_the_roughness(tmp_path, case) -> None:
-    compute(RunStore.create(tmp_path / "run", case), [stop_after(1)])
-    data = xr.open_zarr(tmp_path / "run" / "run.zarr")
     X, Y = np.linspace(-1, 1, 9)[None, :], np.linspace(-1, 1, 5)[:, None]
-    spacing = grid_of(case).spacing
-    (feature,) = case.features
     shown = View(data).roughness(X, Y)
-    np.testing.assert_allclose(shown, feature.shape.heights_above(4 * spacing, X, Y), atol=1e-15)
+    np.testing.assert_allclose(shown, feature.shape.heights_above(4 * grid_of(case).spacing, X, Y), atol=1e-12)
+    assert np.ptp(shown) > 0.001
+
+
+def test_the_directory_has_the_heights(tmp_path, case) -> None:
+    RunStore.create(tmp_path / "run", case)
     again = load_case(tmp_path / "run" / "case.toml")
     assert again == case and again.digest == case.digest
     (tmp_path / "case.toml").write_bytes((tmp_path / "run" / "case.toml").read_bytes())
     with pytest.raises(ertel.ConfigError, match=r'^roughness\[1\].file = "heights-.*: cannot be read'):
         load_case(tmp_path / "case.toml")
-
-
-@pytest.mark.slow
-def test_a_run_with_a_profile_is_computed_and_shown_from_its_directory_alone(tmp_path) -> None:
-    """Of a roller that rolls over a surface at rest."""
-    x = np.linspace(0.0, 8.0, 400)
-    profile = Measured(HeightMap(np.cos(9 * x) + np.cos(4 * x)), 8.0, rms=0.01, cutoff=0.5)
-    about = {"contact": {"kind": "rolling", "radius_ratio": 0, "M": 10, "L": 10}, "motion": {"slide_to_roll": -2.0}}
-    case = replace(parse_case({**about, "solver": {"nodes": 65}}), roughness=(Feature(profile),))
-    RunStore.create(tmp_path / "run", case)
-    moved = (tmp_path / "run").rename(tmp_path / "moved")
-    assert load_case(moved / "case.toml") == case
-    ertel_("resume", str(moved))
-    ertel_("show", str(moved))
-    data = xr.open_zarr(moved / "run.zarr")
-    xr.testing.assert_identical(physics(ertel.open(moved).dataset), physics(simulate(case).dataset))
-    places = np.linspace(-1, 1, 9)
-    shown = View(data).roughness(places, 0.0)
-    np.testing.assert_allclose(shown, profile.heights(places, 0.0), atol=1e-12)
-    assert np.ptp(shown) > 0.01
 
 
 @pytest.mark.parametrize("damage", ["changed", "cut", "gone"])

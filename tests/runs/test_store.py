@@ -6,14 +6,14 @@ import os
 import shutil
 import threading
 import warnings
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
-from cases import LEFT, RADIAL, SHORT_FALL, names, physics, stop_after
-from stored_runs import CASES, killed
+from cases import LEFT, RADIAL, SHORT_FALL, names, stop_after
+from stored_runs import CASES
 
 import ertel
 from ertel.case.status import Status
@@ -40,13 +40,12 @@ def test_a_stored_run_is_the_run_in_memory(tmp_path, kind):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         data = xr.open_zarr(tmp_path / "run" / "run.zarr").load()  # and nothing else
-    xr.testing.assert_identical(physics(data), physics(kind.whole.dataset))
     assert (data.attrs["status"], data.attrs["M"]) == ("converged", kind.case.parameters.M)
     assert run.summary() == summary and kind.is_whole(run)
     again = load_case(tmp_path / "run" / "case.toml")
     assert again == kind.case and again.to_data() == kind.case.to_data()
-    own = {"case.toml", "run.zarr", "checkpoint.npz", "summary.json", "progress.json"}
-    assert names(tmp_path / "run") == LEFT | own
+    files_of_a_run = {"case.toml", "run.zarr", "checkpoint.npz", "summary.json", "progress.json"}
+    assert names(tmp_path / "run") == LEFT | files_of_a_run
 
 
 # -- interrupted ------------------------------------------------------------------------------------------------------
@@ -169,9 +168,11 @@ def test_a_run_that_has_ended_meanwhile_is_left_alone(tmp_path):
     assert RunStore.open(tmp_path / "run").summary() == {**summary, "error_estimate": None}
 
 
+class Killed(BaseException):
+    """Nobody catches it, like SIGKILL."""
+
+
 ENDS = ("ends at a time", "ends at an event", "gives up")
-
-
 CUTS = [(RunStore, "summarise"), (RunStore, "finish"), (arrays, "update_attributes"), (files, "sealed")]
 QUICK = [(ENDS[0], "summarise"), (ENDS[2], "finish")]
 
@@ -183,7 +184,14 @@ QUICK = [(ENDS[0], "summarise"), (ENDS[2], "finish")]
 def test_a_cut_between_the_last_checkpoint_and_the_summary(kinds, tmp_path, monkeypatch, end, place, name):
     """A resumed run stepped past its end: restitution changed after an event, and a time raised an error."""
     run = RunStore(Path(shutil.copytree(kinds[end].begun, tmp_path / "run")), CASES[end], kinds[end].run)
-    with killed(monkeypatch, place, name):
+    original = getattr(place, name)
+
+    def deadly(*arguments, **options):
+        original(*arguments, **options)
+        raise Killed
+
+    with monkeypatch.context() as patch, suppress(Killed):
+        patch.setattr(place, name, deadly)
         compute(run)
     (tmp_path / "run" / "summary.json").unlink(missing_ok=True)
     seen = []
@@ -200,19 +208,13 @@ def test_a_cut_between_the_last_checkpoint_and_the_summary(kinds, tmp_path, monk
 
 def test_all_is_on_the_disk_before_the_checkpoint_counts_on_it(tmp_path, monkeypatch):
     synced: list[int] = []
-    fsync = os.fsync
-
-    def record(handle):
-        synced.append(os.fstat(handle).st_ino)
-        fsync(handle)
-
-    monkeypatch.setattr(os, "fsync", record)
+    monkeypatch.setattr(os, "fsync", lambda handle: synced.append(os.fstat(handle).st_ino))
     run = RunStore.create(tmp_path / "run", SHORT_FALL)
     compute(run)
     last = {inode: place for place, inode in enumerate(synced)}
     inode = {path: path.stat().st_ino for path in (tmp_path / "run").rglob("*")}
     checkpoint = last[inode[tmp_path / "run" / "checkpoint.npz"]]
-    chunks = [path for path in inode if path.is_file() and "c" in path.parts]
+    chunks = [path for path in (tmp_path / "run" / "run.zarr").glob("*/c/**/*") if path.is_file()]
     assert {"H_c", "H", "r"} <= {path.relative_to(tmp_path / "run" / "run.zarr").parts[0] for path in chunks}
     for chunk in chunks:
         assert last[inode[chunk]] < checkpoint
@@ -222,19 +224,16 @@ def test_all_is_on_the_disk_before_the_checkpoint_counts_on_it(tmp_path, monkeyp
     assert last[inode[tmp_path / "run" / "summary.json"]] > checkpoint
 
 
-def refuse_to_sync(monkeypatch, number):
-    def fsync(handle):
-        raise OSError(number, os.strerror(number))
-
-    monkeypatch.setattr(os, "fsync", fsync)
-
-
 def test_a_disk_that_fails_loses_nothing(tmp_path, monkeypatch, kinds):
     run = RunStore.create(tmp_path / "run", SHORT_FALL)
     compute(run, [stop_after(2)])
     for number in (errno.ENOSPC, errno.EIO):
+
+        def refuse(handle, number=number):
+            raise OSError(number, os.strerror(number))
+
         with monkeypatch.context() as patch:
-            refuse_to_sync(patch, number)
+            patch.setattr(os, "fsync", refuse)
             with pytest.raises(OSError, match=os.strerror(number)):
                 compute(run)
         assert not list((tmp_path / "run").rglob("*.partial"))
@@ -250,10 +249,9 @@ def test_run_takes_up_what_was_interrupted_and_reads_what_is_done(tmp_path, impa
     first = ertel.run(impact.case, tmp_path / "run", observers=[stop_after(4)])
     assert (first.status, first.dataset.sizes["time"]) == (Status.INTERRUPTED, 4)
     second = ertel.run(impact.case, str(tmp_path / "run"))
-    xr.testing.assert_identical(physics(second.dataset), physics(impact.whole.dataset))
-    seen = []
-    third = ertel.run(impact.case, tmp_path / "run", observers=[seen.append])
-    assert seen == [] and third.status.ok
+    assert impact.opened(tmp_path / "run")
+    third = ertel.run(impact.case, tmp_path / "run", observers=[lambda item: pytest.fail("nothing is left to do")])
+    assert third.status.ok
     xr.testing.assert_identical(third.dataset, second.dataset)
     again = ertel.open(tmp_path / "run")
     assert (again.case, again.directory) == (impact.case, tmp_path / "run")

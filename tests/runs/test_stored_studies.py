@@ -11,7 +11,7 @@ from cases import RADIAL, SMALL, names
 
 import ertel
 from ertel.case.case import Case
-from ertel.inputs.studies import convergence_series, coordinates, parse_study
+from ertel.inputs.studies import Study, convergence_series, coordinates, parse_study
 from ertel.results.numbers import aligned
 from ertel.runs import files, studies
 from ertel.runs.files import StoreError
@@ -20,16 +20,18 @@ from ertel.runs.studies import gather as gathered
 from ertel.runs.studies import left_of, run_directory, run_study, write_study
 from ertel.runs.workers import LocalWorker
 
+RINGS = {"method": "radial", "nodes": 17}
+SPEEDS, VISCOSITIES = ["0.1 m/s", "0.2 m/s"], ["10 mPa*s", "20 mPa*s"]
 
-def study_of(until: float = 0.02, mode: str = "product", **varying: Any) -> dict[str, Any]:
-    return {
-        "name": "balls",
-        "contact": {**SMALL["contact"], "speed": varying.get("speed", ["0.1 m/s", "0.2 m/s"])},
-        "lubricant": {**SMALL["lubricant"], "eta0": varying.get("eta0", ["10 mPa*s", "20 mPa*s"])},
-        "solver": {"method": "radial", "nodes": 17},
-        "time": {"until": until, "tolerance": 0.1},
-        "sweep": {"mode": mode},
-    }
+
+def plain(speed: Any = SPEEDS, eta0: Any = VISCOSITIES, until: float = 0.02) -> dict[str, Any]:
+    contact, oil = {**SMALL["contact"], "speed": speed}, {**SMALL["lubricant"], "eta0": eta0}
+    times = {"until": until, "tolerance": 0.1}
+    return {"name": "balls", "contact": contact, "lubricant": oil, "solver": RINGS, "time": times}
+
+
+def study_of(**varying: Any) -> Study:
+    return parse_study(plain(**varying))
 
 
 class Remembering:
@@ -43,12 +45,12 @@ class Remembering:
 @pytest.fixture(scope="module")
 def four(tmp_path_factory: pytest.TempPathFactory) -> Path:
     directory = tmp_path_factory.mktemp("study")
-    assert ertel.sweep(study_of(), directory).complete
+    assert ertel.sweep(plain(), directory).complete
     return directory
 
 
 def test_the_numbers_of_all_runs_stand_over_what_varies(four):
-    found = gathered(parse_study(study_of()), four).dataset
+    found = gathered(study_of(), four).dataset
     assert dict(found.sizes) == {"speed": 2, "eta0": 2}
     assert found["speed"].values.tolist() == [0.1, 0.2] and found["speed"].attrs["units"] == "m/s"
     assert found["eta0"].values.tolist() == [0.01, 0.02] and found["eta0"].attrs["units"] == "Pa*s"
@@ -61,47 +63,46 @@ def test_the_numbers_of_all_runs_stand_over_what_varies(four):
 
 
 def test_what_is_written_opens_without_ertel(four, recwarn):
-    study = parse_study(study_of())
-    write_study(gathered(study, four), four)
+    study = study_of()
+    result = gathered(study, four)
+    write_study(result, four)
     assert [str(w.message) for w in recwarn if "Zarr" in str(w.message)] == []
     stored = xr.open_zarr(four / "sweep.zarr", consolidated=False)
-    assert stored.drop_attrs().equals(gathered(study, four).dataset.drop_attrs())
+    assert stored.drop_attrs().equals(result.dataset.drop_attrs())
     table = (four / "sweep.csv").read_text().splitlines()
     assert table[0].startswith("speed_m_per_s,eta0_Pa_s,M,L,") and len(table) == 5
     assert table[2].startswith("0.1,0.02,")
-    result = gathered(study, four)
     head, *rows = aligned(result.table())
     assert head.split()[:4] == ["speed", "(m/s)", "eta0", "(mPa*s)"] and len(rows) == 4
     assert "4 runs: 4 converged" in repr(result) and "<table>" in result._repr_html_()
 
 
 def test_links_in_place_of_the_files_of_a_study_are_replaced(four, tmp_path):
-    """Somebody else's study: what is written must not go where its links lead."""
+    """In somebody else's study they may lead anywhere."""
     (tmp_path / "a.txt").write_text("mine")
     (tmp_path / "letters").mkdir()
     for name, target in {"sweep.csv": "a.txt", "sweep.png": "a.txt", "sweep.zarr": "letters"}.items():
         files.delete(four / name)
         (four / name).symlink_to(tmp_path / target)
-    write_study(gathered(parse_study(study_of()), four), four)
+    write_study(gathered(study_of(), four), four)
     assert names(tmp_path) == {"a.txt", "letters"} and names(tmp_path / "letters") == set()
     assert (tmp_path / "a.txt").read_text() == "mine"
     assert not [path for path in four.iterdir() if path.is_symlink()]
 
 
 def test_only_what_is_new_is_done(four):
-    study = parse_study(study_of())
+    study = study_of()
     assert left_of(study.cases, four) == {}
     assert run_study(study.cases, four, workers := Remembering()) == {} and workers.tasks == []
-    study = parse_study(study_of(eta0=["20 mPa*s", "30 mPa*s"]))
+    study = study_of(eta0=["20 mPa*s", "30 mPa*s"])
     left = left_of(study.cases, four)
     assert sorted((case.contact.speed, case.oil.eta0) for case in left.values()) == [(0.1, 0.03), (0.2, 0.03)]
-    status = gathered(study, four).dataset["status"]
-    assert status.values.tolist() == [["converged", "missing"], ["converged", "missing"]]
+    assert gathered(study, four).dataset["status"].values.tolist() == [["converged", "missing"]] * 2
 
 
 def test_a_stopped_study_goes_on_to_the_same_numbers(tmp_path):
-    """Stopped after three steps of the first run: it is an ordinary run that is continued."""
-    study = parse_study(study_of(until=0.1, speed=["0.1 m/s"], eta0=["10 mPa*s", "20 mPa*s"]))
+    """After three steps of its first run."""
+    study = study_of(until=0.1, speed="0.1 m/s")
     steps = itertools.count()
     said = run_study(study.cases, tmp_path / "a", LocalWorker(), asked=lambda: next(steps) > 3)
     assert list(said.values()) == ["interrupted", "interrupted"]
@@ -127,7 +128,7 @@ def test_a_process_that_is_killed_while_it_writes_leaves_the_directory_of_its_st
 
 def test_a_run_that_was_killed_is_not_said_to_run(tmp_path):
     """Unless a process is at it: it holds the lock."""
-    study = parse_study(study_of(eta0="10 mPa*s"))
+    study = study_of(eta0="10 mPa*s")
     store = RunStore.create(run_directory(tmp_path, study.cases[0]), study.cases[0])
     assert list(gathered(study, tmp_path).dataset["status"].values) == ["unfinished", "missing"]
     with store.alone():
@@ -148,8 +149,8 @@ def test_a_series_doubles_the_cells_and_halves_the_steps():
     assert tolerances == pytest.approx([8e-4, 1e-4, 1.25e-5, 1.5625e-6])
     found = coordinates(study)
     assert found["nodes"][0] == [17, 33, 65, 129] and found["tolerance"][0] == pytest.approx(tolerances)
-    ball = {**study_of(), "contact": SMALL["contact"], "lubricant": SMALL["lubricant"], "time": {"step": "1 us"}}
-    alone = convergence_series(ertel.parse_case({key: ball[key] for key in ball if key != "sweep"}), along="time")
+    ball = {**SMALL, "solver": RINGS, "time": {"step": "1 us"}}
+    alone = convergence_series(ertel.parse_case(ball), along="time")
     assert {case.solver.nodes for case in alone.cases} == {17}
     assert [str(case.time.step) for case in alone.cases if case.time] == ["1e-06 s", "5e-07 s", "2.5e-07 s"]
     steady = convergence_series(ertel.rolling(M=20, L=10, nodes=129))
@@ -173,8 +174,7 @@ def test_a_series_that_cannot_be_is_refused(case: Case, given: dict[str, Any], s
 
 
 def test_a_series_is_a_study_that_goes_on(tmp_path, monkeypatch):
-    """Its table, its picture and the attributes of its numbers tell the limits; a second call computes nothing."""
-    case = ertel.parse_case({**RADIAL, "time": {"tolerance": 8e-3}})
+    case = ertel.parse_case({**RADIAL, "time": {"tolerance": 0.064}})
     found = ertel.converge(case, tmp_path, along="time")
     own = {f"convergence.{ending}" for ending in ("zarr", "csv", "png")}
     assert found.complete and {path.name for path in tmp_path.glob("[!.]*")} == {"runs", *own}
@@ -184,10 +184,8 @@ def test_a_series_is_a_study_that_goes_on(tmp_path, monkeypatch):
     assert np.ptp(values) > 0 and abs(limits["H_c"].value - values[-1]) <= limits["H_c"].error < 0.1 * values[-1]
     stored = xr.open_zarr(tmp_path / "convergence.zarr", consolidated=False)
     assert stored["H_c"].attrs["extrapolated"] == pytest.approx(limits["H_c"].value)
-    text = repr(found)
-    head = ["tolerance", "0.008", "0.001", "0.000125", "order", "second", "order", "value", "error"]
-    assert text.splitlines()[1].split() == head
-    assert "second order is assumed" in text and "3 runs: 3 converged" in text
+    for word in ("0.064", "second order is assumed", "3 runs: 3 converged"):
+        assert word in repr(found)
     (axes,) = found.plot().axes
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
     slope = axes.lines[-1].get_xydata()

@@ -42,10 +42,9 @@ def test_no_sliding_is_no_traction_and_negative_sliding_mirrors_it(oil: str, req
     data = request.getfixturevalue(oil).dataset
     assert float(data["mu_sliding"].sel(slide_to_roll=0.0)) == 0.0
     back, forth = (data.sel(slide_to_roll=S) for S in (-0.1, 0.1))
-    assert float(forth["mu_sliding"]) > 0
-    assert float(back["mu_sliding"]) == pytest.approx(-float(forth["mu_sliding"]), rel=1e-9)
-    assert float(back["mu_1"]) == pytest.approx(float(forth["mu_2"]), rel=1e-9)
-    assert float(back["power_loss"]) == pytest.approx(float(forth["power_loss"]), rel=1e-9)
+    assert forth["mu_sliding"] > 0
+    for one, sign, other in (("mu_sliding", -1, "mu_sliding"), ("mu_1", 1, "mu_2"), ("power_loss", 1, "power_loss")):
+        assert float(back[one]) == pytest.approx(sign * float(forth[other]), rel=1e-9)
 
 
 def test_the_power_is_that_of_the_forces(newtonian: Any) -> None:
@@ -98,8 +97,7 @@ def test_a_dimensionless_case(newtonian: Any) -> None:
     contact = {"kind": "rolling", "M": si.parameters.M, "L": si.parameters.L}
     case = parse_case({"contact": contact, "lubricant": OIL, "solver": {"nodes": 33}})
     curve = traction(case, slide_to_roll=[0.0, 0.1])
-    assert "a/R" in repr(curve)
-    assert "a/R" in curve._repr_html_()
+    assert "a/R" in repr(curve) and "a/R" in curve._repr_html_()
     mu = curve.dataset["mu_sliding"] * si.scales.a / si.scales.R  # the same contact in SI
     np.testing.assert_allclose(mu[1], newtonian.dataset["mu_sliding"].sel(slide_to_roll=0.1), rtol=1e-9)
     sliding = traction(replace(case, drive=Drive(slide_to_roll=0.3)), slide_to_roll=[0.1])
@@ -134,11 +132,6 @@ def test_heat_lowers_the_traction(newtonian: Any) -> None:
     assert len(panels) == 6
     shown = panels["temperature (°C)"].lines[0].get_ydata()
     np.testing.assert_allclose(shown, data["T_film_max"] - 273.15, rtol=1e-12)
-    with_names = [axes for axes in panels.values() if axes.get_legend()]
-    assert with_names
-    for axes in with_names:  # above all lines
-        names, highest = axes.get_legend().get_window_extent(), max(np.max(line.get_ydata()) for line in axes.lines)
-        assert axes.transData.transform((0.0, highest))[1] < names.y0
 
 
 IMPACT = parse_case({"contact": {"M": 20, "L": 10}, "solver": {"nodes": 33}})
@@ -148,7 +141,7 @@ DIMENSIONLESS = parse_case({"contact": {"kind": "rolling", "M": 20, "L": 10}, "s
 @pytest.mark.parametrize(
     ("case", "given", "said"),
     [
-        (physical(), {}, "exactly one of slide_to_roll, mean_speed, load; got none"),
+        (physical(), {}, "got none"),
         (physical(), {"slide_to_roll": [0], "load": [1]}, "got slide_to_roll and load"),
         (physical(), {"load": "1:5"}, "load = .*FIRST:LAST:NUMBER"),
         (physical(), {"mean_speed": [1.0, 900.0]}, 'at mean_speed = "900.0 m/s": solver.half_width .* give it there'),
