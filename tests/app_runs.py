@@ -1,5 +1,6 @@
 """What the tests of the app share: a made-up run in a directory, and a process that stands for `ertel run`."""
 
+import asyncio
 import atexit
 import json
 import os
@@ -121,6 +122,29 @@ def until(there: Callable[[], object], seconds: float = 20.0) -> None:
     while not there():
         assert time.monotonic() < deadline
         time.sleep(0.02)
+
+
+async def shown(there: Callable[[], object]) -> None:
+    """Wait in the loop of the app for something to become true."""
+    for _ in range(1500):
+        if there():
+            return
+        await asyncio.sleep(0.01)
+    raise AssertionError
+
+
+def all_of(user: Any, marker: str) -> list[Any]:
+    """The elements of a page with a marker, also those that are hidden."""
+    from nicegui import ElementFilter  # may not be installed
+
+    with user:
+        return list(ElementFilter(marker=marker))
+
+
+def one(user: Any, marker: str) -> Any:
+    """The element of a page with a marker."""
+    (element,) = all_of(user, marker)
+    return element
 
 
 def raising(error: BaseException) -> Callable[..., Any]:
