@@ -17,19 +17,19 @@ class Evil:
         return pytest.fail, ("code of a file was run",)
 
 
-CALLS: list[float] = []
+CALLS = []
 
 
-def double(x: float) -> float:
+def double(x):
     CALLS.append(x)
     return 2 * x
 
 
-def one_over(x: float) -> float:
+def one_over(x):
     return 1 / x
 
 
-def same(x: object) -> object:
+def same(x):
     return x
 
 
@@ -95,7 +95,7 @@ def test_datasets_numbers_and_lists_come_back_exactly(tmp_path):
 
 
 def test_an_interruption_keeps_what_is_done(tmp_path, monkeypatch):
-    def interrupt(task: Task, result: object) -> None:
+    def interrupt(task, result):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
