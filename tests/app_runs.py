@@ -45,21 +45,18 @@ CASE_FILES = {
     "small.toml": "[contact]\nM = 200\nL = 10\n[solver]\nnodes = 33\n[time]\ntolerance = 0.01\n",
     "ball.toml": SMALL_IMPACT.replace("tolerance = 0.01", "step = 0.01\nuntil = 0.06"),  # six steps
     "steady.toml": ROLLING,
-    "transient.toml": """
-[contact]
-kind = "rolling"
-M = 20
-L = 10
-[solver]
-method = "transient"
-nodes = 33
-[motion]
-load = { mean = 1, amplitude = 0.1, period = 1 }
-[time]
-until = 0.3
-tolerance = 0.01
-""",
 }
+STUDY = """
+[contact]
+M = [20, 40]
+L = 5
+[solver]
+method = "radial"
+nodes = 17
+[time]
+until = 0.02
+tolerance = 0.1
+"""
 CASE = {**BALL_FALLS, "solver": {"method": "radial", "nodes": 41}}
 VALUES = {"T": 2.45, "Delta": 1.0, "F": 1.0, "P_c": 1.0, "P_max": 1.0, "H_c": 0.05, "H_min": 0.025}
 SUMMARY = {

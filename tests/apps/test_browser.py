@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from app_runs import CASE, make_run, stand_in, until, write_progress
+from app_runs import CASE, make_run, until, write_progress
 from cases import ertel_, python
 from matplotlib.figure import Figure
 
@@ -79,26 +79,6 @@ def test_a_new_case_takes_no_name_twice(tmp_path):
 # -- processes --------------------------------------------------------------------------------------------------------
 
 
-def test_a_run_is_started_stopped_and_resumed(tmp_path):
-    processes = Processes(Folder.at(tmp_path), stand_in(tmp_path))
-    run = processes.start("ball", "text")
-    assert processes.status(run).phase is Phase.COMPILING
-    assert processes.ours() == [run]
-    until(lambda: processes.status(run).phase is Phase.RUNNING)
-    assert processes.status(run).done == 0.4
-    process = processes.status(run).progress["process"]  # Ctrl-C in the terminal of the app is none of its business
-    assert os.getsid(process) == process != os.getsid(0)
-    with pytest.raises(ValueError, match="nothing to resume"):
-        processes.resume(run)
-    processes.stop(run)
-    until(lambda: processes.status(run).phase is Phase.INTERRUPTED)
-    with pytest.raises(ValueError, match="nothing to stop"):
-        processes.stop(run)
-    processes.resume(run)
-    until(lambda: processes.status(run).phase is Phase.FINISHED)
-    assert processes.ours() == []
-
-
 @pytest.mark.parametrize("number", [os.getpid(), 0, -1], ids=["ours", "none", "negative"])
 def test_runs_of_other_programs_are_told_by_their_lock(tmp_path, monkeypatch, number):
     """A killed run leaves "running" behind; only the lock tells whether a process computes it.
@@ -132,6 +112,7 @@ def test_a_run_that_does_not_hear_is_ended(tmp_path):
     quiet = [sys.executable, "-c", "import time; time.sleep(30)"]
     processes = Processes(Folder.at(tmp_path), quiet)
     run = processes.start("ball", "text")
+    assert processes.status(run).phase is Phase.COMPILING and processes.ours() == [run]
     processes.stop(run)
     until(lambda: not processes.ours(), 5)
     assert processes.status(run).phase is Phase.INTERRUPTED

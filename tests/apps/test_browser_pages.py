@@ -65,11 +65,20 @@ async def test_a_case_is_run_stopped_and_resumed(user, site):
     await user.should_see("mine")
     assert 'radius = "10 mm"' in (site.folder.root / "mine.toml").read_text()
     await shown(lambda: one(user, "phase").text == "running")
+    status = site.processes.status(run)
+    process = status.progress["process"]  # Ctrl-C in the terminal of the app is none of its business
+    assert os.getsid(process) == process != os.getsid(0)
+    assert status.done == 0.4 and site.processes.ours() == [run]
+    with pytest.raises(ValueError, match="nothing to resume"):
+        site.processes.resume(run)
     user.find(marker="stop").click()
     await shown(lambda: one(user, "phase").text == "interrupted")
     await user.should_see("it can be resumed")
+    with pytest.raises(ValueError, match="nothing to stop"):
+        site.processes.stop(run)
     user.find(marker="start").click()
     await shown(lambda: one(user, "phase").text == "finished")
+    assert site.processes.ours() == []
     await user.should_see("coefficient of restitution")
     os.utime(run / "run.zarr" / "zarr.json")  # the last maps are written
     await shown(lambda: one(user, "slider").value == 8)  # the page has followed the run: to maximum approach

@@ -7,7 +7,7 @@ import shutil
 import signal
 
 import pytest
-from app_runs import ROLLING, raising, refused
+from app_runs import ROLLING, STUDY, raising, refused
 from cases import LEFT, SMALL_IMPACT, ertel_, names
 from matplotlib.figure import Figure
 
@@ -18,17 +18,6 @@ from ertel.runs.fit_result import FitResult, open_study
 from ertel.runs.store import RunStore
 from ertel.runs.study_result import StudyResult
 
-STUDY = """
-[contact]
-M = [20, 40]
-L = 5
-[solver]
-method = "radial"
-nodes = 17
-[time]
-until = 0.02
-tolerance = 0.1
-"""
 FIT = """
 case = "drop.toml"
 [unknowns]

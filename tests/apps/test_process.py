@@ -9,7 +9,7 @@ import warnings
 from pathlib import Path
 
 import pytest
-from app_runs import CHILD, is_alive, until
+from app_runs import CHILD, STUDY, is_alive, until
 
 from ertel.apps.process import NO_GLYPH, warnings_as_sentences
 from ertel.runs.store import RunStore
@@ -145,24 +145,12 @@ def test_nohup_goes_on_and_results_are_kept_where_the_output_fails(here):
     assert (process.returncode, said) == expected
 
 
-STUDY = """
-[contact]
-M = [20, 40, 60]
-L = 5
-[solver]
-method = "radial"
-nodes = 17
-[time]
-until = 1000
-step = 1e-3
-"""
-
-
 @pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="no list of children")
 def test_ctrl_c_stops_the_runs_of_a_study_so_that_they_go_on(here):
     """A terminal sends it to the workers too."""
-    (here / "loads.toml").write_text(STUDY)
+    long = STUDY.replace("40]", "40, 60]").replace("until = 0.02\ntolerance = 0.1", "until = 1000\nstep = 1e-3")
+    (here / "loads.toml").write_text(long)
     with started([*ERTEL, "sweep", "loads.toml", "--jobs", "2"], start_new_session=True) as process:
         until(lambda: len(list(here.glob("sweeps/loads/runs/*/progress.json"))) >= 2, 120)
         tasks = Path(f"/proc/{process.pid}/task").glob("*/children")  # of any thread
