@@ -24,10 +24,11 @@ from ertel.apps.browser.pictures import PlotRequest, Worker, stamp_of
 from ertel.apps.browser.processes import Phase, Processes
 from ertel.inputs import oils
 from ertel.inputs.case_files import ConfigError, load_case, parse_case, read_toml, to_toml
+from ertel.inputs.quantities import parse_quantity
 from ertel.physics.fluidity import Limited, ReeEyring
+from ertel.physics.units import RADIUS, STRESS
 from ertel.plots.drawing import Picture
 from ertel.results.profiles import profile
-from ertel.results.variables import PREFIXES
 from ertel.runs.directory import is_asked_to_stop
 from ertel.runs.files import locked
 from ertel.runs.store import RunStore
@@ -292,6 +293,9 @@ def plots():
     found.close()
 
 
+UNITS = {"x": RADIUS, "y": RADIUS, "h": RADIUS, "p": STRESS}  # with a sign
+
+
 def test_readout_of_a_picture(tmp_path, plots):
     """Film and pressure of the run at the place that a map shows, also where equal scales make the map wider."""
     run = make_run(tmp_path / "run")
@@ -306,13 +310,8 @@ def test_readout_of_a_picture(tmp_path, plots):
         at = data.isel(frame=8).interp(r=np.hypot(x, y) / data["r"].si_factor)
         film, pressure = (float(at[name]) * data[name].si_factor for name in ("H", "P"))
         told = found.at(left + 0.7 * (right - left), 1.0 - low - 0.4 * (high - low))
-        read = {symbol: in_base_units(*value.split()) for symbol, value in re.findall("(.) = ([^,]+)", told)}
+        read = {name: parse_quantity(value, UNITS[name]) for name, value in re.findall("(.) = ([^,]+)", told)}
         assert read == pytest.approx({"x": x, "y": y, "h": film, "p": pressure}, rel=5e-3)
-
-
-def in_base_units(value, unit):
-    powers = {prefix: power for power, prefix in PREFIXES.items()}
-    return float(value) * 10.0 ** powers[unit.removesuffix("m").removesuffix("Pa")]
 
 
 def test_a_measurement_beside_a_run(tmp_path, plots):

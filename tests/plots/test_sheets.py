@@ -49,20 +49,6 @@ def study():
     return xr.Dataset(variables, {**axes, "oil": ["PAO", "ester"]}, {"title": "speeds", "kind": "rolling"})
 
 
-def texts_of(figure, monkeypatch):
-    """All texts that are drawn, with their sizes and boxes in pixels."""
-    drawn, draw = [], Text.draw
-
-    def noted(text, renderer):
-        if text.get_text().strip() and text.get_visible():
-            drawn.append((text.get_text(), text.get_fontsize(), text.get_window_extent(renderer)))
-        draw(text, renderer)
-
-    monkeypatch.setattr(Text, "draw", noted)
-    figure.draw_without_rendering()
-    return drawn
-
-
 PRINTED = {
     "history": (1, lambda runs: plots.draw(runs["moes"], "history", columns=1)),
     "maps": (1, lambda runs: plots.draw(runs["rough"], "maps", columns=1)),
@@ -76,11 +62,20 @@ PRINTED = {
 @pytest.mark.parametrize("name", PRINTED)
 def test_texts_are_legible_and_apart(runs, name, monkeypatch):
     """In print: of 7 to 9 pt, inside of the picture, and none over another."""
+    drawn, draw = [], Text.draw
+
+    def noted(text, renderer):
+        if text.get_text().strip() and text.get_visible():
+            drawn.append((text.get_text(), text.get_fontsize(), text.get_window_extent(renderer)))
+        draw(text, renderer)
+
     monkeypatch.setattr(interferograms, "PIXELS", 40)
-    columns, draw = PRINTED[name]
-    figure = draw(runs)
-    assert figure.get_figwidth() * 25.4 == pytest.approx(85.0 * columns)
-    drawn, (width, height) = texts_of(figure, monkeypatch), figure.bbox.size
+    monkeypatch.setattr(Text, "draw", noted)
+    columns, picture = PRINTED[name]
+    figure = picture(runs)
+    figure.draw_without_rendering()
+    width, height = figure.bbox.size
+    assert width / figure.dpi * 25.4 == pytest.approx(85.0 * columns)
     for number, (text, size, box) in enumerate(drawn):
         assert 7.0 <= size <= 9.0, text
         assert box.x0 > -1 and box.y0 > -1 and box.x1 < width + 1 and box.y1 < height + 1, text
