@@ -155,17 +155,16 @@ def test_a_run_of_somebody_else_does_not_say_where_pictures_go(runs, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("name", ["plane", "below/moes"])
-def test_a_run_on_one_page(runs, tmp_path, name):
-    told = ertel_("report", str(runs / name), "-o", str(tmp_path / "page.pdf")).stdout
+def test_a_run_on_one_page(runs, tmp_path):
+    told = ertel_("report", str(runs / "plane"), "-o", str(tmp_path / "page.pdf")).stdout
     pdf = (tmp_path / "page.pdf").read_bytes()
     assert told == f"{tmp_path / 'page.pdf'}\n" and pdf.startswith(b"%PDF") and b"/Count 1" in pdf
-    page, run = page_of(runs / name), ertel.open(runs / name)
-    assert run.case.digest in page.source and page.picture is not None
-    case, computed = ("\n".join(column) for column in page.columns)
-    assert "lubricant" in case and f"{run.case.kind}, {run.case.method.in_words}: converged" in computed
-    in_si = (r"contact.radius +10 mm", r"contact.mass +0.03267 kg")
-    assert name != "plane" or all(re.search(line, case) for line in in_si)
+    for name, in_si in (("plane", (r"contact.radius +10 mm", r"contact.mass +0.03267 kg")), ("below/moes", ())):
+        page, run = page_of(runs / name), ertel.open(runs / name)
+        assert run.case.digest in page.source and page.picture is not None
+        case, computed = ("\n".join(column) for column in page.columns)
+        assert "lubricant" in case and f"{run.case.kind}, {run.case.method.in_words}: converged" in computed
+        assert all(re.search(line, case) for line in in_si)
 
 
 def test_a_name_that_begins_with_a_number_has_no_prefix():
