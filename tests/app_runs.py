@@ -109,12 +109,10 @@ def refused(*arguments: str, code: int = 2) -> str:
 
 
 def given(*settings: str) -> list[str]:
-    """Settings as the options of a command."""
     return [word for setting in settings for word in ("--set", setting)]
 
 
 def until(there: Callable[[], object], seconds: float = 20.0) -> None:
-    """Wait for something to become true."""
     deadline = time.monotonic() + seconds
     while not there():
         assert time.monotonic() < deadline
@@ -131,7 +129,6 @@ async def shown(there: Callable[[], object]) -> None:
 
 
 def all_of(user: Any, marker: str) -> list[Any]:
-    """The elements of a page with a marker, also those that are hidden."""
     from nicegui import ElementFilter  # may not be installed
 
     with user:
@@ -139,14 +136,11 @@ def all_of(user: Any, marker: str) -> list[Any]:
 
 
 def one(user: Any, marker: str) -> Any:
-    """The element of a page with a marker."""
     (element,) = all_of(user, marker)
     return element
 
 
 def raising(error: BaseException) -> Callable[..., Any]:
-    """A function that fails."""
-
     def fail(*_: object, **__: object) -> Any:
         raise error
 

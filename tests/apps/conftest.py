@@ -22,7 +22,6 @@ def _no_garbage_is_looked_for(monkeypatch):
 
 @pytest.fixture
 def here(tmp_path, monkeypatch):
-    """A working directory with cases in it."""
     from app_runs import CASE_FILES
 
     monkeypatch.chdir(tmp_path)

@@ -102,7 +102,6 @@ class Page:
             time.sleep(0.1)
 
     def says(self, selector, words, seconds=120):
-        """Wait for words in the elements of a selector."""
         self.until(lambda: words in self.text(selector), seconds)
 
     def click(self, word):
@@ -141,14 +140,12 @@ class Page:
         return there[0].get_attribute("src") if whole else ""
 
     def keep(self, name):
-        """Keep a picture of the page, where that is asked for."""
         if place := os.environ.get("ERTEL_SCREENSHOTS"):
             time.sleep(0.6)  # Quasar moves things into place
             Path(place).mkdir(parents=True, exist_ok=True)
             self.driver.save_screenshot(str(Path(place) / f"{name}.png"))
 
     def asked_hosts(self):
-        """The hosts that the pages asked for anything."""
         events = [json.loads(entry["message"])["message"] for entry in self.driver.get_log("performance")]
         requests = [event["params"].get("request", event["params"]) for event in events if event["method"] in ASKED]
         parts = [urlsplit(request["url"]) for request in requests]

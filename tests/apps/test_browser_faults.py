@@ -30,7 +30,6 @@ pytestmark = pytest.mark.skipif(os.name == "nt", reason="the app stops runs by S
 
 
 def written(content):
-    """What writes a file."""
     return lambda path: path.write_bytes(content)
 
 

@@ -326,7 +326,6 @@ class Rows(HTMLParser):
 
 
 def properties(user):
-    """The names of all properties on the page."""
     return {name for element in user.client.elements.values() for name in element._to_dict().get("props", {})}
 
 

@@ -267,7 +267,6 @@ def test_refused(runs, monkeypatch, command, said):
 
 
 def test_movies_of_fringes_and_of_the_film(tmp_path, monkeypatch):
-    """Of a run that was never computed."""
     data = dry_impact(BALL_FALLS).isel(frame=slice(0, 50, 16))
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(RunStore, "open", lambda directory: SimpleNamespace(dataset=lambda: data))

@@ -107,13 +107,12 @@ def test_a_part_gathers_nothing(here):
     assert ertel_(*SWEEP, "--out", "study").stderr == "2 runs, 1 of them to do\n"
     (here / "study/notes.txt").write_text("mine")
     ertel_(*SWEEP, "-q", "--out", "study")
-    ertel_(*SWEEP, "-q")
-    broken = sorted((here / "sweeps/loads/runs").iterdir())[0]
+    broken = sorted((here / "study/runs").iterdir())[0]
     (broken / "case.toml").write_text("[contact]\nM = 1\nL = 1\n")
-    done = ertel_(*SWEEP, "--set", "contact.M=[20, 40, 60]", code=1)
+    done = ertel_(*SWEEP, "--out", "study", "--set", "contact.M=[20, 40, 60]", code=1)
     assert "3 runs: 2 converged, 1 failed" in done.stdout
     last = done.stderr.splitlines()[-1]
-    assert last.startswith(f"ertel: 1 of 3 runs failed: runs/{broken.name}; ertel show sweeps/loads/runs/")
+    assert last.startswith(f"ertel: 1 of 3 runs failed: runs/{broken.name}; ertel show study/runs/")
 
 
 def test_a_curve_is_printed_and_stored_and_shown_by_the_same_command(here, monkeypatch):

@@ -22,13 +22,11 @@ FULL = "/dev/full"
 
 
 def done(command, **streams):
-    """The process at its end."""
     streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "env": CHILD, **streams}
     return subprocess.run(command, text=True, encoding="utf-8", timeout=120, check=False, **streams)
 
 
 def started(command, **more):
-    """A process that runs."""
     return subprocess.Popen(command, env=CHILD, **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **more})
 
 

@@ -95,7 +95,6 @@ def test_the_figures_for_cylinders_have_a_page_of_their_own(monkeypatch, tmp_pat
 
 @pytest.fixture(scope="module")
 def done():
-    """Results of tasks by name."""
     return {}
 
 

@@ -11,8 +11,6 @@ from boundary_layers.tasks import Failure, Task, kept, run_tasks
 
 
 class Evil:
-    """An object whose pickle runs code as it is read."""
-
     def __reduce__(self):
         return pytest.fail, ("code of a file was run",)
 

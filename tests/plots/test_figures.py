@@ -53,7 +53,6 @@ def line(axes, label):
 
 
 def words(axes):
-    """The legend."""
     return [text.get_text() for text in axes.get_legend().get_texts()] if axes.get_legend() else []
 
 
