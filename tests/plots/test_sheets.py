@@ -70,9 +70,9 @@ def test_texts_are_legible_and_apart(runs, name, monkeypatch):
         draw(text, renderer)
 
     monkeypatch.setattr(interferograms, "PIXELS", 40)
-    monkeypatch.setattr(Text, "draw", noted)
     columns, picture = PRINTED[name]
     figure = picture(runs)
+    monkeypatch.setattr(Text, "draw", noted)  # now, because it is drawn while it is arranged, too
     figure.draw_without_rendering()
     width, height = figure.bbox.size
     assert width / figure.dpi * 25.4 == pytest.approx(85.0 * columns)
