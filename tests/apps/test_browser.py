@@ -305,6 +305,7 @@ def test_readout_of_a_picture(tmp_path, plots):
         beside = PlotRequest(run, figure, 0.05, stamp=stamp) if figure == "film" else None
         found = asyncio.run(plots.draw(replace(request, figure=figure, beside=beside))).readout
         assert len(found.boxes) == (2 if figure == "maps" else 1)
+        assert found.at(-1.0, -1.0) == ""  # beside the maps
         (left, right, low, high), edges = found.boxes[-1]
         x, y = edges[0] + 0.7 * (edges[1] - edges[0]), edges[2] + 0.4 * (edges[3] - edges[2])
         at = data.isel(frame=8).interp(r=np.hypot(x, y) / data["r"].si_factor)
