@@ -53,6 +53,7 @@ def folder(path):
 
 
 def huge(path):
+    path.touch()
     os.truncate(path, 10**9)  # without taking space
 
 
@@ -76,9 +77,10 @@ SUMMARIES = {
     "warnings": sealed_summary(warnings=[5]), "H_min": sealed_summary(H_min=None),
 }  # fmt: skip
 PROGRESS = {
-    **ODD, "list": written(b"[1]"), "latin": written(b"\xe9"), "deep": written(b"[" * 100_000), "killed": progress(),
+    **ODD, "list": written(b"[1]"), "latin": written(b"\xe9"), "deep": written(b"[" * 100_000), "huge": huge,
     "done": progress(done="x"), "nan": progress(done=float("nan")), "step": progress(step=None), "T": progress(T="x"),
     "process": progress(process=2**70), "left": progress(seconds_left=[]), "all": progress(process=-1),
+    "killed": progress(),
 }  # fmt: skip
 FORMS = {f"case-{n}": ("case.toml", form) for n, form in CASES.items()}
 FORMS |= {f"summary-{n}": ("summary.json", form) for n, form in SUMMARIES.items()}
