@@ -20,6 +20,7 @@ from ertel.results.study_table import StudyRun, study_dataset
 from ertel.runs.directory import CASE
 from ertel.runs.files import sealed
 
+pytest_plugins = "app_user"
 pytestmark = [pytest.mark.asyncio, pytest.mark.skipif(os.name == "nt", reason="no locks")]
 
 

@@ -10,6 +10,8 @@ from cases import ertel_
 
 from ertel.inputs.case_files import load_case
 
+pytest_plugins = "app_user"
+
 
 def test_commands_show_a_line_contact(lines, tmp_path):
     told = ertel_("show", str(lines / "steady")).stdout
