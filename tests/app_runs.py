@@ -1,5 +1,6 @@
 """What the tests of the app share: a made-up run in a directory, and a process that stands for `ertel run`."""
 
+import asyncio
 import atexit
 import json
 import os
@@ -44,21 +45,18 @@ CASE_FILES = {
     "small.toml": "[contact]\nM = 200\nL = 10\n[solver]\nnodes = 33\n[time]\ntolerance = 0.01\n",
     "ball.toml": SMALL_IMPACT.replace("tolerance = 0.01", "step = 0.01\nuntil = 0.06"),  # six steps
     "steady.toml": ROLLING,
-    "transient.toml": """
-[contact]
-kind = "rolling"
-M = 20
-L = 10
-[solver]
-method = "transient"
-nodes = 33
-[motion]
-load = { mean = 1, amplitude = 0.1, period = 1 }
-[time]
-until = 0.3
-tolerance = 0.01
-""",
 }
+STUDY = """
+[contact]
+M = [20, 40]
+L = 5
+[solver]
+method = "radial"
+nodes = 17
+[time]
+until = 0.02
+tolerance = 0.1
+"""
 CASE = {**BALL_FALLS, "solver": {"method": "radial", "nodes": 41}}
 VALUES = {"T": 2.45, "Delta": 1.0, "F": 1.0, "P_c": 1.0, "P_max": 1.0, "H_c": 0.05, "H_min": 0.025}
 SUMMARY = {
@@ -111,21 +109,38 @@ def refused(*arguments: str, code: int = 2) -> str:
 
 
 def given(*settings: str) -> list[str]:
-    """Settings as the options of a command."""
     return [word for setting in settings for word in ("--set", setting)]
 
 
 def until(there: Callable[[], object], seconds: float = 20.0) -> None:
-    """Wait for something to become true."""
     deadline = time.monotonic() + seconds
     while not there():
         assert time.monotonic() < deadline
         time.sleep(0.02)
 
 
-def raising(error: BaseException) -> Callable[..., Any]:
-    """A function that fails."""
+async def shown(there: Callable[[], object]) -> None:
+    """Wait in the loop of the app for something to become true."""
+    for _ in range(1500):
+        if there():
+            return
+        await asyncio.sleep(0.01)
+    raise AssertionError
 
+
+def all_of(user: Any, marker: str) -> list[Any]:
+    from nicegui import ElementFilter  # may not be installed
+
+    with user:
+        return list(ElementFilter(marker=marker))
+
+
+def one(user: Any, marker: str) -> Any:
+    (element,) = all_of(user, marker)
+    return element
+
+
+def raising(error: BaseException) -> Callable[..., Any]:
     def fail(*_: object, **__: object) -> Any:
         raise error
 

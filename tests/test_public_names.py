@@ -57,7 +57,6 @@ assert assemble_steady(case, grid_of(case), ()).sel(X=0.1, method="nearest").X.s
         ("import ertel; ertel.impact(M=1, L=1)", "jax xarray matplotlib zarr"),
         ("import ertel.case.case, ertel.case.estimates", "jax"),
         ("import ertel.apps.cli", "jax matplotlib xarray pint distributed"),  # so that `ertel --help` answers at once
-        # an estimate of memory and time
         (CHECK.format("rolling", "steady") + CHECK.format("impact", "radial"), "jax xarray matplotlib zarr"),
         (USUAL_UNITS, "jax matplotlib zarr pint"),
     ],

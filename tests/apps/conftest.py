@@ -1,4 +1,4 @@
-"""What the tests of the command line share: a working directory with cases, and two runs that have ended.
+"""What the tests of the programs share: a working directory with cases, and two runs that have ended.
 
 Nothing of ertel is imported at the top: pytest reads this file before JAX is set up where it is given the folder alone.
 """
@@ -19,7 +19,6 @@ def _no_garbage_is_looked_for(monkeypatch):
 
 @pytest.fixture
 def here(tmp_path, monkeypatch):
-    """A working directory with cases in it."""
     from app_runs import CASE_FILES
 
     monkeypatch.chdir(tmp_path)
@@ -39,12 +38,6 @@ def runs(tmp_path_factory):
         (directory / f"{name}.toml").write_text(CASE_FILES[f"{name}.toml"])
         printed[name] = ertel_("run", str(directory / f"{name}.toml"), "--out", str(directory / name)).stdout
     return directory, printed
-
-
-@pytest.fixture
-def small(here, runs):
-    """A copy of the small run in the working directory."""
-    return shutil.copytree(runs[0] / "small", here / "runs" / "small")
 
 
 @pytest.fixture

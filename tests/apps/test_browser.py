@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from app_runs import CASE, make_run, stand_in, until, write_progress
+from app_runs import CASE, make_run, until, write_progress
 from cases import ertel_, python
 from matplotlib.figure import Figure
 
@@ -24,10 +24,11 @@ from ertel.apps.browser.pictures import PlotRequest, Worker, stamp_of
 from ertel.apps.browser.processes import Phase, Processes
 from ertel.inputs import oils
 from ertel.inputs.case_files import ConfigError, load_case, parse_case, read_toml, to_toml
+from ertel.inputs.quantities import parse_quantity
 from ertel.physics.fluidity import Limited, ReeEyring
+from ertel.physics.units import RADIUS, STRESS
 from ertel.plots.drawing import Picture
 from ertel.results.profiles import profile
-from ertel.results.variables import PREFIXES
 from ertel.runs.directory import is_asked_to_stop
 from ertel.runs.files import locked
 from ertel.runs.store import RunStore
@@ -66,39 +67,17 @@ def test_nothing_outside_the_folder(tmp_path):
     ],
 )
 def test_files_of_a_case_outside_the_folder(tmp_path, named):
-    folder = Folder.at(tmp_path)
     with pytest.raises(Outside, match="/etc/passwd"):
-        form.outlook_of({**CASE, **named}, folder)
+        form.outlook_of({**CASE, **named}, Folder.at(tmp_path))
 
 
 def test_a_new_case_takes_no_name_twice(tmp_path):
-    folder = Folder.at(tmp_path)
     (tmp_path / "runs" / "ball-2").mkdir(parents=True)
-    names = [folder.write("ball", b"text", "runs")[0].name for _ in range(2)]
-    assert names == ["ball.toml", "ball-3.toml"]
+    files = [Folder.at(tmp_path).write("ball", b"text", "runs")[0].name for _ in range(2)]
+    assert files == ["ball.toml", "ball-3.toml"]
 
 
 # -- processes --------------------------------------------------------------------------------------------------------
-
-
-def test_a_run_is_started_stopped_and_resumed(tmp_path):
-    processes = Processes(Folder.at(tmp_path), stand_in(tmp_path))
-    run = processes.start("ball", "text")
-    assert processes.status(run).phase is Phase.COMPILING
-    assert processes.ours() == [run]
-    until(lambda: processes.status(run).phase is Phase.RUNNING)
-    assert processes.status(run).done == 0.4
-    process = processes.status(run).progress["process"]  # Ctrl-C in the terminal of the app is none of its business
-    assert os.getsid(process) == process != os.getsid(0)
-    with pytest.raises(ValueError, match="nothing to resume"):
-        processes.resume(run)
-    processes.stop(run)
-    until(lambda: processes.status(run).phase is Phase.INTERRUPTED)
-    with pytest.raises(ValueError, match="nothing to stop"):
-        processes.stop(run)
-    processes.resume(run)
-    until(lambda: processes.status(run).phase is Phase.FINISHED)
-    assert processes.ours() == []
 
 
 @pytest.mark.parametrize("number", [os.getpid(), 0, -1], ids=["ours", "none", "negative"])
@@ -134,6 +113,7 @@ def test_a_run_that_does_not_hear_is_ended(tmp_path):
     quiet = [sys.executable, "-c", "import time; time.sleep(30)"]
     processes = Processes(Folder.at(tmp_path), quiet)
     run = processes.start("ball", "text")
+    assert processes.status(run).phase is Phase.COMPILING and processes.ours() == [run]
     processes.stop(run)
     until(lambda: not processes.ours(), 5)
     assert processes.status(run).phase is Phase.INTERRUPTED
@@ -225,17 +205,15 @@ def test_the_form_begins_with_a_case(kind, choices):
     assert (case.contact.drop_height is not None) == (kind == "impact" and "impact_by" in choices)
 
 
-def test_laws_and_data_sheets_are_fields_named_in_words():
+def test_laws_and_data_sheets_are_fields():
     law = {"lubricant__rheology__law": "limited", "lubricant__rheology__base__law": "ree-eyring"}
     form = chosen(contact__kind="rolling", lubricant__oil="sheet", **law)
-    labels = {name: field.label for name, field in form.shown().items()}
-    assert labels["lubricant.rheology.base.tau0"] == "Eyring's stress"
-    assert labels["lubricant.oil.nu40"] == "Kinematic viscosity at 40 degC"
+    assert "lubricant.rheology.base.tau0" in form.shown()
+    assert "at 40 degC" in form.shown()["lubricant.oil.nu40"].label
     found = parse_case(form.data()).oil
     sheet = {key: form.values[f"lubricant.oil.{key}"] for key in ("nu40", "nu100", "density")}
     assert found.eta0 == oils.data_sheet(**sheet, temperature=form.values["lubricant.temperature"]).eta0
     assert found.rheology == Limited(ReeEyring(5e6), 0.05)
-    assert wrong_field(chosen(lubricant__oil="sheet", lubricant__oil__nu40="68 mm")) == "lubricant.oil.nu40"
 
 
 @pytest.mark.parametrize("file", sorted((Path(__file__).parents[2] / "examples").glob("*.toml")), ids=lambda f: f.stem)
@@ -263,13 +241,6 @@ def test_what_has_no_fields_stays_a_text(data, message):
         Form.of(data)
 
 
-def wrong_field(form):
-    """The field that the message about a case names."""
-    with pytest.raises(ConfigError) as error:
-        parse_case(form.data())
-    return form.field_of(str(error.value))
-
-
 @pytest.mark.parametrize(
     ("choices", "field"),
     [
@@ -279,10 +250,14 @@ def wrong_field(form):
         ({"roughness__shape": "spot", "roughness__depth": "deep"}, "roughness.depth"),
         ({"contact__kind": "rolling", "thermal": "warm"}, "thermal.temperature"),
         ({"contact__kind": "rolling", "roughness__shape": "spot"}, "roughness.surface"),
+        ({"lubricant__oil": "sheet", "lubricant__oil__nu40": "68 mm"}, "lubricant.oil.nu40"),
     ],
 )
 def test_messages_name_their_field(choices, field):
-    assert wrong_field(chosen(**choices)) == field
+    form = chosen(**choices)
+    with pytest.raises(ConfigError) as error:
+        parse_case(form.data())
+    assert form.field_of(str(error.value)) == field
 
 
 def test_each_key_of_the_form_has_the_help_of_the_command():
@@ -318,6 +293,9 @@ def plots():
     found.close()
 
 
+UNITS = {"x": RADIUS, "y": RADIUS, "h": RADIUS, "p": STRESS}  # with a sign
+
+
 def test_readout_of_a_picture(tmp_path, plots):
     """Film and pressure of the run at the place that a map shows, also where equal scales make the map wider."""
     run = make_run(tmp_path / "run")
@@ -327,20 +305,14 @@ def test_readout_of_a_picture(tmp_path, plots):
         beside = PlotRequest(run, figure, 0.05, stamp=stamp) if figure == "film" else None
         found = asyncio.run(plots.draw(replace(request, figure=figure, beside=beside))).readout
         assert len(found.boxes) == (2 if figure == "maps" else 1)
+        assert found.at(-1.0, -1.0) == ""  # beside the maps
         (left, right, low, high), edges = found.boxes[-1]
         x, y = edges[0] + 0.7 * (edges[1] - edges[0]), edges[2] + 0.4 * (edges[3] - edges[2])
         at = data.isel(frame=8).interp(r=np.hypot(x, y) / data["r"].si_factor)
         film, pressure = (float(at[name]) * data[name].si_factor for name in ("H", "P"))
-        text = found.at(left + 0.7 * (right - left), 1.0 - low - 0.4 * (high - low))
-        read = {
-            name: in_base_units(*shown.split()) for name, shown in (each.split(" = ") for each in text.split(",  "))
-        }
+        told = found.at(left + 0.7 * (right - left), 1.0 - low - 0.4 * (high - low))
+        read = {name: parse_quantity(value, UNITS[name]) for name, value in re.findall("(.) = ([^,]+)", told)}
         assert read == pytest.approx({"x": x, "y": y, "h": film, "p": pressure}, rel=5e-3)
-
-
-def in_base_units(value, unit):
-    powers = {prefix: power for power, prefix in PREFIXES.items()}
-    return float(value) * 10.0 ** powers[unit.removesuffix("m").removesuffix("Pa")]
 
 
 def test_a_measurement_beside_a_run(tmp_path, plots):
@@ -350,9 +322,7 @@ def test_a_measurement_beside_a_run(tmp_path, plots):
     request = PlotRequest(run, "measured", dots=20, stamp=1, measured=(file, "x", Measured(at="max-approach")))
     found = asyncio.run(plots.draw(request))
     assert found.content[:4] == b"\x89PNG" and found.readout is None
-    assert re.search(
-        r"film.csv: film thickness, maximum approach.*: rms difference \S+ .m \(0.0% of the mean\)", found.words
-    )
+    assert re.search(r"film.csv: .*maximum approach.*: rms difference \S+ .m \(0.0% of the mean\)", found.words)
     wrong = replace(request, measured=(file, "x", Measured(column=("x=Radius",))))
     with pytest.raises(ValueError, match=r"film.csv: column 'x' in 'Radius': has an unknown unit"):
         asyncio.run(plots.draw(wrong))

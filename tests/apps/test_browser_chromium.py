@@ -45,21 +45,14 @@ const option = [...document.querySelectorAll('[role=option]')].find(each => each
 option?.click();
 return Boolean(option);
 """
-
-
-@pytest.fixture
-def folder(tmp_path):
-    """A folder with one finished run."""
-    make_run(tmp_path / "folder" / "runs" / "before")
-    return tmp_path / "folder"
-
-
-@pytest.fixture
-def server(folder):
-    """The app as a process: the process, its address and its token."""
-    with served(folder, "--no-browser") as (process, address):
-        root, _, token = address.partition("/?token=")
-        yield process, root, token
+TO_THE_MIDDLE = "arguments[0].scrollIntoView({block: 'center'})"
+FINE_STEPS = "step = 1e-3\n"  # of [time], the last section: a run that lasts long enough to be watched
+PAGES = {
+    "first-page": "/", "new-case": "/new", "run": "/run?name=runs/mine",
+    "compare": "/compare?a=runs/mine&b=runs/before",
+}  # fmt: skip
+HEAVY = ("jaxlib", "matplotlib", "pandas", "scipy", "numcodecs")  # numcodecs: of zarr
+ASKED = ("Network.requestWillBeSent", "Network.webSocketCreated")
 
 
 @pytest.fixture
@@ -73,7 +66,7 @@ def driver(tmp_path):
         options.add_argument(flag)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
     found = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
-    yield Page(found)
+    yield found
     found.quit()
 
 
@@ -81,21 +74,14 @@ class Page:
     """What a user does on a page and sees there."""
 
     def __init__(self, driver):
-        self.driver = driver
-        self.resize(LAPTOP)
+        self.driver, self.script = driver, driver.execute_script
 
-    def resize(self, size):
-        width, height = size
-        screen = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
+    def look(self, size, scheme="light"):
+        """Have a screen of a size, on a system that is "light" or "dark"."""
+        screen = {"width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": False}
         self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", screen)
-
-    def look(self, scheme):
-        """Let the system be "light" or "dark"."""
         feature = {"name": "prefers-color-scheme", "value": scheme}
         self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [feature]})
-
-    def open(self, address):
-        self.driver.get(address)
 
     def all(self, selector):
         return [element for element in self.driver.find_elements("css selector", selector) if element.is_displayed()]
@@ -103,12 +89,33 @@ class Page:
     def text(self, selector):
         return " ".join(element.text for element in self.all(selector))
 
+    def until(self, there, seconds=120):
+        """Wait for something to become true; what is replaced while it is looked at is not there yet."""
+        from selenium.common.exceptions import StaleElementReferenceException
+
+        deadline = time.monotonic() + seconds
+        while True:
+            with suppress(StaleElementReferenceException):
+                if found := there():
+                    return found
+            assert time.monotonic() < deadline, self.driver.find_element("tag name", "body").text
+            time.sleep(0.1)
+
+    def says(self, selector, words, seconds=120):
+        self.until(lambda: words in self.text(selector), seconds)
+
     def click(self, word):
-        (button,) = self.until(
-            lambda: [each for each in self.all("button, [role=tab]") if word in each.text and each.is_enabled()]
-        )
-        self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", button)
+        named = "button, [role=tab]"
+        (button,) = self.until(lambda: [each for each in self.all(named) if word in each.text and each.is_enabled()])
+        self.script(TO_THE_MIDDLE, button)
         button.click()
+
+    def point(self, element, across, click=False):
+        """Move the pointer over an element, so many pixels from its middle."""
+        from selenium.webdriver import ActionChains
+
+        moved = ActionChains(self.driver).move_to_element_with_offset(element, across, 0)
+        (moved.click() if click else moved).perform()
 
     def fill(self, label, text):
         from selenium.webdriver import Keys
@@ -119,65 +126,30 @@ class Page:
         field.send_keys(text)
 
     def choose(self, label, word):
-        field = self.until(lambda: self.driver.execute_script(FIELD, label))
-        self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", field)
+        field = self.until(lambda: self.script(FIELD, label))
+        self.script(TO_THE_MIDDLE, field)
         field.click()
-        self.until(lambda: self.driver.execute_script(CHOOSE, word))
-        self.until(lambda: not self.driver.execute_script("return document.querySelectorAll('[role=option]').length"))
+        self.until(lambda: self.script(CHOOSE, word))
+        self.until(lambda: not self.script("return document.querySelectorAll('[role=option]').length"))
         time.sleep(1.0)  # the form is built again
-
-    def type(self, text):
-        """Write at the end of the case file, and wait for the answer to it."""
-        (area,) = self.until(lambda: self.all("textarea"))
-        before = self.text(".answer")
-        area.send_keys(text)
-        self.until(lambda: "roughly" in self.text(".answer") != before)
-
-    def until(self, there, seconds=120):
-        """Wait for something to become true; what is replaced while it is looked at is not there yet."""
-        from selenium.common.exceptions import StaleElementReferenceException
-
-        deadline, found = time.monotonic() + seconds, None
-        while not found:
-            with suppress(StaleElementReferenceException):
-                if found := there():
-                    break
-            assert time.monotonic() < deadline, self.driver.find_element("tag name", "body").text
-            time.sleep(0.1)
-        return found
-
-    def width(self):
-        """That of all that the page has, in pixels."""
-        return self.driver.execute_script("return document.documentElement.scrollWidth")
 
     def picture(self):
         """The address of the picture, when the last wish is drawn and the browser has it whole."""
-        shown = [] if self.all(".canvas .waits") else self.all(".canvas img")
-        whole = shown and self.driver.execute_script("return arguments[0].complete", shown[0])
-        return shown[0].get_attribute("src") if whole else ""
+        there = [] if self.all(".canvas .waits") else self.all(".canvas img")
+        whole = there and self.script("return arguments[0].complete", there[0])
+        return there[0].get_attribute("src") if whole else ""
 
     def keep(self, name):
-        """Keep a picture of the page, where that is asked for."""
         if place := os.environ.get("ERTEL_SCREENSHOTS"):
             time.sleep(0.6)  # Quasar moves things into place
             Path(place).mkdir(parents=True, exist_ok=True)
             self.driver.save_screenshot(str(Path(place) / f"{name}.png"))
 
     def asked_hosts(self):
-        """The hosts that the pages asked for anything."""
         events = [json.loads(entry["message"])["message"] for entry in self.driver.get_log("performance")]
         requests = [event["params"].get("request", event["params"]) for event in events if event["method"] in ASKED]
         parts = [urlsplit(request["url"]) for request in requests]
         return {part.netloc for part in parts if part.scheme in ("http", "https", "ws", "wss")}
-
-
-FINE_STEPS = "step = 1e-3\n"  # of [time], the last section: a run that lasts long enough to be watched
-PAGES = {
-    "first-page": "/", "new-case": "/new", "run": "/run?name=runs/mine",
-    "compare": "/compare?a=runs/mine&b=runs/before",
-}  # fmt: skip
-HEAVY = ("jaxlib", "matplotlib", "pandas", "scipy", "numcodecs")  # numcodecs: of zarr
-ASKED = ("Network.requestWillBeSent", "Network.webSocketCreated")
 
 
 def megabytes(process, file, entry):
@@ -187,84 +159,82 @@ def megabytes(process, file, entry):
 
 
 def of_the_app(process):
-    """The memory of the web process and of the largest that it started, which draws, in MB."""
+    """The memory of the web process with the largest that it started, which draws, in MB."""
     children = Path(f"/proc/{process}/task/{process}/children").read_text().split()
     own, *others = (megabytes(each, "smaps_rollup", "Pss") for each in (process, *children))
-    return round(own), round(max(others))
+    return own + max(others)
 
 
-def test_a_session(server, driver, folder):
-    process, address, token = server
-    page, runs = driver, Processes(Folder.at(folder))
-    page.open(f"{address}/?token={token}")
-    page.until(lambda: "Impact and rolling" in page.text(".welcome"))
-    page.keep("first-page")
+def test_a_session(driver, tmp_path):
+    folder = tmp_path / "folder"
+    make_run(folder / "runs" / "before")
+    with served(folder, "--no-browser") as (process, address):
+        _session(Page(driver), process.pid, address, folder)
+
+
+def _session(page, process, address, folder):
+    root, _, _ = address.partition("/?token=")
+    runs, run = Processes(Folder.at(folder)), folder / "runs" / "mine"
+    page.look(LAPTOP)
+    page.driver.get(address)
+    page.says(".welcome", "Impact and rolling")
 
     page.click("New case")
-    page.until(lambda: page.all("input[aria-label='Radius']"))
     page.fill("Radius", "10 mm")
-    page.until(lambda: "roughly" in page.text(".answer"))
-    page.keep("new-case")
+    page.says(".answer", "roughly")
     page.choose("Method", "radial")
     page.fill("Nodes", "513")
-    page.until(lambda: "513 nodes along the radius" in page.text(".answer"))
-
+    page.says(".answer", "513 nodes along the radius")
     page.fill("Name of the run", "mine")
     page.click("Case file")
-    page.type(FINE_STEPS)
+    (area,) = page.until(lambda: page.all("textarea"))
+    before = page.text(".answer")
+    area.send_keys(FINE_STEPS)
+    page.until(lambda: "roughly" in page.text(".answer") != before)
+    page.keep("new-case-as-text")
     page.click("Run")
-    run = folder / "runs" / "mine"
-    page.until(lambda: "compiling" in page.text(".chip"))
+    page.says(".chip", "compiling")
     page.keep("compiling")
-    page.until(lambda: "running" in page.text(".chip"))
+    page.says(".chip", "running")
     page.click("Stop")
-    page.until(lambda: "interrupted" in page.text(".chip"))
+    page.says(".chip", "interrupted")
     assert runs.status(run).phase is Phase.INTERRUPTED
-    done = runs.status(run).done
-    assert 0.0 < done < 1.0
+    assert 0.0 < runs.status(run).done < 1.0
     page.keep("interrupted")
     page.click("Resume")
-    page.until(lambda: "finished" in page.text(".chip"), 600)  # minutes where other programs compute, too
+    page.says(".chip", "finished", 600)  # minutes where other programs compute, too
     assert runs.status(run).phase is Phase.FINISHED
 
     first = page.until(page.picture)
-    page.keep("finished")
-    (track,) = page.all(".q-slider__track-container")
-    from selenium.webdriver import ActionChains
-
-    ActionChains(page.driver).move_to_element_with_offset(track, -200, 0).click().perform()
+    page.point(*page.all(".q-slider__track-container"), -200, click=True)
     page.until(lambda: page.picture() not in ("", first))
     (image,) = page.all(".canvas img")
-    ActionChains(page.driver).move_to_element_with_offset(image, -image.size["width"] // 4, 0).perform()
+    page.point(image, -image.size["width"] // 4)
     page.until(lambda: "h = " in page.text(".readout") and "p = " in page.text(".readout"))
-    page.keep("under-the-pointer")
-    sizes = (0, 0)
+    sizes = []
     for word in ("Mid-line", "Motion", "Front", "Friction", "Interferogram", "Overview"):
         before = page.until(page.picture)
-        sizes = of_the_app(process.pid) if word == "Interferogram" else sizes
+        sizes += [of_the_app(process)] if word == "Interferogram" else []
         page.click(word)
         page.until(lambda before=before: page.picture() not in ("", before))
         page.keep(f"run-{word.lower()}")
 
-    page.open(f"{address}/compare?a=runs/mine&b=runs/before")
+    page.driver.get(f"{root}/compare?a=runs/mine&b=runs/before")
     page.until(lambda: len(page.all(".canvas img")) == 2)
-    page.keep("compare")
-    for size, look in product((TABLET, PHONE), ("light", "dark")):
-        page.resize(size)
-        page.look(look)
+    for size, scheme in product((TABLET, PHONE), ("light", "dark")):
+        page.look(size, scheme)
         for name, path in PAGES.items():
-            page.open(address + path)
+            page.driver.get(root + path)
             page.until(lambda: page.picture() or "roughly" in page.text(".answer") or page.text(".welcome"))
-            page.keep(f"{name}-{size[0]}-{look}")
-            page.until(lambda size=size: page.width() <= size[0], 10)
-            ground = page.driver.execute_script("return getComputedStyle(document.body).backgroundColor")
-            assert (min(map(int, re.findall(r"\d+", ground))) > 200) == (look == "light")
-
-            bar = page.driver.execute_script("return document.querySelector('.bar').offsetHeight")
-            assert bar < 60  # one line, of icons where it is narrow
+            page.keep(f"{name}-{size[0]}-{scheme}")
+            page.until(lambda size=size: page.script("return document.documentElement.scrollWidth") <= size[0], 10)
+            ground = page.script("return getComputedStyle(document.body).backgroundColor")
+            assert (min(map(int, re.findall(r"\d+", ground))) > 200) == (scheme == "light")
+            # one line, of icons where it is narrow
+            assert page.script("return document.querySelector('.bar').offsetHeight") < 60
 
     for path in PAGES.values():  # closed as soon as they begin to load; a traceback in the terminal would be seen
-        page.driver.execute_script("window.open(arguments[0])", address + path)  # from a page of the app
+        page.script("window.open(arguments[0])", root + path)  # from a page of the app
         page.driver.switch_to.window(page.driver.window_handles[-1])
         time.sleep(0.3)
         page.driver.close()
@@ -272,10 +242,9 @@ def test_a_session(server, driver, folder):
     time.sleep(3)
 
     assert page.asked_hosts() == {urlsplit(address).netloc}
-    entries = page.driver.get_log("browser")
-    assert [entry for entry in entries if entry["level"] == "SEVERE"] == []
-    loaded = Path(f"/proc/{process.pid}/maps").read_text()
+    assert [entry for entry in page.driver.get_log("browser") if entry["level"] == "SEVERE"] == []
+    loaded = Path(f"/proc/{process}/maps").read_text()
     assert [name for name in HEAVY if f"/{name}/" in loaded] == []
-    later = of_the_app(process.pid)
-    print(f"memory of the web process and of the one that draws: {sizes} MB, with interferograms {later} MB")
-    assert megabytes(process.pid, "status", "VmHWM") < LARGEST and max(sum(sizes), sum(later)) < TOGETHER
+    sizes.append(of_the_app(process))
+    print(f"memory of the web process with the one that draws, before and after interferograms: {sizes} MB")
+    assert megabytes(process, "status", "VmHWM") < LARGEST and max(sizes) < TOGETHER

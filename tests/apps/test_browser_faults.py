@@ -30,7 +30,6 @@ pytestmark = pytest.mark.skipif(os.name == "nt", reason="the app stops runs by S
 
 
 def written(content):
-    """What writes a file."""
     return lambda path: path.write_bytes(content)
 
 
@@ -54,6 +53,7 @@ def folder(path):
 
 
 def huge(path):
+    path.touch()
     os.truncate(path, 10**9)  # without taking space
 
 
@@ -61,7 +61,11 @@ def progress(**content):
     return lambda path: write_progress(path.parent, **content)
 
 
-ODD = {"loop": loop, "pipe": pipe, "folder": folder}
+def sealed_summary(**changes):
+    return written(sealed({**SUMMARY, **changes}))
+
+
+ODD = {"loop": loop, "pipe": pipe, "folder": folder}  # in place of a file
 CASES = {
     **ODD, "cut": written(b"[contact"), "huge": huge, "latin": written(b"name = '\xe9'"), "empty": written(b""),
     "type": written(b"contact = 5"), "deep": written(b"a=" + b"[" * 5000),
@@ -69,14 +73,14 @@ CASES = {
 SUMMARIES = {
     **ODD, "cut": cut, "huge": huge, "latin": written(b"\xe9"), "list": written(b"[1]"), "number": written(b"5"),
     "deep": written(b"[" * 100_000), "nan": written(b'{"M": NaN, "checksum": "0"}'), "nothing": written(sealed({})),
-    "status": written(sealed({**SUMMARY, "status": 5})), "kind": written(sealed({**SUMMARY, "kind": ["x"]})),
-    "M": written(sealed({**SUMMARY, "M": "x"})), "warnings": written(sealed({**SUMMARY, "warnings": [5]})),
-    "H_c": written(sealed({**SUMMARY, "H_min": None})),
+    "status": sealed_summary(status=5), "kind": sealed_summary(kind=["x"]), "M": sealed_summary(M="x"),
+    "warnings": sealed_summary(warnings=[5]), "H_min": sealed_summary(H_min=None),
 }  # fmt: skip
 PROGRESS = {
-    **ODD, "list": written(b"[1]"), "latin": written(b"\xe9"), "deep": written(b"[" * 100_000), "huge": progress(),
+    **ODD, "list": written(b"[1]"), "latin": written(b"\xe9"), "deep": written(b"[" * 100_000), "huge": huge,
     "done": progress(done="x"), "nan": progress(done=float("nan")), "step": progress(step=None), "T": progress(T="x"),
     "process": progress(process=2**70), "left": progress(seconds_left=[]), "all": progress(process=-1),
+    "killed": progress(),
 }  # fmt: skip
 FORMS = {f"case-{n}": ("case.toml", form) for n, form in CASES.items()}
 FORMS |= {f"summary-{n}": ("summary.json", form) for n, form in SUMMARIES.items()}

@@ -43,7 +43,6 @@ def answer(headers, kind="http", address="/", root="/way"):
 
 
 def is_refused(*request):
-    """Whether the guard refuses a request."""
     status, headers = answer(*request)
     return status == 403 and headers[b"x-frame-options"] == b"DENY"
 
@@ -113,7 +112,6 @@ def client(server):
 
 
 def socket_of(client):
-    """The address of the websocket."""
     return str(client.base_url.join(f"{SOCKET}websocket".lstrip("/"))).replace("http", "ws", 1)
 
 

@@ -1,6 +1,7 @@
 """The command line: what it prints and where, its exit codes, and that wrong input leaves nothing behind."""
 
 import json
+import re
 import signal
 from pathlib import Path
 
@@ -19,21 +20,24 @@ from ertel.runs.directory import ask_to_stop, is_asked_to_stop, read_progress
 from ertel.runs.store import RunStore
 
 
+def numbers(*arguments):
+    return json.loads(ertel_(*arguments, "--json").stdout)
+
+
 def test_version_and_about(monkeypatch):
     assert ertel_("--version").stdout == f"ertel {ertel.__version__}\n"
     text = ertel_("about").stdout
-    for said in (f"ertel          {ertel.__version__}", "NumPy", "cpu", str(compile.cache_directory()), "Tribology"):
+    for said in (ertel.__version__, "NumPy", "cpu", str(compile.cache_directory()), "Tribology"):
         assert said in text
     monkeypatch.setattr(about, "version", lambda package: "0.11.0")  # it computes wrongly
     assert 'pip install "jax!=0.10.2,!=0.11.0"' in ertel_("about").stdout
 
 
-def test_run_tells_what_it_stores(small, runs):
-    summary, printed = RunStore.open(small).summary(), runs[1]["small"]
-    assert "M = 200, L = 10" in printed
-    assert f"{summary['H_c']:.5g}" in printed
-    assert "Warning: the film is not resolved at the front" in printed  # 33 nodes do not resolve it
-    assert f"ertel plot {runs[0] / 'small'}" in printed
+def test_run_tells_what_it_stores(runs):
+    folder, printed = runs
+    assert f"{RunStore.open(folder / 'small').summary()['H_c']:.5g}" in printed["small"]
+    assert "Warning: the film is not resolved at the front" in printed["small"]  # 33 nodes do not resolve it
+    assert f"ertel plot {folder / 'small'}" in printed["small"] and "M = 200, L = 10" in printed["small"]
 
 
 def test_a_second_run_gets_its_own_directory_and_is_as_quiet_unless_jax_computes_wrongly(here, monkeypatch):
@@ -45,27 +49,25 @@ def test_a_second_run_gets_its_own_directory_and_is_as_quiet_unless_jax_computes
     assert (case.contact.mass, case.time.until) == (pytest.approx(0.03), 0.02)
     monkeypatch.setattr(compile, "version", lambda package: "0.10.2")
     compile.check_jax.cache_clear()
-    said = refused(*command, code=0)
-    assert said == f"ertel: warning: {compile.wrong_version('0.10.2')}\n"
+    assert refused(*command, code=0) == f"ertel: warning: {compile.wrong_version('0.10.2')}\n"
 
 
 @pytest.mark.slow
 def test_error_estimate(here):
     """Of a run that has ended.  It is that of a run on the half grid; the parts are tested with the loop."""
-    radial = ("run", "small.toml", "--json", "--set", "solver.method=radial", "--set")
-    before = json.loads(ertel_(*radial, "solver.nodes=33", "--out", "fine").stdout)
-    fine = json.loads(ertel_("resume", "fine", "--error", "--json").stdout)
+    radial = ("run", "small.toml", *given("solver.method=radial"))
+    before = numbers(*radial, "--out", "fine", *given("solver.nodes=33"))
+    fine = numbers("resume", "fine", "--error")
     assert not before.get("error_estimate") and before["H_c"] == fine["H_c"]
-    at_once = json.loads(ertel_(*radial, "solver.nodes=33", "--out", "at once", "--error").stdout)
+    at_once = numbers(*radial, "--out", "at once", "--error", *given("solver.nodes=33"))
     assert at_once["error_estimate"] == fine["error_estimate"]
-    assert json.loads(ertel_("show", "fine", "--json").stdout) == fine
-    half = json.loads(ertel_(*radial, "solver.nodes=17", "--out", "half").stdout)
+    assert numbers("show", "fine") == fine
+    half = numbers(*radial, "--out", "half", *given("solver.nodes=17"))
     assert list(fine["error_estimate"]) == ["T", "H_c", "H_min", "P_c", "Delta", "F", "power_loss"]
-    estimate, films = fine["error_estimate"]["H_c"], [run["H_c"] for run in (fine, half)]
-    assert estimate["grid"] == pytest.approx((films[0] - films[1]) / 3, rel=1e-12)
+    estimate = fine["error_estimate"]["H_c"]
+    assert estimate["grid"] == pytest.approx((fine["H_c"] - half["H_c"]) / 3, rel=1e-12)
     shown = ertel_("show", "fine").stdout
-    (line,) = [line for line in shown.splitlines() if f"largest error is that of the {estimate['dominant']} in" in line]
-    assert "H_c" in line and "on the grid" in shown
+    assert re.search(rf"error is that of the {estimate['dominant']} in .*H_c", shown) and "on the grid" in shown
 
 
 def test_a_full_disk_and_a_run_that_gives_up(here, monkeypatch):
@@ -80,11 +82,11 @@ def test_a_full_disk_and_a_run_that_gives_up(here, monkeypatch):
     assert "Results so far are in b" in result.stderr
 
 
-def raise_signal(number):
-    return pytest.param(lambda run: signal.raise_signal(number), 128 + number, id=signal.Signals(number).name)
-
-
-@pytest.mark.parametrize(("ask", "code"), [raise_signal(signal.SIGTERM), pytest.param(ask_to_stop, 130, id="file")])
+@pytest.mark.parametrize(
+    ("ask", "code"),
+    [(lambda run: signal.raise_signal(signal.SIGTERM), 143), (ask_to_stop, 130)],
+    ids=["SIGTERM", "file"],
+)
 def test_interrupt_and_resume(here, ball, monkeypatch, ask, code):
     """A file from before does not stop a run, and none is left."""
     original = RunStore.__call__
@@ -98,7 +100,7 @@ def test_interrupt_and_resume(here, ball, monkeypatch, ask, code):
         patch.setattr(RunStore, "__call__", take)
         said = refused("run", "ball.toml", "-q", "--out", "cut off", code=code)
     assert said == "ertel: interrupted; to continue: ertel resume 'cut off'\n"
-    assert json.loads(ertel_("show", "cut off", "--json").stdout)["steps"] == 2
+    assert numbers("show", "cut off")["steps"] == 2
     assert not is_asked_to_stop(here / "cut off")
     ask_to_stop(here / "cut off")
     ertel_("resume", "cut off", "-q")
@@ -107,30 +109,16 @@ def test_interrupt_and_resume(here, ball, monkeypatch, ask, code):
     assert whole.drop_attrs(deep=False).identical(resumed.drop_attrs(deep=False))
 
 
-ROLLED = [  # the dimensional case of reference/rolling.json
-    *("contact.radius=10 mm", "contact.load=38.885237 N", "contact.E_prime=219.7802 GPa"),
-    *("contact.mean_speed=0.502636 m/s", *["lubricant.eta0=40 mPa*s", "lubricant.alpha=22 / GPa"]),
-]
-
-
-def numbers(*arguments):
-    return json.loads(ertel_(*arguments, "--json").stdout)
-
-
-def checked(*settings):
-    return numbers("check", *given(*settings))
-
-
-def test_formulas_side_by_side_and_of_a_contact_that_is_too_light_to_run():
-    """Hamrock and Dowson's, and Nijenbanning's, of reference/rolling.json."""
-    rolls = ["contact.kind=rolling", *ROLLED]
-    films = {film["name"]: film["si"] for film in checked(*rolls)["films"]}
+def test_formulas_side_by_side_and_of_a_contact_that_is_too_light_to_run(here):
+    """Hamrock and Dowson's, and Nijenbanning's, of the case in SI of reference/rolling.json."""
+    rolls = "check", "steady.toml", *given("contact.load=38.885237 N")
+    films = {film["name"]: film["si"] for film in numbers(*rolls)["films"]}
     assert films["Hamrock-Dowson"] == pytest.approx({"h_c_m": 167.8e-9, "h_min_m": 95.7e-9}, rel=1e-3)
     assert films["Nijenbanning-Venner-Moes"]["h_c_m"] == pytest.approx(172.9e-9, rel=1e-3)
     assert films["Nijenbanning-Venner-Moes"]["h_min_m"] is None
-    text = ertel_("check", *given(*rolls)).stdout
+    text = ertel_(*rolls).stdout
     assert all(part in text for part in ("p_h_Pa", "167.8 nm", "95.71 nm", "172.9 nm"))
-    first, *_ = numbers("check", "--set", "contact.kind=rolling", *given("contact.M=20", "contact.L=10"))["films"]
+    first, *_ = numbers("check", *given("contact.kind=rolling", "contact.M=20", "contact.L=10"))["films"]
     assert first["central"] > 0 and "si" not in first and first["source"]
     # A ball of 3 mm under 2 mN: the formulas are printed before the refusal.
     ball = ("kind=rolling", "radius=3 mm", "load=2 mN", "mean_speed=2 m/s", "E_prime=226 GPa")
@@ -142,13 +130,8 @@ def test_formulas_side_by_side_and_of_a_contact_that_is_too_light_to_run():
     assert json.loads(told.stdout)["films"][0]["central"] > 0 and "M = " in told.stderr
 
 
-@pytest.fixture
-def no_pictures(monkeypatch):
-    """What is drawn is tested with the figures."""
-    monkeypatch.setattr(plots, "draw", lambda *_, **__: Figure())
-
-
-def test_run_show_and_plot(here, no_pictures):
+def test_run_show_and_plot(here, monkeypatch):
+    monkeypatch.setattr(plots, "draw", lambda *_, **__: Figure())  # what is drawn is tested with the figures
     text = ertel_("run", "steady.toml").stdout
     for part in ("converged", "H_c", "error", "on the grid", "nm", "Nijenbanning", "Hamrock", "computed", "%"):
         assert part in text
@@ -171,18 +154,16 @@ def test_a_run_on_the_track_of_another(here, runs):
 
 
 @pytest.mark.parametrize(
-    ("command", "settings", "said"),
+    ("command", "said"),
     [
-        ("run small.toml --error", ["solver.nodes=17"], "solver.nodes = 9"),
-        ("run small.toml --flush -1", [], "Invalid value for '--flush'"),
-        ("run small.toml --out taken", [], "taken: exists already; choose another --out"),
-        ("run small.toml --out small.toml/sub", [], "small.toml/sub: cannot write there"),
+        ("--error --set solver.nodes=17", "solver.nodes = 9"),
+        ("--flush -1", "Invalid value for '--flush'"),
+        ("--out taken", "taken: exists already; choose another --out"),
+        ("--out small.toml/sub", "small.toml/sub: cannot write there"),
     ],
-    ids=lambda value: " ".join(value) if isinstance(value, list) else "",
 )
-def test_wrong_input(here, command, settings, said):
+def test_wrong_input(here, command, said):
     (here / "taken").mkdir()
     (here / "taken" / "file").write_text("")
-    assert said in refused(*command.split(), *given(*settings))
-    assert names(here) == {*CASE_FILES, "taken"}
-    assert names(here / "taken") == {"file"}
+    assert said in refused("run", "small.toml", *command.split())
+    assert names(here) == {*CASE_FILES, "taken"} and names(here / "taken") == {"file"}

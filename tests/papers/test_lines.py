@@ -1,8 +1,6 @@
 """The figures for cylinders: the film that an impact leaves, the dry law, figures from made-up and from small runs."""
 
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +9,7 @@ from boundary_layers import figures, line_reduction, line_runs, lines, runs
 from boundary_layers.figures import PaperFigure
 from boundary_layers.plans import QUICK, LinePlan
 from boundary_layers.tasks import Task
+from test_boundary_layers import drawn
 
 from ertel.physics.dry_contact import HertzLine
 
@@ -38,7 +37,7 @@ def test_the_time_of_the_dry_impact_of_a_cylinder():
         assert np.gradient(A, T)[1000] == pytest.approx(dry.front_speed(A[1000]), rel=1e-3)
 
 
-def left_by_a_front(factor: float) -> xr.Dataset:
+def left_by_a_front(factor):
     """An impact whose front moves as the edge of a dry one, and leaves this multiple of 1 - X/2."""
     X = np.linspace(-1.5, 1.5, 301)
     T, A = (values[::20] for values in lines.dry_impact(100.0))
@@ -69,10 +68,9 @@ def test_waves_of_impact_and_rolling():
     wavelength, X = 0.4, np.linspace(-1.5, 1.5, 301)
     dH = 0.5 * np.cos(2 * np.pi * X / wavelength)
     name = runs.wave_name(line_runs.SHAPE, runs.HEIGHT, wavelength)
-    impact = left_by_a_front(1.0)[["X_min", "P_max"]].assign_coords(X=X, frame=0.0)
-    impact = impact.assign(dH=(("wave", "X"), [dH]), shape=(("wave", "X"), [dH]), H=("X", 0 * X)).assign_coords(
-        wave=[name]
-    )
+    wave = ("wave", "X"), [dH]
+    impact = left_by_a_front(1.0)[["X_min", "P_max"]].assign_coords(X=X, frame=0.0, wave=[name])
+    impact = impact.assign(dH=wave, shape=wave, H=("X", 0 * X))
     case, places = (150, 10), SMALL.lines.wave_places
     results = {"waves": {case: [impact, impact]}, "rolling": {case: {A: [[0.4], [0.4]] for A in places}}}
     waves = line_reduction.waves_reduced(results, SMALL).data["waves"]
@@ -81,14 +79,11 @@ def test_waves_of_impact_and_rolling():
     assert waves["rolling_limit"].to_numpy() == pytest.approx(0.4)
     speed = lines.dry_speed(waves["X"])
     assert (waves["hertz"] / waves["everywhere"]).to_numpy() == pytest.approx(np.sqrt(waves["X"] / speed), rel=1e-6)
-    assert list(line_reduction.deformed_waves(results["waves"], SMALL).data["dH"]) == [
-        "X",
-        "H",
-        "dH/A_i, wavelength 0.4",
-    ]
+    deformed = line_reduction.deformed_waves(results["waves"], SMALL).data["dH"]
+    assert list(deformed) == ["X", "H", "dH/A_i, wavelength 0.4"]
 
 
-def test_the_figures_for_cylinders_have_a_page_of_their_own(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+def test_the_figures_for_cylinders_have_a_page_of_their_own(monkeypatch, tmp_path):
     names = figures.names_of("lines")
     fails = PaperFigure("Title", lambda plan: [Task("bad", int, ("no number",))], line_reduction.film_left)
     monkeypatch.setattr(figures, "FIGURES", dict.fromkeys(figures.FIGURES, fails))
@@ -98,20 +93,12 @@ def test_the_figures_for_cylinders_have_a_page_of_their_own(monkeypatch: pytest.
         figures.names_of("line8")
 
 
+@pytest.fixture(scope="module")
+def done():
+    return {}
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", figures.GROUPS["lines"])
-def test_figures_for_cylinders(name: str, done: dict[str, Any]):
-    needed = figures.FIGURES[name].runs(SMALL)
-    for task in runs.tasks_in(needed):
-        if task.name not in done:
-            done[task.name] = task.function(*task.arguments)
-    made = figures.FIGURES[name].draw(runs.in_place(needed, done), SMALL)
-    assert made.caption and made.figure.axes
-    assert all(len(table) and table.notna().all().all() for table in made.tables.values())
-    assert all(np.isfinite(table.select_dtypes("number")).any().all() for table in made.data.values())
-
-
-@pytest.fixture(scope="module")
-def done() -> dict[str, Any]:
-    """Results of tasks by name."""
-    return {}
+def test_figures_for_cylinders(name, done):
+    drawn(name, done, SMALL)

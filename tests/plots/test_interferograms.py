@@ -32,13 +32,9 @@ def images(figure):
     return [np.asarray(axes.images[0].get_array()) for axes in figure.axes]
 
 
-def values_of(seen):
-    """Film, density and void on the pixels."""
-    return [seen[name].values for name in ("film", "density", "void")]
-
-
-def crossings(line):
-    return np.count_nonzero(np.diff(np.sign(line - (line.min() + line.max()) / 2)))
+def on_pixels(view, film_scale):
+    """What is seen on the pixels: film, density and void."""
+    return page.seen_on(view, page.pixels_around([view]), film_scale)
 
 
 @pytest.mark.parametrize("every", [1, 8])
@@ -47,30 +43,28 @@ def test_rings_of_a_paraboloid_on_a_coarse_grid(ball, every):
     coarse = ball.isel(X=slice(0, None, every), Y=slice(0, None, every), frame=[48])
     r2 = coarse["X"] ** 2 + coarse["Y"] ** 2
     H = coarse["H"].copy(data=np.broadcast_to(r2.T, coarse["H"].shape))
-    coarse = coarse.assign(H=H, oil=H)
-    light, rig = Monochromatic(coherence=np.inf), TwoBeams()
+    coarse, light, rig = coarse.assign(H=H, oil=H), Monochromatic(coherence=np.inf), TwoBeams()
     scale = 4 * light.wavelength / rig.oil_index  # m: eight rings to r = a, the last ones a sixteenth of it wide
     figure = plots.interferogram(coarse, light=light, rig=rig, film_scale=scale)
     grey = images(figure)[0]
     side = figure.axes[0].get_xlim()[1] / (ball["X"].attrs["si_factor"] * 1e6)
     outwards = grey[len(grey) // 2, grey.shape[1] // 2 :]
-    orders = 8 * side**2
-    assert crossings(outwards) == pytest.approx(2 * orders, abs=1)
+    crossings = np.count_nonzero(np.diff(np.sign(outwards - (outwards.min() + outwards.max()) / 2)))
+    assert crossings == pytest.approx(2 * 8 * side**2, abs=1)
 
 
 def test_picture_is_the_film_of_the_run(ball, rolls, few_pixels):
     """Each pixel has the grey of the film and of the oil's density at its place."""
     light, rig = Monochromatic(coherence=np.inf), TwoBeams()
-    view = View.of(rolls)
-    seen = page.seen_on(view, page.pixels_around([view]), rolls["H"].attrs["si_factor"])
+    seen = on_pixels(View.of(rolls), rolls["H"].attrs["si_factor"])
     nodes = rolls["H"].interp(X=seen["X"], Y=seen["Y"]) * rolls["H"].attrs["si_factor"]
     np.testing.assert_allclose(seen["film"], nodes, atol=4e-9)
     np.testing.assert_array_equal(seen["density"], 1.0)  # BARUS is incompressible
     (grey, _) = images(plots.interferogram(rolls, light=light, rig=rig))
-    expected = page.Chart(rig, light, float(seen["film"].max())).picture(*values_of(seen))[..., 0]
+    values = [seen[name].values for name in ("film", "density", "void")]
+    expected = page.Chart(rig, light, float(seen["film"].max())).picture(*values)[..., 0]
     np.testing.assert_allclose(grey, expected, atol=0.01)
-    view = View(ball, 48)
-    density = page.seen_on(view, page.pixels_around([view]), 1e-6)["density"]  # of oil under pressure
+    density = on_pixels(View(ball, 48), 1e-6)["density"]  # of oil under pressure
     assert density[0, 0] == 1.0
     assert density.max() == pytest.approx(1.24, abs=0.01)  # Dowson and Higginson's at 1.4 GPa
     # They are finest at the edge of the contact.
@@ -89,24 +83,18 @@ def test_white_light_says_where_it_has_no_colours(ball, few_pixels, film_scale, 
     assert said == ["no colours here, try mono"] * is_said
 
 
-LAYER = 0.3  # a^2/R
-
-
-def on_a_layer(run):
-    """The same film, with a layer of oil that does not fill it everywhere."""
-    return run.assign(oil=run["H"].copy(data=np.minimum(run["H"].values, LAYER)))
-
-
 def test_picture_has_oil_and_air(ball, few_pixels):
     """The layer where the gap is not full; the full film and its chart are the same to the last bit."""
+    layer = 0.3  # a^2/R
+    starved = ball.assign(oil=np.minimum(ball["H"], layer).assign_attrs(ball["H"].attrs))
     optics = {"light": Monochromatic(coherence=np.inf), "rig": TwoBeams(), "film_scale": 4e-7}
-    grey, chart = images(plots.interferogram(on_a_layer(ball), **optics))
+    grey, chart = images(plots.interferogram(starved, **optics))
     full, of_films = images(plots.interferogram(ball, **optics))
-    view = View.of(on_a_layer(ball))
-    film, _, void = values_of(page.seen_on(view, page.pixels_around([view]), 4e-7))
-    beyond = film > 1.3 * LAYER * 4e-7  # a cell
-    np.testing.assert_allclose((film - void)[beyond], LAYER * 4e-7, rtol=5e-3)
-    wet = film < 0.4 * LAYER * 4e-7
+    seen = on_pixels(View.of(starved), 4e-7)
+    film, void = seen["film"].values, seen["void"].values
+    beyond = film > 1.3 * layer * 4e-7  # a cell
+    np.testing.assert_allclose((film - void)[beyond], layer * 4e-7, rtol=5e-3)
+    wet = film < 0.4 * layer * 4e-7
     np.testing.assert_array_equal(grey[wet], full[wet])
     np.testing.assert_array_equal(chart[:, 20], of_films[:, 20])
     assert np.abs(grey - full)[beyond].max() > 0.1 and np.abs(chart - of_films)[:, 0].max() > 0.1
