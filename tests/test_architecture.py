@@ -33,7 +33,7 @@ SHORTEST_FILE = 60
 SHORT = {"case.status", "inputs.materials"}  # an enumeration and a public face
 LONGEST_FILE = 400
 LAWS = "physics.laws."  # each a file of its own, of any length, and outside of the budget
-MOST_CODE, MOST_SHELL, MOST_FILES = 23_532, 13_799, 171  # aims: 17 500, 9 000, 140
+MOST_CODE, MOST_SHELL, MOST_FILES = 23_533, 13_800, 171  # aims: 17 500, 9 000, 140
 
 
 def module_name(path: Path) -> str:

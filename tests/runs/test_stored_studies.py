@@ -118,8 +118,8 @@ def test_a_stopped_study_goes_on_to_the_same_numbers(tmp_path):
 
 
 def test_a_process_that_is_killed_while_it_writes_leaves_the_directory_of_its_study(tmp_path):
-    (tmp_path / "runs").mkdir()
-    (tmp_path / "progress.json.f562171d.partial").touch()
+    with studies.alone(tmp_path):  # before it writes anything else
+        (tmp_path / "progress.json.f562171d.partial").touch()
     assert studies.require_place(tmp_path, "fit") == tmp_path
     (tmp_path / "mine.f562171d.partial").touch()
     with pytest.raises(StoreError, match="holds other files"):

@@ -82,12 +82,15 @@ def _works() -> Iterator[list[str]]:
         result = simulate(case({"M": M, "L": 10}, nodes, until="rebound"))
         data, s = result.dataset, result.summary
         per_solve = data.krylov_iterations / data.newton_iterations
-        before = data.time < s["T"]
+        before = data.time < float(at_max_approach(data)["frame"])
         split = [float(per_solve[part].mean()) for part in (before, ~before)]
+        ends = ["", "vanishes"]
+        if result.status.ok:
+            ends = [f"{s['restitution']:.4f}", f"{float(data.H_min.min()):.2g}"]
         yield [
             *(f"{M}", f"{nodes}²", f"{s['steps']}", f"{s['newton_iterations'] / s['steps']:.2f}"),
             *(f"{value:.2f}" for value in (*split, float(per_solve.max()))),
-            *(f"{s['convolutions'] / s['steps']:.1f}", f"{s['restitution']:.4f}", f"{float(data.H_min.min()):.2g}"),
+            *(f"{s['convolutions'] / s['steps']:.1f}", *ends),
         ]
 
 

@@ -226,9 +226,11 @@ def in_directory(directory: str | Path | None, name: str, do: Callable[[Path], A
 def alone(directory: Path) -> Iterator[None]:
     """Keep other processes from this study as a whole, and heed a file `stop` up to the end of this block.
 
-    Raises StoreError where another process is working on it.
+    The folder of its runs is made first: by it the directory of a killed process is known (`require_place`).  Raises
+    StoreError where another process is working on it, or its runs would be written elsewhere.
     """
-    directory.mkdir(parents=True, exist_ok=True)
+    require_no_links([directory / RUNS])
+    (directory / RUNS).mkdir(parents=True, exist_ok=True)
     with locked(directory), heeding_stop(directory):
         yield
 
