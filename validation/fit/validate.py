@@ -145,18 +145,21 @@ def undisturbed(nodes):
 
 
 def measured_film(reach, align=(), factor=1.0):
-    """The measured film up to a distance from the middle (m), times a factor, with a standard deviation of 1 nm."""
+    """The measured film up to a distance from the middle (m), times a factor; a guess of 1 nm as its scatter."""
     rows = np.genfromtxt(REFERENCE / "mourier_2006" / "mourier_ssr0_exp_1.csv", delimiter=",", skip_header=1)
     x, h = 1e-6 * rows[:, 0], 1e-9 * rows[:, 1]
     near = np.abs(x) < reach
     return Measurement("profile", "h", factor * h[near], x[near], sigma=1e-9, align=align)
 
 
-def fitted_alpha(nodes, film, settings=None):
-    """The fit of alpha, its standard error with the sigma that the residuals have, and this sigma (nm)."""
-    found = solve_fit(fit_problem(undisturbed(nodes), [(film, settings or {})], ALPHA), run)
-    sigma = (found.dataset.attrs["chi_square"] / found.dataset.attrs["degrees_of_freedom"]) ** 0.5
-    return found.values["alpha"], found.standard_errors["alpha"] * sigma, sigma
+def fit_of_alpha(nodes, film, settings=None):
+    return solve_fit(fit_problem(undisturbed(nodes), [(film, settings or {})], ALPHA), run)
+
+
+def with_its_scatter(film, nodes):
+    """The film with the root mean square of its residuals on this grid as its standard deviation."""
+    found = fit_of_alpha(nodes, film).dataset
+    return replace(film, sigma=float(np.sqrt(np.mean(np.square(found["measured"] - found["predicted"])))))
 
 
 def mourier():
@@ -167,14 +170,16 @@ def mourier():
     grids, rows = (65, 129, 257), []
     for cut, reach in CUTS.items():
         for align in ALIGNMENTS:
-            found = [fitted_alpha(nodes, measured_film(reach, align)) for nodes in grids]
-            alphas, errors, sigmas = 1e9 * np.array(found).T * np.array([[1.0], [1.0], [1e-9]])
+            film = with_its_scatter(measured_film(reach, align), grids[-1])
+            found = [fit_of_alpha(nodes, film) for nodes in grids]
+            alphas = [1e9 * each.values["alpha"] for each in found]
+            errors = [1e9 * each.standard_errors["alpha"] for each in found]
             limit = alphas[2] + (alphas[2] - alphas[1]) / 3.0
             values = [f"{alpha:.2f} ± {error:.2f}" for alpha, error in zip(alphas, errors, strict=True)]
-            rows.append([cut, " and ".join(align) or "nothing", f"{sigmas[2]:.1f}", *values, f"{limit:.2f}"])
+            rows.append([cut, " and ".join(align) or "nothing", f"{1e9 * film.sigma:.1f}", *values, f"{limit:.2f}"])
     middle = CUTS["flat middle, to 90 µm"]
     usual, *others = (
-        fitted_alpha(129, measured_film(middle, factor=factor), settings)[0]
+        fit_of_alpha(129, measured_film(middle, factor=factor), settings).values["alpha"]
         for factor, settings in ((1.0, {}), (1.0, {"lubricant.eta0": "252.5 mPa*s"}), (1.01, {}))
     )
     by_viscosity, by_film = (f"{100 * (other / usual - 1):+.1f} %" for other in others)
@@ -185,9 +190,8 @@ def mourier():
 rolling contact (steel and glass, 15 N, 12.5 mm, 0.09 m/s, eta0 = 0.25 Pa·s) that Mourier L, Mazuyer D, Lubrecht AA,
 Donnet C measured. Tribol Int 2006;39:1745-1756. The paper has 22 /GPa.
 
-The standard deviation of the data, sigma, is that of the residuals on the finest grid, for which chi square is as large
-as the degrees of freedom. The standard errors of alpha follow from that of each grid. Extrapolated: second order, from
-the two finest grids.
+The standard deviation of the data, sigma, is the root mean square of the residuals on the finest grid. The standard
+errors of alpha follow from it and from the error of each grid. Extrapolated: second order, from the two finest grids.
 
 {table(head, rows)}
 * **Data.** In the flat middle the points scatter by 3 nm, which fixes alpha to 0.6 %. Nearer to the edge, where the
