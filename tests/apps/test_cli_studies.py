@@ -12,8 +12,9 @@ from cases import LEFT, SMALL_IMPACT, ertel_, names
 from matplotlib.figure import Figure
 
 import ertel
+from ertel.case.status import Status
 from ertel.runs.directory import STOP, ask_to_stop, read_progress
-from ertel.runs.files import StoreError
+from ertel.runs.files import StoreError, sealed, unsealed
 from ertel.runs.fit_result import FitResult, open_study
 from ertel.runs.store import RunStore
 from ertel.runs.study_result import StudyResult
@@ -74,6 +75,9 @@ def test_a_study_from_its_file_to_its_table(here):
     _, run, study = ertel_("ls").stdout.splitlines()  # the runs of the study are one row, below the others
     assert run.startswith("zz ") and re.match("sweeps/loads +study over M +2 of 2 runs done ", study)
     assert len(json.loads(ertel_("ls", "--json").stdout)) == 3
+    summary = here / "sweeps/loads" / directory / "summary.json"
+    summary.write_bytes(sealed({**unsealed(summary.read_bytes()), "status": Status.FILM_VANISHED.value}))
+    assert "1 of 2 runs done, 1 failed" in ertel_("ls").stdout
 
 
 @pytest.mark.parametrize("where", ["study", pytest.param("run", marks=pytest.mark.slow)])

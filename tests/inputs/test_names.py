@@ -4,6 +4,7 @@ import tomllib
 from dataclasses import replace
 from typing import Any
 
+import pint
 import pytest
 from cases import BODIES, HOT, NAMED, NUMBERS, SHEET
 
@@ -49,6 +50,8 @@ def test_names_become_numbers():
 def test_python_and_case_files_mean_the_same():
     case = case_of()
     assert rolling(**TYPED, temperature="40 degC") == rolling(**TYPED, temperature=313.15) == case
+    of_pint = pint.UnitRegistry().Quantity
+    assert rolling(**{**TYPED, "radius": of_pint(10, "mm")}, temperature=of_pint(40.0, "degC")) == case
     assert rolling(**{**TYPED, "oil": oils.at("squalane", "40 degC")}) == case
     case = case_of(oil=SHEET, temperature="60 degC", alpha="20 / GPa")
     assert case.oil.eta0 == oils.data_sheet("68 mm^2/s", "8.7 mm^2/s", 880.0, "60 degC").eta0

@@ -91,8 +91,8 @@ def test_t_is_zero_at_the_first_touch_however_the_run_starts(ball, tmp_path):
         one, two = profile(data, at), profile(far, at)
         assert two["h"].values == pytest.approx(one["h"].values, rel=1e-12) and float(two["t"]) == float(one["t"])
     tables = (to_csv(to_si(data), tmp_path / name)[0] for name, data in (("near", data), ("far", far)))
-    near, later_ = ([float(line.split(",")[0]) for line in each.read_text().splitlines()[1:]] for each in tables)
-    assert near == pytest.approx(later_) and near[0] == pytest.approx(-0.95 * ball.case.scales.t0)
+    near, late = ([float(line.split(",")[0]) for line in each.read_text().splitlines()[1:]] for each in tables)
+    assert near == pytest.approx(late) and near[0] == pytest.approx(-0.95 * ball.case.scales.t0)
     assert moment_of(far, 1.66).T == 1.66  # a plain number is T, from the start
     assert "$t$ = 54.24 µs" in ertel.plots.film(far).get_suptitle() == ertel.plots.film(ball.dataset).get_suptitle()
 

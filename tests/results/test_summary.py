@@ -86,7 +86,7 @@ def test_the_extremes_of_the_whole_run() -> None:
     data = with_a_peak(in_time(MOES_ROLLS), 0.85)
     summary = rolling_summary(as_in_time(MOES_ROLLS), data, WORK, Status.CONVERGED)
     (line,) = [line for line in lines(summary) if "highest pressure" in line]
-    assert "P_max: 3.2 p_h at T = 0.7 t0, X = 0.9, Y = -0.1 a" in line and "85% lower" in line
+    assert "P_max: 3.2 p_h at T = 0.7 t0, X = 0.9, Y = -0.1 a; it depends on the grid" in line and "85% lower" in line
     assert any("the film is not resolved in the inlet" in warning for warning in summary["warnings"])
 
 

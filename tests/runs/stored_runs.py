@@ -80,7 +80,8 @@ class Kind:
             assert replace(found.case, name=self.case.name) == self.case
             about |= {key: expected[key] for key in ("title", "case")}
         assert about == expected
-        return of_no_process(dict(found.summary)) == of_no_process(self.whole.summary)
+        assert of_no_process(dict(found.summary)) == of_no_process(self.whole.summary)
+        return True
 
     def opened(self, directory: Path, do: Callable[[RunStore], object] = lambda run: None) -> bool:
         """Whether a run is as it should be, after something was done; False where it is refused, in one sentence."""

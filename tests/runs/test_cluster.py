@@ -150,7 +150,7 @@ def test_a_scheduler_with_certificates_needs_those_of_the_configuration(two, tmp
     other = certificates("other", Security.temporary())
     for where, settings, said in (
         (nobody, {}, "no scheduler answers"),
-        (address, {}, "needs certificates"),
+        (address, {}, "needs certificates; name them in distributed.comm.tls in dask's configuration"),
         (address, other, "another authority for its certificates"),
         (address, certificates("nowhere"), "cannot be read"),
         (nobody, {**other, "distributed.comm.require-encryption": True}, "must be tls://"),

@@ -5,7 +5,6 @@ import os
 import subprocess
 import warnings
 from contextlib import ExitStack
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -232,10 +231,15 @@ def test_blas_has_one_thread_until_the_last_block_ends():
     """Also where blocks of two threads overlap and the first one ends first."""
     libraries = ThreadpoolController().select(user_api="blas").lib_controllers
 
-    first, second, seen = ExitStack(), ExitStack(), []
-    begin_one, begin_other = (partial(stack.enter_context, one_blas_thread()) for stack in (first, second))
+    def threads():
+        return {library.num_threads for library in libraries}
+
+    first, second = ExitStack(), ExitStack()
     with threadpool_limits(2, "blas"):
-        for do in (begin_one, begin_other, first.close, second.close):
-            do()
-            seen.append({library.num_threads for library in libraries})
-    assert seen == [{1}, {1}, {1}, {2}]
+        for block in (first, second):
+            block.enter_context(one_blas_thread())
+            assert threads() == {1}
+        first.close()
+        assert threads() == {1}
+        second.close()
+        assert threads() == {2}

@@ -365,6 +365,26 @@ def test_fringes_of_an_impact_decide_viscosity_and_pressure_viscosity_coefficien
     assert np.all(found.dataset["relative_error"].values < 3e-3)
 
 
+@pytest.mark.slow
+def test_measured_frames_give_the_oil_whatever_the_gap_at_the_start_and_the_clock() -> None:
+    """Films from a gap of 1.66, by a clock that shows 23 us at the touch; the runs of the fit start from a gap of 1."""
+    ball = {**NAMED["contact"], "material_2": "glass", "method": "radial", "half_width": 2.5}
+    ball |= {"until": "max-approach", "time_tolerance": 1e-4}
+    truth = ertel.simulate(ertel.impact(**ball, oil=ertel.Oil(0.135, 24e-9), start_approach=-1.66, nodes=65))
+    x, rng, frames = np.linspace(-1.5e-4, 1.5e-4, 31), np.random.default_rng(0), []
+    for t in (10e-6, 25e-6, 40e-6):
+        line = truth.profile(f"{t!r} s")
+        h = np.interp(x, line["x"], line["h"])
+        seen = h * (1 + 0.005 * rng.standard_normal(31))
+        frames.append(Measurement("profile", "h", seen, x, 0.005 * h, at=f"{t + 23e-6!r} s", align="start"))
+    start = ertel.impact(**ball, oil=ertel.Oil(0.1, 20e-9), start_approach=-1.0, nodes=33)
+    found = fit(start, frames, UNKNOWNS)
+    off = np.array(list(found.values.values())) - [0.135, 24e-9]
+    assert np.all(np.abs(off) < 3 * found.dataset["standard_error"].values)
+    assert np.all(found.dataset["relative_error"].values < 0.2)
+    assert not any("bound" in warning or "does not explain" in warning for warning in found.warnings)
+
+
 @pytest.mark.parametrize(("data", "grid"), [(1, 1.0), (2, 3.0), (5, 0.5)])
 def test_the_error_of_the_grid_counts_once(data: int, grid: float) -> None:
     """One unknown: the variance is that of the mean of independent noise, and the square of the error of the grid."""

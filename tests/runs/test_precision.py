@@ -25,9 +25,13 @@ def test_each_method_refuses_single_precision() -> None:
         method, other = Transient2D(fall), RadialImpact(along_r)
         start, first = method.start(), other.start()
     asked = [
-        *(partial(steady.steady_film, ertel.rolling(M=20, L=5, nodes=17)), partial(method.advance, [start], 0.01)),
-        *(partial(Transient2D, fall), partial(method.measure, start), partial(method.friction, start)),
-        *(partial(RadialImpact, along_r), partial(other.advance, [first], 0.01)),
+        partial(steady.steady_film, ertel.rolling(M=20, L=5, nodes=17)),
+        partial(Transient2D, fall),
+        partial(method.advance, [start], 0.01),
+        partial(method.measure, start),
+        partial(method.friction, start),
+        partial(RadialImpact, along_r),
+        partial(other.advance, [first], 0.01),
     ]
     with jax.enable_x64(False):
         for work in asked:

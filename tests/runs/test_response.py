@@ -130,21 +130,22 @@ def test_an_unresolved_response_in_rolling_says_so() -> None:
 
 
 FALL, ALONG_R = impact(200, 10, 17, time=SHORT), impact(200, 10, 65, solver={"method": "radial"})
-IN_TIME = rolled(Parameters.from_moes(20, 5), OIL, METHODS["transient"].defaults)
+ROLLS, IN_TIME = rolling(), rolled(Parameters.from_moes(20, 5), OIL, METHODS["transient"].defaults)
+FEATURE = r"^roughnesses\[1\]\[1\]."
 IN_SI, WAVES = [Waviness(quantity("1 nm"), 0.5)], [Waviness(0.01, 0.5), Waviness(0.01, 1.0)]
 
 
 @pytest.mark.parametrize(
     ("response", "case", "shapes", "message"),
     [
-        (respond, FALL, IN_SI, r"^roughnesses\[1\]\[1\]\.amplitude = .*: must be a plain number"),
-        (respond_linearly, FALL, IN_SI, r"^roughnesses\[1\]\[1\]\.amplitude = .*: must be a plain number"),
-        (respond_in_rolling, rolling(), [Waviness(0.01, quantity("5 um"))], r"^roughnesses\[1\]"),
+        (respond, FALL, IN_SI, f"{FEATURE}amplitude = .*: must be a plain number"),
+        (respond_linearly, FALL, IN_SI, f"{FEATURE}amplitude = .*: must be a plain number"),
+        (respond_in_rolling, ROLLS, [Waviness(0.01, quantity("5 um"))], r"^roughnesses\[1\]"),
         (respond, ALONG_R, WAVES, r'^solver\.method = "radial"'),
         (respond_in_rolling, IN_TIME, WAVES, r'^solver\.method = "transient": must be "steady"'),
-        (respond_in_rolling, rolling(), [RingWaviness(0.01, 0.5)], r"^roughnesses\[1\]\[1\]\.shape = RingWaviness"),
-        (respond_in_rolling, rolling(), [Waviness(0.01, 0.5, front=1.0)], r"^roughnesses\[1\]\[1\]\.front = 1\.0"),
-        (respond_in_rolling, rolling(), WAVES, r"^roughnesses\[1\]: .* 12\.5664, 6\.28319; must be the same"),
+        (respond_in_rolling, ROLLS, [RingWaviness(0.01, 0.5)], f"{FEATURE}shape = RingWaviness: must be a waviness"),
+        (respond_in_rolling, ROLLS, [Waviness(0.01, 0.5, front=1.0)], f"{FEATURE}front = 1.0: must be infinite"),
+        (respond_in_rolling, ROLLS, WAVES, r"^roughnesses\[1\]: .* 12\.5664, 6\.28319; must be the same"),
     ],
 )
 def test_what_has_no_response_is_refused_before_it_is_computed(

@@ -6,7 +6,7 @@ import os
 import shutil
 import threading
 import warnings
-from contextlib import nullcontext, suppress
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -190,7 +190,7 @@ def test_a_cut_between_the_last_checkpoint_and_the_summary(kinds, tmp_path, monk
         original(*arguments, **options)
         raise Killed
 
-    with monkeypatch.context() as patch, suppress(Killed):
+    with monkeypatch.context() as patch, pytest.raises(Killed):
         patch.setattr(place, name, deadly)
         compute(run)
     (tmp_path / "run" / "summary.json").unlink(missing_ok=True)

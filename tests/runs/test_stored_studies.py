@@ -184,8 +184,9 @@ def test_a_series_is_a_study_that_goes_on(tmp_path, monkeypatch):
     assert np.ptp(values) > 0 and abs(limits["H_c"].value - values[-1]) <= limits["H_c"].error < 0.1 * values[-1]
     stored = xr.open_zarr(tmp_path / "convergence.zarr", consolidated=False)
     assert stored["H_c"].attrs["extrapolated"] == pytest.approx(limits["H_c"].value)
-    for word in ("0.064", "second order is assumed", "3 runs: 3 converged"):
-        assert word in repr(found)
+    text, columns = repr(found), "tolerance 0.064 0.008 0.001 order second order value error"
+    assert text.splitlines()[1].split() == columns.split()
+    assert "second order is assumed" in text and "3 runs: 3 converged" in text
     (axes,) = found.plot().axes
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
     slope = axes.lines[-1].get_xydata()

@@ -141,7 +141,7 @@ DIMENSIONLESS = parse_case({"contact": {"kind": "rolling", "M": 20, "L": 10}, "s
 @pytest.mark.parametrize(
     ("case", "given", "said"),
     [
-        (physical(), {}, "got none"),
+        (physical(), {}, "exactly one of slide_to_roll, mean_speed, load; got none"),
         (physical(), {"slide_to_roll": [0], "load": [1]}, "got slide_to_roll and load"),
         (physical(), {"load": "1:5"}, "load = .*FIRST:LAST:NUMBER"),
         (physical(), {"mean_speed": [1.0, 900.0]}, 'at mean_speed = "900.0 m/s": solver.half_width .* give it there'),
