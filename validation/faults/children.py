@@ -2,6 +2,7 @@
 
 import csv
 import errno
+import faulthandler
 import hashlib
 import io
 import json
@@ -142,6 +143,7 @@ def _work_and_exit(work: Callable[[Callable[..., None]], None], write: int) -> N
     def tell(**what: Any) -> None:
         os.write(write, json.dumps(what).encode() + b"\n")
 
+    faulthandler.register(signal.SIGUSR1, sys.__stderr__ or 2)
     code = 0
     try:
         work(tell)
@@ -162,8 +164,12 @@ def _collect(read: int, pid: int, killed_after: float) -> list[Ended]:
                 break
             text += part
         elif killed_after or patience.is_over():
+            hung = not killed_after
+            if hung:
+                os.kill(pid, signal.SIGUSR1)  # it prints where its threads wait
+                time.sleep(GLANCE)
             os.kill(pid, signal.SIGKILL)
-            hung, killed_after = not killed_after, 0.0
+            killed_after = 0.0
     os.close(read)
     code = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
     ended = _told(text.decode())
