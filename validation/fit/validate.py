@@ -194,12 +194,12 @@ The standard deviation of the data, sigma, is the root mean square of the residu
 errors of alpha follow from it and from the error of each grid. Extrapolated: second order, from the two finest grids.
 
 {table(head, rows)}
-* **Data.** In the flat middle the points scatter by 3 nm, which fixes alpha to 0.6 %. Nearer to the edge, where the
-  film is steep, the residuals are 10 to 15 nm and not noise; they move alpha by 1 %.
-* **Grid.** It is larger than the standard error: alpha is 19 % too large on 65², 4.5 % on 129², 1 % on 257². A fit
-  knows nothing of it.
+* **Data.** In the flat middle the points scatter by 3 nm, which fixes alpha to 1.3 % on 257², with the error of the grid.
+  Nearer to the edge, where the film is steep, the residuals are 10 to 15 nm and not noise; they move alpha by 1 %.
+* **Grid.** alpha is 19 % too large on 65², 4.4 % on 129², 1.1 % on 257² (flat middle). The standard error contains the
+  error of the grid: each of the three is one standard error off.
 * **Offset.** It hides alpha. The level of the film is what alpha decides; with an unknown zero of the film only its
-  shape remains, and the standard error grows from 0.6 % to 90 % in the flat middle and 15 % on the whole curve. With
+  shape remains, and the standard error grows from 1.3 % to 79 % in the flat middle and 15 % on the whole curve. With
   the centre unknown too, the fit can end far off (47 /GPa, inside).
 * **The rest.** With 1 % more eta0, which counts as exact, alpha changes by {by_viscosity}; with a film that is 1 %
   thicker, as one that was computed with too small an index of the oil, by {by_film} (129², flat middle).
