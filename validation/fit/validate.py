@@ -194,8 +194,9 @@ The standard deviation of the data, sigma, is the root mean square of the residu
 errors of alpha follow from it and from the error of each grid. Extrapolated: second order, from the two finest grids.
 
 {table(head, rows)}
-* **Data.** In the flat middle the points scatter by 3 nm, which fixes alpha to 1.3 % on 257², with the error of the grid.
-  Nearer to the edge, where the film is steep, the residuals are 10 to 15 nm and not noise; they move alpha by 1 %.
+* **Data.** In the flat middle the points scatter by 3 nm, which fixes alpha to 1.3 % on 257², the error of the
+  grid included. Nearer to the edge, where the film is steep, the residuals are 10 to 15 nm and not noise; they move
+  alpha by 1 %.
 * **Grid.** alpha is 19 % too large on 65², 4.4 % on 129², 1.1 % on 257² (flat middle). The standard error contains the
   error of the grid: each of the three is one standard error off.
 * **Offset.** It hides alpha. The level of the film is what alpha decides; with an unknown zero of the film only its
