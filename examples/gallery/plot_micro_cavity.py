@@ -44,7 +44,7 @@ axes[1].set(xlabel="x (µm)", ylabel="y (µm)", aspect="equal", xlim=(-180, 180)
 figure.colorbar(picture, label="film thickness (nm)")
 
 # %%
-# In pure rolling the dimple moves with the surfaces.  At T = 1.65 its middle is 1.65 a from its start, to within a cell.
+# In pure rolling the dimple moves with the surfaces.  At T = 1.65 it is 1.65 a from its start, to within a cell.
 expected = -273e-6 / run.dataset["X"].si_factor + 1.65
 deepening = (run.dataset["H"] - run.dataset["H"].isel(frame=0)).sel(frame=1.65, Y=0, method="nearest")
 inside = deepening.sel(X=slice(-0.6, 0.6)).clip(min=0)
